@@ -1,0 +1,178 @@
+"""Units at the border: every value comes in with a unit and is SI inside.
+
+pint does the arithmetic. One rule is added, because pint counts an angle as a pure number: where a
+declaration names an angle, a value has to name it too. ``n3 = 0.4 s^2`` for a coefficient declared in
+``s^2/rad^2`` is refused; ``0.4 s^2/deg^2`` is 1313 s^2/rad^2.
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from typing import Any
+
+from shipid.declaration.errors import UnitError
+
+_NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+_SUPERSCRIPT_RUN = re.compile(r"[⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+
+
+@functools.cache
+def registry() -> Any:
+    """Return the one pint registry of the toolbox (built on first use: it costs 0.1-0.3 s)."""
+    import pint
+
+    ureg = pint.UnitRegistry()
+    ureg.define("rps = revolution / second")
+    return ureg
+
+
+def _tidy(text: str) -> str:
+    text = _SUPERSCRIPT_RUN.sub(lambda m: "**" + m.group().translate(_SUPERSCRIPTS), text.strip())
+    return text.replace("°", "deg").replace("·", "*").replace("^", "**")
+
+
+@functools.cache
+def unit(text: str) -> Any:
+    """Parse a unit such as ``"deg/s"``, ``"1/s"``, ``"kn"`` or ``"1"``.
+
+    Parameters
+    ----------
+    text : str
+        The unit; ``"1"``, ``"-"`` and ``""`` mean dimensionless.
+
+    Returns
+    -------
+    pint.Unit
+
+    Raises
+    ------
+    UnitError
+        If the text is not a unit.
+    """
+    tidy = _tidy(text)
+    if tidy in ("", "1", "-"):
+        return registry().Unit("")
+    try:
+        parsed = registry().parse_expression(tidy)
+    except Exception:  # pint raises half a dozen kinds for text that is no unit, tokenizer errors among them
+        raise UnitError(f"'{text}' is not a unit. Write it as deg/s, kn, 1/s, s^2/deg^2, or 1 for a number.") from None
+    if isinstance(parsed, (int, float)) and parsed == 1:
+        return registry().Unit("")
+    if isinstance(parsed, (int, float)) or parsed.magnitude != 1:
+        raise UnitError(f"'{text}' is not a unit: it contains a number.")
+    result = parsed.units
+    if not registry().Quantity(1, result)._is_multiplicative:
+        raise UnitError(f"'{text}' has an offset; shipid takes no such unit.")
+    return result
+
+
+def pretty(text: str) -> str:
+    """Return a unit the way it is printed: ``s^2/deg^2`` becomes ``s²/deg²``, and 1 stays 1."""
+    shown = _tidy(text)
+    if shown in ("", "1", "-"):
+        return "1"
+    shown = re.sub(r"\*\*\(?(-?\d+)\)?", lambda m: _raise(m.group(1)), shown)
+    return shown.replace("*", "·").replace(" ", "")
+
+
+def _raise(digits: str) -> str:
+    return digits.translate(str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
+
+
+@functools.cache
+def angle_exponent(text: str) -> float:
+    """Return the power of the angle in a unit: 1 for ``deg/s`` and ``rpm``, -2 for ``s^2/deg^2``, 0 for ``1/s``."""
+    root = registry().Quantity(1, unit(text)).to_root_units().units
+    return float(root._units.get("radian", 0))
+
+
+@functools.cache
+def is_coherent_si(text: str) -> bool:
+    """Whether a unit is made of SI base units and radians alone, so that its values need no factor."""
+    return abs(registry().Quantity(1.0, unit(text)).to_base_units().magnitude - 1) < 1e-12
+
+
+@functools.cache
+def same_dimension(first: str, second: str) -> bool:
+    """Whether two units measure the same thing (an angle counts as a number, as in equations it must)."""
+    return bool(unit(first).dimensionality == unit(second).dimensionality)
+
+
+@functools.cache
+def factor(given: str, wanted: str, what: str = "the value") -> float:
+    """Return the factor that turns a value in one unit into another.
+
+    Parameters
+    ----------
+    given, wanted : str
+        The unit the value has, and the unit it is needed in.
+    what : str
+        What the value is, for the error message.
+
+    Raises
+    ------
+    UnitError
+        If the units measure different things, or `wanted` names an angle and `given` does not.
+    """
+    if not same_dimension(given, wanted):
+        raise UnitError(f"{what} needs the unit {pretty(wanted)}, and {pretty(given)} does not fit it.")
+    missing = angle_exponent(wanted)
+    if missing and angle_exponent(given) != missing:
+        raise UnitError(
+            f"{what} needs the unit {pretty(wanted)}, and {pretty(given)} does not say which angle it counts in. "
+            f"Write the angle, as {pretty(wanted)} or {pretty(wanted).replace('rad', 'deg')}."
+        )
+    return float(registry().Quantity(1.0, unit(given)).to(unit(wanted)).magnitude)
+
+
+def split(text: str) -> tuple[float, str | None]:
+    """Split ``"9 kn"`` into ``(9.0, "kn")``; the unit is None where there is only a number.
+
+    Raises
+    ------
+    UnitError
+        If the text does not start with a number.
+    """
+    match = _NUMBER.match(text)
+    if not match:
+        raise UnitError(f"'{text}' does not start with a number. Write a value with its unit, as in '9 kn'.")
+    return float(match.group(1)), match.group(2) or None
+
+
+def to_si(value: str | float | tuple[float, str], wanted: str, what: str = "the value") -> float:
+    """Turn a value with a unit into a number in the wanted (SI) unit.
+
+    Parameters
+    ----------
+    value : str, tuple or number
+        ``"9 kn"`` or ``(9, "kn")``. A bare number is taken only where `wanted` is dimensionless.
+    wanted : str
+        The unit the toolbox computes in.
+    what : str
+        What the value is, for the error message.
+
+    Raises
+    ------
+    UnitError
+        If a bare number stands where a unit is needed, or the unit does not fit.
+    """
+    if isinstance(value, tuple):
+        number, given = float(value[0]), value[1]
+    elif isinstance(value, str):
+        number, given = split(value)
+    else:
+        number, given = float(value), None
+    if number != number or number in (float("inf"), float("-inf")):
+        raise UnitError(f"{what} is {number}, which is not a finite number.")
+    if given is None:
+        if unit(wanted).dimensionless and not angle_exponent(wanted):
+            return number
+        needed = pretty(wanted)
+        choices = [needed, needed.replace("rad", "deg")] if "rad" in needed else [needed]
+        raise UnitError(
+            f"{what} is the bare number {number:g}, with no unit, where the unit {needed} is needed. "
+            f"Write {' or '.join(f'{number:g} {choice}' for choice in choices)}: shipid does not guess."
+        )
+    return number * factor(given, wanted, what)
