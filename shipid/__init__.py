@@ -1,0 +1,44 @@
+"""shipid: declare a ship model once; identify it from trials, and generate everything else.
+
+The names below are loaded when they are first used, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Component": "shipid.declaration.component",
+    "state": "shipid.declaration.quantity",
+    "given": "shipid.declaration.quantity",
+    "derived": "shipid.declaration.quantity",
+    "constant": "shipid.declaration.quantity",
+    "parameter": "shipid.declaration.quantity",
+    "output": "shipid.declaration.quantity",
+    "join": "shipid.declaration.join",
+    "Model": "shipid.declaration.model",
+    "augment": "shipid.declaration.augment",
+    "ParameterSet": "shipid.declaration.parameters",
+    "read_parameter_set": "shipid.declaration.parameters",
+    "write_parameter_set": "shipid.declaration.parameters",
+    "ShipidError": "shipid.declaration.errors",
+}
+
+__all__ = [*sorted(_HOMES), "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        home = _HOMES[name]
+    except KeyError:
+        raise AttributeError(f"module 'shipid' has no attribute '{name}'") from None
+    value = getattr(importlib.import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

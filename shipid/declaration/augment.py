@@ -1,0 +1,103 @@
+"""Augmenting: parameters that become states with a random walk, positive ones in log scale."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.component import Component, Scope
+from shipid.declaration.errors import DeclarationError, UnknownNameError
+from shipid.declaration.model import Entry, Model
+from shipid.declaration.quantity import Equation, Quantity
+
+
+def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None) -> Model:
+    """Return a new model in which parameters are states that keep their value.
+
+    The rate of each is zero; what lets it walk is the process noise a filter adds. A parameter with a positive lower
+    bound becomes the state ``log_NAME``, the natural logarithm of its value over one unit, and the parameter itself
+    follows from it, so it cannot change sign.
+
+    Parameters
+    ----------
+    model : Model
+        The model to augment.
+    names : iterable of str
+        Parameters (or constants) that become states.
+    log : iterable of str, optional
+        Which of them are scaled by the logarithm; by default those whose lower bound is zero or more.
+
+    Returns
+    -------
+    Model
+        With one more state for each name.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no parameter of the model.
+    DeclarationError
+        If a parameter is augmented twice, or ``log`` names one that may be negative.
+    """
+    names = tuple(dict.fromkeys(names))
+    logs = None if log is None else set(log)
+    for extra in sorted((logs or set()) - set(names)):
+        raise DeclarationError(f"'{extra}' is to be in log scale and is not among the augmented: {', '.join(names)}.")
+    entries = dict(model.entries)
+    for name in names:
+        if name not in model.parameters + model.constants:
+            raise UnknownNameError(f"parameter in model {model.name} called", name, model.parameters + model.constants)
+        entry = model[name]
+        low = entry.number("low")
+        positive = low is not None and low >= 0
+        if logs is not None and name in logs and low is not None and low < 0:
+            raise DeclarationError(f"'{name}' may be negative (its lower bound is {low:g}), so it has no logarithm.")
+        in_log = positive if logs is None else name in logs
+        entries.update(_log_state(entry, entries) if in_log else _plain_state(entry))
+    return replace(model, entries=entries)
+
+
+def _stays(self: Scope) -> Any:
+    """Random walk: the expected value does not change."""
+    return 0.0
+
+
+def _plain_state(entry: Entry) -> dict[str, Entry]:
+    quantity = replace(entry.quantity, kind="state", estimated=True)
+    return {entry.name: Entry(quantity, entry.owner, Equation(quantity, "rate", _stays))}
+
+
+def _log_state(entry: Entry, entries: dict[str, Entry]) -> dict[str, Entry]:
+    log_name = f"log_{entry.name}"
+    if log_name in entries:
+        raise DeclarationError(f"'{log_name}' is already a quantity of the model.")
+    one_unit = Quantity("constant", entry.unit, f"one unit of {entry.name}", default=1.0, name=f"unit_{entry.name}")
+    start, symbol = entry.number("start"), entry.quantity.latex or entry.name
+    log_state = Quantity(
+        "state",
+        "1",
+        f"logarithm of {entry.quantity.meaning}",
+        start=float(np.log(start)) if start else 0.0,
+        latex=rf"\ln {symbol}",
+        name=log_name,
+    )
+
+    def from_log(self: Scope) -> Any:
+        """The parameter from its logarithm, so that it stays positive."""
+        return getattr(self, one_unit.name) * np.exp(getattr(self, log_name))
+
+    owner: Any = type(f"Log_{entry.name}", (_LogScale,), {})
+    owner._quantities = {q.name: q for q in (log_state, one_unit)}
+    parameter = replace(entry.quantity, kind="derived")
+    return {
+        log_name: Entry(log_state, owner, Equation(log_state, "rate", _stays)),
+        one_unit.name: Entry(one_unit, owner),
+        entry.name: Entry(parameter, owner, Equation(parameter, "equals", from_log)),
+    }
+
+
+class _LogScale(Component):
+    """The logarithm of a positive parameter as a state."""

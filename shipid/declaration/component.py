@@ -1,0 +1,112 @@
+"""Components: the classes in which quantities and equations are declared."""
+
+from __future__ import annotations
+
+import re
+import types
+from typing import Any, ClassVar
+
+from shipid.declaration.errors import DeclarationError, nearest
+from shipid.declaration.quantity import Equation, Quantity
+
+#: The name under which an equation reads the sampling interval.
+SAMPLING_INTERVAL = "T"
+_RESERVED = ("t",)
+
+
+class Component:
+    """A part of a ship model: quantities with units, and one method for each equation.
+
+    Subclass it, declare quantities with `state`, `given`, `derived`, `constant`, `parameter` or `output`, and
+    write one decorated method for each equation; NumPy's functions and arithmetic are all an equation needs.
+    A subclass of a component inherits its quantities and equations; a method of the same name replaces the
+    equation. Components are never instantiated: `shipid.join` makes a model of them.
+    """
+
+    _quantities: ClassVar[dict[str, Quantity]] = {}
+    _equations: ClassVar[dict[str, Equation]] = {}
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        quantities: dict[str, Quantity] = {}
+        methods: dict[str, Equation] = {}
+        for base in reversed(cls.__mro__):
+            for name, member in vars(base).items():
+                if isinstance(member, Quantity):
+                    quantities.pop(name, None)
+                    quantities[name] = member
+                elif isinstance(member, Equation):
+                    methods[name] = member
+                elif isinstance(member, types.FunctionType) and name in methods:
+                    methods[name] = Equation(methods[name]._quantity, methods[name].kind, member)
+        cls._quantities = quantities
+        cls._equations = _by_target(cls, methods)
+        for name, quantity in quantities.items():
+            _check_quantity(cls, name, quantity)
+
+    def __new__(cls, *_: Any, **__: Any) -> Any:
+        raise DeclarationError(
+            f"{cls.__name__} is a declaration and is not instantiated: pass the class to shipid.join."
+        )
+
+
+def slug(cls: type[Component]) -> str:
+    """Return the name of a component as the command line writes it: DeKeizer is ``de-keizer``."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", cls.__name__).lower()
+
+
+def _by_target(cls: type[Component], methods: dict[str, Equation]) -> dict[str, Equation]:
+    equations: dict[str, Equation] = {}
+    for equation in methods.values():
+        if equation.target in equations:
+            other = equations[equation.target]
+            raise DeclarationError(
+                f"component {cls.__name__} defines '{equation.target}' twice: in '{other.name}' ({other.place}) "
+                f"and in '{equation.name}' ({equation.place})."
+            )
+        equations[equation.target] = equation
+    return equations
+
+
+def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None:
+    if name in _RESERVED or name.startswith("_") or name.endswith("_"):
+        raise DeclarationError(f"component {cls.__name__} may not name a quantity '{name}': the name is reserved.")
+    if name == SAMPLING_INTERVAL and quantity.kind != "given":
+        raise DeclarationError(
+            f"component {cls.__name__} states 'T', which is the sampling interval: declare it as given('s', ...)."
+        )
+    equation = cls._equations.get(name)
+    if quantity.kind == "state" and equation is None:
+        raise DeclarationError(f"state '{name}' of {cls.__name__} has no equation: add a method under @{name}.rate.")
+    if quantity.kind in ("derived", "output") and equation is None:
+        raise DeclarationError(
+            f"{quantity.kind} '{name}' of {cls.__name__} has no equation: add a method under @{name}.equals."
+        )
+    if not quantity.meaning.strip():
+        raise DeclarationError(f"'{name}' of {cls.__name__} says no meaning: write one line in words.")
+
+
+class Scope:
+    """What an equation sees as ``self``: the quantities its component declares, its helpers, and nothing else."""
+
+    __slots__ = ("_component", "_lookup")
+
+    def __init__(self, component: type[Component], lookup: Any) -> None:
+        self._component = component
+        self._lookup = lookup
+
+    def __getattr__(self, name: str) -> Any:
+        component = self._component
+        if name in component._quantities:
+            return self._lookup(name)
+        member = getattr(component, name, None)
+        if isinstance(member, types.FunctionType):
+            return types.MethodType(member, self)
+        if isinstance(member, property) and member.fget is not None:
+            return member.fget(self)
+        if member is not None and not isinstance(member, Equation):
+            return member
+        raise DeclarationError(
+            f"an equation of {component.__name__} reads '{name}', which the component does not declare. "
+            f"{nearest(name, component._quantities)}Declare what another component states as given(...)."
+        )

@@ -1,0 +1,127 @@
+"""Joining components into a model: by name, with every mismatch an error that names both places."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from shipid.declaration import units
+from shipid.declaration.component import SAMPLING_INTERVAL, Component
+from shipid.declaration.errors import DeclarationError, UnitError
+from shipid.declaration.model import Entry, Model
+from shipid.declaration.quantity import Quantity
+from shipid.declaration.unit_check import check_units
+
+
+def join(name: str, *parts: type[Component] | Model) -> Model:
+    """Join components into a model.
+
+    What one component declares as `given` is what another states under the same name. What stays unconnected is an
+    input of the model. Constants of the same name are one particular of the ship. Every equation is run once
+    over quantities with units before the model is returned.
+
+    Parameters
+    ----------
+    name : str
+        Name of the model.
+    *parts : type[Component] or Model
+        The components, or models to extend.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    DeclarationError
+        If a name is stated twice, an equation is missing, or derived quantities define each other in a circle.
+    UnitError
+        If a unit is not SI, two components disagree about one, or an equation's terms do not match.
+    """
+    if not name.strip():
+        raise DeclarationError("a model needs a name: join('own ship', ...).")
+    stated: dict[str, Entry] = {}
+    given: dict[str, list[Entry]] = {}
+    order: list[str] = []
+    components: list[type[Component]] = []
+    for part in parts:
+        for entry in _entries(part):
+            _check_declared_unit(entry)
+            for attribute in ("start", "low", "high", "nominal", "default"):
+                entry.number(attribute)
+            if entry.name not in order:
+                order.append(entry.name)
+            if entry.quantity.kind == "given":
+                given.setdefault(entry.name, []).append(entry)
+            else:
+                stated[entry.name] = _state_once(stated.get(entry.name), entry)
+        components += part.components if isinstance(part, Model) else (part,)
+    if not stated:
+        raise DeclarationError(f"model {name} joins no component that states anything.")
+
+    for wanted, readers in given.items():
+        _check_connection(name, wanted, readers, stated.get(wanted))
+    entries = {n: stated.get(n) or _input(given[n]) for n in order}
+    model = Model(name, entries, tuple(components))
+    check_units(model)
+    return model
+
+
+def _entries(part: Any) -> list[Entry]:
+    if isinstance(part, Model):
+        return list(part.entries.values())
+    if isinstance(part, type) and issubclass(part, Component):
+        return [Entry(quantity, part, part._equations.get(n)) for n, quantity in part._quantities.items()]
+    raise DeclarationError(f"join takes component classes and models, and got {part!r}.")
+
+
+def _where(entry: Entry) -> str:
+    place = f", {entry.equation.place}" if entry.equation else ""
+    return f"{entry.owner.__name__} ({entry.quantity.kind}{place})"
+
+
+def _check_declared_unit(entry: Entry) -> None:
+    try:
+        coherent = units.is_coherent_si(entry.unit)
+    except UnitError as error:
+        raise UnitError(f"'{entry.name}' of {entry.owner.__name__}: {error}") from None
+    if not coherent:
+        raise UnitError(
+            f"'{entry.name}' of {entry.owner.__name__} is declared in {units.pretty(entry.unit)}, which is not a coherent "
+            "SI unit. Declare it in SI (rad, m, s): values may come in any unit that fits."
+        )
+
+
+def _state_once(first: Entry | None, second: Entry) -> Entry:
+    if first is None:
+        return second
+    both_constant = first.quantity.kind == second.quantity.kind == "constant"
+    if not both_constant:
+        raise DeclarationError(
+            f"'{second.name}' is stated twice: by {_where(first)} and by {_where(second)}. Declare it as given(...) in the "
+            "component that only reads it, or leave one of them out."
+        )
+    if not units.same_dimension(first.unit, second.unit):
+        raise UnitError(
+            f"the constant '{second.name}' is in {units.pretty(first.unit)} in {first.owner.__name__} and in "
+            f"{units.pretty(second.unit)} in {second.owner.__name__}."
+        )
+    return first if first.quantity.default is not None else replace(first, quantity=second.quantity)
+
+
+def _check_connection(model: str, name: str, readers: list[Entry], source: Entry | None) -> None:
+    reference = source or readers[0]
+    for reader in readers:
+        if not units.same_dimension(reference.unit, reader.unit):
+            verb = "states" if source else "reads"
+            raise UnitError(
+                f"model {model}: {reference.owner.__name__} {verb} '{name}' in {units.pretty(reference.unit)}, and "
+                f"{reader.owner.__name__} reads it in {units.pretty(reader.unit)}."
+            )
+    if name == SAMPLING_INTERVAL and source is not None:
+        raise DeclarationError(f"model {model}: 'T' is the sampling interval, and {_where(source)} states it.")
+
+
+def _input(readers: list[Entry]) -> Entry:
+    with_default = [r for r in readers if r.quantity.default is not None]
+    return (with_default or readers)[0]

@@ -1,0 +1,294 @@
+"""Models: components joined by name, as immutable data.
+
+`evaluate` is the one place where equations are called. Whatever the values are (floats, quantities with
+units, CasADi or SymPy symbols), the same methods run, so a model cannot mean two things.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope
+from shipid.declaration.errors import DeclarationError, UnknownNameError
+from shipid.declaration.quantity import Equation, Kind, Quantity
+from shipid.declaration.units import to_si
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A quantity in its place in a model: what it is there, who states it, by which equation.
+
+    Attributes
+    ----------
+    quantity : Quantity
+        Its declaration; ``kind`` is the role it has in the model ("given" means an input of the model).
+    owner : type[Component]
+        The component that states it (for an input: the first that reads it).
+    equation : Equation or None
+        What defines it.
+    """
+
+    quantity: Quantity
+    owner: type[Component]
+    equation: Equation | None = None
+
+    @property
+    def name(self) -> str:
+        return self.quantity.name
+
+    @property
+    def unit(self) -> str:
+        return self.quantity.unit
+
+    def number(self, attribute: str) -> float | None:
+        """Return ``start``, ``low``, ``high``, ``nominal`` or ``default`` as an SI number, or None."""
+        value = getattr(self.quantity, attribute)
+        if value is None:
+            return None
+        if isinstance(value, str):
+            return to_si(value, self.unit, f"{attribute} of '{self.name}' in {self.owner.__name__}")
+        return float(value)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A ship model made by `shipid.join`. Immutable; every change returns a new model.
+
+    Attributes
+    ----------
+    name : str
+        Its name; parameter sets and the command line find it by this.
+    entries : mapping of str to Entry
+        Every quantity, in the order of declaration.
+    components : tuple of type[Component]
+        What it was joined from.
+    """
+
+    name: str
+    entries: Mapping[str, Entry]
+    components: tuple[type[Component], ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "entries", MappingProxyType(dict(self.entries)))
+
+    def __getitem__(self, name: str) -> Entry:
+        try:
+            return self.entries[name]
+        except KeyError:
+            raise UnknownNameError(f"quantity in model {self.name} called", name, self.entries) from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.entries
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.components, tuple(self.entries)))
+
+    def __reduce__(self) -> Any:
+        return Model, (self.name, dict(self.entries), self.components)
+
+    def _names(self, *kinds: Kind) -> tuple[str, ...]:
+        return tuple(n for n, e in self.entries.items() if e.quantity.kind in kinds and n != SAMPLING_INTERVAL)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states, in order."""
+        return self._names("state")
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of what nothing in the model states: rudder, speed, current, ..."""
+        return self._names("given")
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of what identification may estimate."""
+        return self._names("parameter")
+
+    @property
+    def constants(self) -> tuple[str, ...]:
+        """Names of the particulars of the ship."""
+        return self._names("constant")
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Names of the quantities that follow from the others."""
+        return self._names("derived")
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the sensor outputs."""
+        return self._names("output")
+
+    @property
+    def is_sampled(self) -> bool:
+        """Whether every state is defined by its next sample, so that no integration is needed."""
+        return all(self._equation(s).kind == "next" for s in self.states)
+
+    def _equation(self, name: str) -> Equation:
+        equation = self[name].equation
+        assert equation is not None, name
+        return equation
+
+    def __repr__(self) -> str:
+        parts = ", ".join(c.__name__ for c in self.components)
+        return (
+            f"<Model {self.name!r}: {parts}; states {', '.join(self.states)}; inputs {', '.join(self.inputs)}; "
+            f"parameters {', '.join(self.parameters)}>"
+        )
+
+    def replace_component(self, old: type[Component], new: type[Component], name: str | None = None) -> Model:
+        """Return a new model in which one component stands in another's place.
+
+        Parameters
+        ----------
+        old, new : type[Component]
+            The component to take out, and the one to put in.
+        name : str, optional
+            Name of the new model; the old name when not given.
+
+        Raises
+        ------
+        DeclarationError
+            If `old` is not in the model, or the new one does not fit.
+        """
+        from shipid.declaration.join import join
+
+        if old not in self.components:
+            raise DeclarationError(f"model {self.name} has no component {old.__name__} to replace.")
+        return join(name or self.name, *(new if c is old else c for c in self.components))
+
+    def impose(self, names: Iterable[str]) -> Model:
+        """Return a new model in which published coefficients take the place of the parameters they define.
+
+        A parameter that declares ``@p.instead`` becomes derived; the published coefficient becomes a constant.
+        Imposing ``n3`` on Norrbin's model makes its ``b3`` equal to ``n3 b1``, whatever ``b1`` is.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Derived quantities that are read by a parameter's ``@p.instead``.
+
+        Raises
+        ------
+        DeclarationError
+            If no parameter is defined by one of the names, or they do not determine each other.
+        """
+        entries = dict(self.entries)
+        names = tuple(names)
+        for name in names:
+            published = self[name]
+            parameter = self.partner(name)
+            if parameter is None:
+                raise DeclarationError(
+                    f"'{name}' of model {self.name} is a {published.quantity.kind} quantity that follows from the "
+                    f"others; it cannot be given. What can: {', '.join(self.parameters + self.constants)}."
+                )
+            instead = self._equation(parameter)
+            entries[name] = replace(published, quantity=replace(published.quantity, kind="constant"), equation=None)
+            equation = Equation(instead._quantity, "equals", instead.function)
+            entries[parameter] = replace(
+                self[parameter], quantity=replace(self[parameter].quantity, kind="derived"), equation=equation
+            )
+        model = replace(self, entries=entries)
+        find_loops(model, advice=f"Give the published coefficients that belong to {', '.join(names)} as well.")
+        return model
+
+    def partner(self, published: str) -> str | None:
+        """Return the parameter whose ``@p.instead`` defines it by the published coefficient, or None."""
+        own = [p for p in self.parameters if self[p].equation is not None]
+        for parameter in own:
+            reads = reads_of(self, self[parameter])
+            if published in reads and published not in self.parameters:
+                return parameter
+        return None
+
+
+class Evaluation:
+    """The equations of a model over given values, each evaluated once, when it is asked for.
+
+    Parameters
+    ----------
+    model : Model
+        Whose equations.
+    values : mapping
+        States, inputs, parameters, constants (and ``T`` where a discrete equation reads it) by name. A value given
+        for a derived quantity is used instead of its equation.
+    missing : callable, optional
+        Called with a name that has no value; it returns one or raises.
+    """
+
+    def __init__(self, model: Model, values: Mapping[str, Any], missing: Callable[[str], Any] | None = None) -> None:
+        self._model = model
+        self._known = dict(values)
+        self._missing = missing
+        self._path: list[str] = []
+
+    def __getitem__(self, name: str) -> Any:
+        if name in self._known:
+            return self._known[name]
+        entry = self._model[name]
+        if entry.quantity.kind in ("derived", "output"):
+            self._known[name] = self._call(name, entry)
+            return self._known[name]
+        if self._missing is not None:
+            return self._missing(name)
+        raise DeclarationError(f"the {entry.quantity.kind} '{name}' of model {self._model.name} has no value.")
+
+    def _call(self, name: str, entry: Entry) -> Any:
+        if name in self._path:
+            loop = " -> ".join([*self._path[self._path.index(name) :], name])
+            owners = ", ".join(dict.fromkeys(f"{self._model[n].owner.__name__}.{n}" for n in self._path))
+            raise DeclarationError(
+                f"model {self._model.name} has an algebraic loop: {loop} ({owners}). One of them has to become a state, "
+                "or be written without the others."
+            )
+        self._path.append(name)
+        try:
+            return self.equation(entry)
+        finally:
+            self._path.pop()
+
+    def equation(self, entry: Entry) -> Any:
+        """Return the right-hand side of an entry's equation."""
+        assert entry.equation is not None
+        return entry.equation.function(Scope(entry.owner, self.__getitem__))
+
+    def right_hand_sides(self, kind: str) -> dict[str, Any]:
+        """Return ``{name: right-hand side}`` of all equations of one kind: "rate", "next" or "equals"."""
+        return {
+            n: self[n] if kind == "equals" else self.equation(e)
+            for n, e in self._model.entries.items()
+            if e.equation is not None and e.equation.kind == kind
+        }
+
+
+def reads_of(model: Model, entry: Entry) -> frozenset[str]:
+    """Return the names an entry's equation reads directly, found by running it over numbers."""
+    import numpy as np
+
+    read: set[str] = set()
+
+    def lookup(name: str) -> Any:
+        read.add(name)
+        return np.float64(0.7311)
+
+    assert entry.equation is not None
+    with np.errstate(all="ignore"):
+        entry.equation.function(Scope(entry.owner, lookup))
+    return frozenset(read)
+
+
+def find_loops(model: Model, advice: str = "") -> None:
+    """Raise a `DeclarationError` if derived quantities define each other in a circle."""
+    import numpy as np
+
+    plain = {n: np.float64(0.7311) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
+    evaluation = Evaluation(model, plain | {SAMPLING_INTERVAL: np.float64(0.7311)})
+    with np.errstate(all="ignore"):
+        try:
+            evaluation.right_hand_sides("equals")
+        except DeclarationError as error:
+            raise DeclarationError(f"{error} {advice}".strip()) from None

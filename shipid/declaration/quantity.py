@@ -1,0 +1,265 @@
+"""Quantities and the equations that define them: the words of the declaration language.
+
+A quantity is declared by one line in the body of a component, and is data afterwards: nothing about it
+changes when the class is built. The decorators ``@x.rate``, ``@x.next``, ``@y.equals`` and ``@p.instead``
+return an `Equation`, which stands in the class under the name of the method it decorates.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+from shipid.declaration.errors import DeclarationError
+
+Kind = Literal["state", "given", "derived", "constant", "parameter", "output"]
+EquationKind = Literal["rate", "next", "equals", "instead"]
+Number = float | str | None
+
+#: Which equation each kind of quantity may carry.
+ALLOWED: dict[str, tuple[str, ...]] = {
+    "state": ("rate", "next"),
+    "derived": ("equals",),
+    "output": ("equals",),
+    "parameter": ("instead",),
+    "given": (),
+    "constant": (),
+}
+
+
+@dataclass(frozen=True)
+class Equation:
+    """One equation: what it defines, how, and the method that says it.
+
+    Attributes
+    ----------
+    target : str
+        Name of the quantity it defines.
+    kind : {"rate", "next", "equals", "instead"}
+        Time derivative, next sample, value, or the value in terms of published coefficients.
+    function : callable
+        The method; it takes the scope (``self``) and returns the right-hand side.
+    """
+
+    _quantity: Quantity = field(repr=False)
+    kind: EquationKind
+    function: Callable[[Any], Any] = field(repr=False)
+
+    @property
+    def target(self) -> str:
+        return self._quantity.name
+
+    @property
+    def name(self) -> str:
+        return self.function.__name__
+
+    @property
+    def source(self) -> str:
+        """The docstring of the method: where the equation comes from."""
+        return inspect.cleandoc(self.function.__doc__ or "")
+
+    @property
+    def place(self) -> str:
+        """File and line of the method, for messages."""
+        code = self.function.__code__
+        return f"{code.co_filename}:{code.co_firstlineno}"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A named quantity of a component; made by `state`, `given`, `derived`, `constant`, `parameter`, `output`.
+
+    Attributes
+    ----------
+    kind : str
+        What it is: state, given, derived, constant, parameter or output.
+    unit : str
+        Coherent SI unit, radians for angles; ``"1"`` where it has none.
+    meaning : str
+        One line in words, with the sign convention where there is one.
+    start, low, high : float, str or None
+        Where an estimate or a simulation starts, and its bounds, in `unit` (or a string with its own unit).
+    nominal : float, str or None
+        A typical size, used for scaling.
+    latex : str or None
+        The symbol in print; derived from the name when not given.
+    wraps : bool
+        Whether the angle wraps at a full turn.
+    default : float, str or None
+        The value of a given that nothing states and no trial holds, or of a constant no parameter set holds.
+    dimensional : str or None
+        For a coefficient made dimensionless with L and U: the unit its dimensional form has.
+    estimated : bool
+        Whether identification estimates the parameter unless told otherwise.
+    measures : str or None
+        For an output: the quantity it measures.
+    noise : str or None
+        For an output: its standard deviation per sample.
+    """
+
+    kind: Kind
+    unit: str
+    meaning: str
+    start: Number = None
+    low: Number = None
+    high: Number = None
+    nominal: Number = None
+    latex: str | None = None
+    wraps: bool = False
+    default: Number = None
+    dimensional: str | None = None
+    estimated: bool = True
+    measures: str | None = None
+    noise: str | None = None
+    name: str = ""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        if not self.name:
+            object.__setattr__(self, "name", name)
+
+    def _equation(self, kind: EquationKind, function: Callable[[Any], Any]) -> Equation:
+        if kind not in ALLOWED[self.kind]:
+            allowed = ", ".join(f"@{a}" for a in ALLOWED[self.kind]) or "no equation"
+            raise DeclarationError(
+                f"a {self.kind} takes {allowed}, and '{function.__name__}' ({function.__code__.co_filename}:"
+                f"{function.__code__.co_firstlineno}) gives it @{kind}."
+            )
+        return Equation(self, kind, function)
+
+    def rate(self, function: Callable[[Any], Any]) -> Equation:
+        """Decorate the method that returns the time derivative of a state."""
+        return self._equation("rate", function)
+
+    def next(self, function: Callable[[Any], Any]) -> Equation:
+        """Decorate the method that returns a state one sampling interval ``T`` later."""
+        return self._equation("next", function)
+
+    def equals(self, function: Callable[[Any], Any]) -> Equation:
+        """Decorate the method that returns a derived quantity or an output."""
+        return self._equation("equals", function)
+
+    def instead(self, function: Callable[[Any], Any]) -> Equation:
+        """Decorate the method that returns a parameter in terms of the coefficients that are published instead."""
+        return self._equation("instead", function)
+
+
+def state(
+    unit: str,
+    meaning: str,
+    *,
+    start: Number = None,
+    nominal: Number = None,
+    wraps: bool = False,
+    latex: str | None = None,
+) -> Any:
+    """Declare a state: it needs ``@x.rate`` (continuous) or ``@x.next`` (discrete).
+
+    Parameters
+    ----------
+    unit : str
+        Coherent SI unit.
+    meaning : str
+        One line in words.
+    start : float or str, optional
+        Initial value where nothing else says (0 when not given).
+    nominal : float or str, optional
+        A typical size, for scaling.
+    wraps : bool
+        Whether the angle wraps at a full turn.
+    latex : str, optional
+        The symbol in print.
+    """
+    return Quantity("state", unit, meaning, start=start, nominal=nominal, wraps=wraps, latex=latex)
+
+
+def given(unit: str, meaning: str, *, default: Number = None, latex: str | None = None, wraps: bool = False) -> Any:
+    """Declare what the equations read and this component does not state: an input or another's quantity.
+
+    Parameters
+    ----------
+    unit, meaning, latex, wraps
+        As for `state`.
+    default : float or str, optional
+        Its value where no component states it and no trial holds it.
+    """
+    return Quantity("given", unit, meaning, default=default, latex=latex, wraps=wraps)
+
+
+def derived(unit: str, meaning: str, *, latex: str | None = None, wraps: bool = False) -> Any:
+    """Declare a quantity that follows from the others: it needs ``@y.equals``.
+
+    Parameters
+    ----------
+    unit, meaning, latex, wraps
+        As for `state`.
+    """
+    return Quantity("derived", unit, meaning, latex=latex, wraps=wraps)
+
+
+def constant(unit: str, meaning: str, *, default: Number = None, latex: str | None = None) -> Any:
+    """Declare a particular of the ship; components that name the same constant share it.
+
+    Parameters
+    ----------
+    unit, meaning, latex
+        As for `state`.
+    default : float or str, optional
+        Its value where no parameter set holds it.
+    """
+    return Quantity("constant", unit, meaning, default=default, latex=latex)
+
+
+def parameter(
+    unit: str,
+    meaning: str,
+    *,
+    start: Number = None,
+    low: Number = None,
+    high: Number = None,
+    nominal: Number = None,
+    latex: str | None = None,
+    dimensional: str | None = None,
+    estimated: bool = True,
+) -> Any:
+    """Declare a coefficient that identification may estimate.
+
+    Parameters
+    ----------
+    unit, meaning, nominal, latex
+        As for `state`.
+    start, low, high : float or str, optional
+        Where the search starts, and its bounds.
+    dimensional : str, optional
+        For a coefficient made dimensionless with L and U: the unit its dimensional form has, such as ``"1/s"`` for K*.
+    estimated : bool
+        Whether it is estimated unless the user chooses.
+    """
+    return Quantity(
+        "parameter",
+        unit,
+        meaning,
+        start=start,
+        low=low,
+        high=high,
+        nominal=nominal,
+        latex=latex,
+        dimensional=dimensional,
+        estimated=estimated,
+    )
+
+
+def output(unit: str, meaning: str, *, measures: str | None = None, noise: str | None = None) -> Any:
+    """Declare what a sensor shows, where that is not simply a quantity: it needs ``@z.equals``.
+
+    Parameters
+    ----------
+    unit, meaning
+        As for `state`.
+    measures : str, optional
+        The quantity it measures.
+    noise : str, optional
+        Its standard deviation per sample, as in ``"0.2 deg"``.
+    """
+    return Quantity("output", unit, meaning, measures=measures, noise=noise)

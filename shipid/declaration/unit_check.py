@@ -1,0 +1,117 @@
+"""The unit check: every equation is run once over quantities with units.
+
+The numbers carried along mean nothing (an irrational-looking value that avoids 0 and 1, so that no division or
+root is special); only the units matter. What fails is named: model, equation, both units, file and line.
+"""
+
+from __future__ import annotations
+
+import traceback
+import types
+from typing import Any
+
+from shipid.declaration import units
+from shipid.declaration.component import SAMPLING_INTERVAL
+from shipid.declaration.errors import DeclarationError, ShipidError, UnitError
+from shipid.declaration.model import Entry, Evaluation, Model
+
+_SOME_NUMBER = 0.7311
+
+
+def check_units(model: Model) -> None:
+    """Run every equation of a model over quantities with units.
+
+    Parameters
+    ----------
+    model : Model
+        The model to check.
+
+    Raises
+    ------
+    UnitError
+        If terms of an equation do not match, or its result does not have the unit of what it defines.
+    DeclarationError
+        If an equation raises, reads what is not declared, or derived quantities form a circle.
+    """
+    import numpy as np
+
+    quantity = units.registry().Quantity
+
+    def value(name: str, unit: str) -> Any:
+        return quantity(np.float64(_SOME_NUMBER), units.unit(unit))
+
+    plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
+    evaluation = _Checked(model, plain | {SAMPLING_INTERVAL: value("T", "s")})
+    with np.errstate(all="ignore"):
+        for entry in model.entries.values():
+            if entry.equation is None:
+                continue
+            if entry.equation.kind == "equals":
+                evaluation[entry.name]
+            else:
+                evaluation.equation(entry)
+
+
+class _Checked(Evaluation):
+    """An evaluation over quantities with units that checks the unit of every result."""
+
+    def equation(self, entry: Entry) -> Any:
+        equation = entry.equation
+        assert equation is not None
+        where = f"model {self._model.name}, equation {entry.owner.__name__}.{equation.name}"
+        wanted = f"({entry.unit})/s" if equation.kind == "rate" else entry.unit
+        try:
+            result = super().equation(entry)
+        except ShipidError:
+            raise
+        except Exception as error:
+            place = _line(error, equation.function.__code__)
+            if type(error).__module__.startswith("pint"):
+                raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
+            raise DeclarationError(f"{where} ({place}) raises {type(error).__name__}: {error}") from error
+        return _checked(result, wanted, where, equation.place, entry)
+
+
+def _checked(result: Any, wanted: str, where: str, place: str, entry: Entry) -> Any:
+    ureg = units.registry()
+    unit = units.unit(wanted)
+    if not hasattr(result, "dimensionality"):
+        if result is None:
+            raise DeclarationError(f"{where} ({place}) returns nothing: end it with 'return ...'.")
+        # A bare zero is zero in any unit; any other bare number is a pure number.
+        result = ureg.Quantity(result, unit if result == 0 else ureg.Unit(""))
+    if result.dimensionality != unit.dimensionality:
+        left = {"rate": f"d{entry.name}/dt", "next": f"the next {entry.name}"}.get(_kind(entry), entry.name)
+        raise UnitError(
+            f"{where} ({place}): {left} needs {_unit_words(unit)}, and the equation gives {_unit_words(result.units)}."
+        )
+    return result.to_base_units()
+
+
+def _kind(entry: Entry) -> str:
+    return entry.equation.kind if entry.equation else ""
+
+
+def _unit_words(unit: Any) -> str:
+    return f"{units.registry().Quantity(1, unit).to_base_units().units:~P}" or "1"
+
+
+def _in_words(error: Exception) -> str:
+    first, second = getattr(error, "units1", None), getattr(error, "units2", None)
+    if first is None or second is None:
+        return str(error)
+    return f"{_either(first)} against {_either(second)}"
+
+
+def _either(unit: Any) -> str:
+    try:
+        return f"{units.registry().Unit(unit):~P}" or "1"
+    except Exception:  # pint hands over text such as "a dimensionless quantity" at times
+        return str(unit)
+
+
+def _line(error: Exception, code: types.CodeType) -> str:
+    """Return the deepest line of the user's own file in a traceback."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == code.co_filename]
+    line = frames[-1].lineno if frames else code.co_firstlineno
+    return f"{code.co_filename}:{line}"

@@ -1,0 +1,89 @@
+"""What can be wrong with a trial record: one class a cause, each message names file, row, column and remedy."""
+
+from __future__ import annotations
+
+from shipid.declaration.errors import ShipidError
+
+
+class TrialError(ShipidError):
+    """Base of everything that can be wrong with a trial record, its format file or its contents."""
+
+
+class MissingFileError(TrialError):
+    """The trial file or its format file is not there."""
+
+
+class EmptyFileError(TrialError):
+    """The file holds no samples."""
+
+
+class HeaderError(TrialError):
+    """The file has no header that names the columns, or the header names one twice."""
+
+
+class SeparatorError(TrialError):
+    """The columns could not be told apart."""
+
+
+class RaggedRowError(TrialError):
+    """A row has more fields than the header."""
+
+
+class UnknownColumnError(TrialError):
+    """A column that is asked for is not in the record."""
+
+
+class NoUnitError(TrialError):
+    """A column says no unit; shipid does not guess one."""
+
+
+class ColumnUnitError(TrialError):
+    """A column's unit is unknown, or does not fit what the column measures."""
+
+
+class TextInColumnError(TrialError):
+    """A numeric column contains text."""
+
+
+class NonFiniteError(TrialError):
+    """A sample is empty, NaN or infinite."""
+
+
+class ClockError(TrialError):
+    """The time stamps repeat or run backwards."""
+
+
+class ClockGapError(TrialError):
+    """The clock has a gap."""
+
+
+class LooksLikeDegreesError(TrialError):
+    """An angle that is said to be in radians has the values of degrees, or the other way round."""
+
+
+class TooShortError(TrialError):
+    """The record has too few samples to be a trial."""
+
+
+class NoRudderMovementError(TrialError):
+    """The rudder does not move, so the response to it cannot be identified."""
+
+
+class WindowError(TrialError):
+    """The window does not lie inside the record, or has no such name."""
+
+
+class FormatFileError(TrialError):
+    """A trial format file that cannot be read, or says something it cannot mean."""
+
+
+class OverwriteError(TrialError):
+    """The file to be written exists already."""
+
+
+class MissingExtraError(TrialError):
+    """A file type needs a package that is not installed."""
+
+
+class NotAManoeuvreError(TrialError):
+    """The record is neither a zig-zag nor a turning circle, so it cannot be measured as one."""

@@ -1,0 +1,263 @@
+"""A trial: a table in SI units, and where it came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from shipid.declaration import units as border
+from shipid.declaration.errors import nearest
+from shipid.trials import columns
+from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a trial came from, and what was done to it on the way in.
+
+    Attributes
+    ----------
+    path : str or None
+        The file, as the caller named it; None for a table made in memory.
+    sha256 : str or None
+        Checksum of the file.
+    format : str or None
+        Name of the trial format file, or None where the header spoke for itself.
+    notes : tuple of str
+        What was converted, repaired or dropped, and what the reader should know.
+    simulated : bool
+        Whether the record is a simulation (its first comment line says so).
+    comment : str
+        The comment lines at the head of the file.
+    """
+
+    path: str | None = None
+    sha256: str | None = None
+    format: str | None = None
+    notes: tuple[str, ...] = ()
+    simulated: bool = False
+    comment: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the source as plain values."""
+        return {
+            "path": self.path,
+            "sha256": self.sha256,
+            "format": self.format,
+            "notes": list(self.notes),
+            "simulated": self.simulated,
+            "comment": self.comment,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trial:
+    """A trial record, SI inside.
+
+    Attributes
+    ----------
+    name : str
+        The file's stem; a window adds ``@A:B``.
+    table : pandas.DataFrame
+        Column ``t`` (s, strictly increasing) and further float64 columns by canonical name, in the units of
+        `shipid.trials.columns.COLUMNS`; heading unwrapped; every sample finite.
+    source : Source
+        Where it came from and what was done to it.
+    ship : str or None
+        Name of the ship's parameter set, where the record says it.
+    units : Mapping of str to str
+        Units inside of the columns that are not in the vocabulary.
+    """
+
+    name: str
+    table: pd.DataFrame
+    source: Source = field(default_factory=Source)
+    ship: str | None = None
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def from_frame(
+        cls,
+        frame: pd.DataFrame,
+        *,
+        name: str = "trial",
+        units: Mapping[str, str] | None = None,
+        ship: str | None = None,
+        source: Source | None = None,
+    ) -> Trial:
+        """Make a trial of a pandas table.
+
+        Parameters
+        ----------
+        frame : pandas.DataFrame
+            One row a sample. Columns say their unit in the header (``psi [deg]``) or in `units`.
+        name : str
+            The trial's name.
+        units : Mapping of str to str, optional
+            Units by column name, for headers that say none.
+        ship : str, optional
+            Name of the ship's parameter set.
+        source : Source, optional
+            Where the table came from.
+
+        Returns
+        -------
+        Trial
+
+        Raises
+        ------
+        TrialError
+            If a unit is missing or does not fit, or the record is not a sound one (`shipid.trials.checks`).
+        """
+        from shipid.trials.assembly import trial_from_frame
+
+        return trial_from_frame(frame, name=name, units=dict(units or {}), ship=ship, source=source)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        if name not in self.table:
+            raise UnknownColumnError(f"trial '{self.name}' has no column '{name}'. {nearest(name, self.table.columns)}")
+        return self.table[name].to_numpy()
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __repr__(self) -> str:
+        t = self["t"]
+        lines = [
+            f"Trial '{self.name}'" + (f", ship {self.ship}" if self.ship else ""),
+            f"  {len(self)} samples, {t[0]:g} to {t[-1]:g} s, every {self.sampling:.4g} s",
+        ]
+        for column in self.table.columns[1:]:
+            shown = columns.display_unit(column, self.unit(column))
+            values = self[column] / self._factor(column, shown)
+            lines.append(f"  {column:<12s} {values.min():11.4g} to {values.max():.4g} {border.pretty(shown)}")
+        lines += [f"  note: {note}" for note in self.source.notes]
+        return "\n".join(lines)
+
+    def has(self, *names: str) -> bool:
+        """Whether the trial has all these columns.
+
+        Parameters
+        ----------
+        *names : str
+            Canonical names.
+        """
+        return all(name in self.table for name in names)
+
+    @property
+    def sampling(self) -> float:
+        """Median sampling interval [s]."""
+        return float(np.median(np.diff(self["t"])))
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample [s]."""
+        t = self["t"]
+        return float(t[-1] - t[0])
+
+    def unit(self, name: str) -> str:
+        """Return the unit a column has inside the trial.
+
+        Parameters
+        ----------
+        name : str
+            A column of this trial.
+        """
+        self[name]
+        return columns.COLUMNS[name].unit if name in columns.COLUMNS else self.units[name]
+
+    def window(self, start: float | None, end: float | None) -> Trial:
+        """Return a stretch of the trial; the clock keeps running as it was.
+
+        Parameters
+        ----------
+        start, end : float or None
+            Seconds of the trial's own clock, both ends included; None is the record's own end.
+
+        Returns
+        -------
+        Trial
+            Named ``stem@start:end``.
+
+        Raises
+        ------
+        WindowError
+            If the window lies outside the record, is empty, or runs backwards.
+        """
+        t = self["t"]
+        a = float(t[0]) if start is None else float(start)
+        b = float(t[-1]) if end is None else float(end)
+        slack = 0.5 * self.sampling if len(self) > 1 else 0.0
+        span = f"The record '{self.name}' runs from {t[0]:g} to {t[-1]:g} s."
+        if not a < b:
+            raise WindowError(f"the window {a:g}:{b:g} is empty or runs backwards. {span} Write start:end in seconds.")
+        if a < t[0] - slack or b > t[-1] + slack:
+            raise WindowError(f"the window {a:g}:{b:g} s reaches outside the record. {span} Choose a window inside it.")
+        tiny = 1e-9 * max(1.0, abs(a), abs(b))
+        first, last = np.searchsorted(t, [a - tiny, b + tiny])
+        if last - first < 2:
+            raise WindowError(f"the window {a:g}:{b:g} s holds fewer than two samples. {span} Widen it.")
+        stem = self.name.split("@")[0] if _is_window(self.name) else self.name
+        table = self.table.iloc[first:last].reset_index(drop=True)
+        return replace(self, name=f"{stem}@{a:g}:{b:g}", table=table)
+
+    def to_frame(self, units: Mapping[str, str] | str | None = None) -> pd.DataFrame:
+        """Return the table with units in the headers, such as ``psi [deg]``.
+
+        Parameters
+        ----------
+        units : Mapping of str to str, or "SI", optional
+            Units by column name; columns not named get the unit a reader expects (deg, rpm). ``"SI"`` keeps
+            everything as it is inside.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        UnknownColumnError
+            If `units` names a column that is not there.
+        ColumnUnitError
+            If a unit does not fit its column.
+        """
+        chosen = {} if units is None or isinstance(units, str) else dict(units)
+        if isinstance(units, str) and units != "SI":
+            raise ColumnUnitError(f"units is '{units}'. Write 'SI', or a unit for each column as in {{'psi': 'deg'}}.")
+        for name in chosen:
+            self[name]
+        result = {}
+        for name in self.table.columns:
+            inside = self.unit(name)
+            shown = chosen.get(name, inside if units == "SI" else columns.display_unit(name, inside))
+            result[columns.header(name, shown)] = self[name] / self._factor(name, shown)
+        return pd.DataFrame(result)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return name, ship, source, units and the columns as plain lists (JSON-able: every sample is finite)."""
+        return {
+            "name": self.name,
+            "ship": self.ship,
+            "source": self.source.to_dict(),
+            "units": {name: self.unit(name) for name in self.table.columns},
+            "columns": {name: self[name].tolist() for name in self.table.columns},
+        }
+
+    def _factor(self, name: str, shown: str) -> float:
+        if name in columns.COLUMNS:
+            return columns.to_inside(name, shown)
+        return border.factor(columns.spelt(shown), self.units[name], f"column '{name}'")
+
+
+def _is_window(name: str) -> bool:
+    """Whether the name ends in ``@A:B``, so that a window of a window is named after the file alone."""
+    stem, at, window = name.rpartition("@")
+    first, colon, second = window.partition(":")
+    try:
+        return bool(at and stem and colon and (float(first), float(second)))
+    except ValueError:
+        return False
