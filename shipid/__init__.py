@@ -24,6 +24,8 @@ _HOMES = {
     "ParameterSet": "shipid.declaration.parameters",
     "read_parameter_set": "shipid.declaration.parameters",
     "write_parameter_set": "shipid.declaration.parameters",
+    "find_model": "shipid.declaration.catalogue",
+    "find_ship": "shipid.declaration.catalogue",
     "ShipidError": "shipid.declaration.errors",
 }
 

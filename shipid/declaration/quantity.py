@@ -49,10 +49,12 @@ class Equation:
 
     @property
     def target(self) -> str:
+        """Name of the quantity it defines."""
         return self._quantity.name
 
     @property
     def name(self) -> str:
+        """Name of the method."""
         return self.function.__name__
 
     @property
@@ -91,6 +93,9 @@ class Quantity:
         The value of a given that nothing states and no trial holds, or of a constant no parameter set holds.
     dimensional : str or None
         For a coefficient made dimensionless with L and U: the unit its dimensional form has.
+    prime : bool
+        For a dimensional coefficient: `start`, `low` and `high` count in powers of L and L/U, so that one
+        declaration fits a model on a pond and a tanker.
     estimated : bool
         Whether identification estimates the parameter unless told otherwise.
     measures : str or None
@@ -110,6 +115,7 @@ class Quantity:
     wraps: bool = False
     default: Number = None
     dimensional: str | None = None
+    prime: bool = False
     estimated: bool = True
     measures: str | None = None
     noise: str | None = None
@@ -221,6 +227,7 @@ def parameter(
     nominal: Number = None,
     latex: str | None = None,
     dimensional: str | None = None,
+    prime: bool = False,
     estimated: bool = True,
 ) -> Any:
     """Declare a coefficient that identification may estimate.
@@ -233,6 +240,8 @@ def parameter(
         Where the search starts, and its bounds.
     dimensional : str, optional
         For a coefficient made dimensionless with L and U: the unit its dimensional form has, such as ``"1/s"`` for K*.
+    prime : bool
+        For a dimensional coefficient: `start`, `low` and `high` are in the prime system (powers of L and L/U).
     estimated : bool
         Whether it is estimated unless the user chooses.
     """
@@ -246,6 +255,7 @@ def parameter(
         nominal=nominal,
         latex=latex,
         dimensional=dimensional,
+        prime=prime,
         estimated=estimated,
     )
 

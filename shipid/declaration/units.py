@@ -23,7 +23,7 @@ def registry() -> Any:
     """Return the one pint registry of the toolbox (built on first use: it costs 0.1-0.3 s)."""
     import pint
 
-    ureg = pint.UnitRegistry()
+    ureg: Any = pint.UnitRegistry()
     ureg.define("rps = revolution / second")
     return ureg
 
@@ -127,6 +127,36 @@ def factor(given: str, wanted: str, what: str = "the value") -> float:
     return float(registry().Quantity(1.0, unit(given)).to(unit(wanted)).magnitude)
 
 
+@functools.cache
+def prime_exponents(text: str) -> tuple[float, float]:
+    """Return (a, b) such that ``L**a * (L/U)**b`` has the unit: the prime system of a coefficient.
+
+    Raises
+    ------
+    UnitError
+        If the unit is not made of lengths and times.
+    """
+    dimensions = dict(unit(text).dimensionality)
+    length, time = float(dimensions.pop("[length]", 0)), float(dimensions.pop("[time]", 0))
+    if dimensions:
+        raise UnitError(f"{pretty(text)} is not made of lengths and times, so L and U do not scale it.")
+    return length, time
+
+
+def prime_factor(text: str, length: float, speed: float) -> float:
+    """Return what one unit of the prime system is in `text`: 1/s gives U/L.
+
+    Parameters
+    ----------
+    text : str
+        A unit made of lengths and times.
+    length, speed : float
+        L in m and U in m/s.
+    """
+    a, b = prime_exponents(text)
+    return float(length**a * (length / speed) ** b)
+
+
 def split(text: str) -> tuple[float, str | None]:
     """Split ``"9 kn"`` into ``(9.0, "kn")``; the unit is None where there is only a number.
 
@@ -158,6 +188,7 @@ def to_si(value: str | float | tuple[float, str], wanted: str, what: str = "the 
     UnitError
         If a bare number stands where a unit is needed, or the unit does not fit.
     """
+    given: str | None
     if isinstance(value, tuple):
         number, given = float(value[0]), value[1]
     elif isinstance(value, str):

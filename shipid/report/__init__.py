@@ -1,0 +1,1 @@
+"""Self-contained HTML reports: reports know results, results know nothing of reports."""
