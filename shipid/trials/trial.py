@@ -201,7 +201,7 @@ class Trial:
         first, last = np.searchsorted(t, [a - tiny, b + tiny])
         if last - first < 2:
             raise WindowError(f"the window {a:g}:{b:g} s holds fewer than two samples. {span} Widen it.")
-        stem = self.name.split("@")[0] if _is_window(self.name) else self.name
+        stem = self.name.rpartition("@")[0] if _is_window(self.name) else self.name
         table = self.table.iloc[first:last].reset_index(drop=True)
         return replace(self, name=f"{stem}@{a:g}:{b:g}", table=table)
 

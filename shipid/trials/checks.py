@@ -1,0 +1,273 @@
+"""What a record must be to count as a trial, and what identification asks of it besides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from math import pi
+
+import numpy as np
+
+from shipid.trials.errors import (
+    ClockError,
+    ClockGapError,
+    LooksLikeDegreesError,
+    NonFiniteError,
+    NoRudderMovementError,
+    TooShortError,
+    UnknownColumnError,
+)
+from shipid.trials.trial import Trial
+
+FEWEST_SAMPLES = 10
+GAP = 5.0
+"""An interval this many times the median one is a gap."""
+
+_STEADY_RUDDER = np.radians(0.5)
+"""Rudder movement below this is noise of the feedback, not a manoeuvre."""
+
+
+def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
+    """Refuse a clock that is not strictly increasing.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time stamps [s].
+    where : str
+        Which record, for the message.
+    line : callable
+        Gives the row number to name for a sample.
+
+    Raises
+    ------
+    ClockError
+        With the row of the first time stamp that repeats or runs backwards, and how many do.
+    """
+    bad = np.flatnonzero(np.diff(t) <= 0)
+    if bad.size:
+        k = int(bad[0])
+        what = "repeats" if t[k + 1] == t[k] else "runs backwards"
+        raise ClockError(
+            f"{where}, column 't': the clock {what} between rows {line(k)} and {line(k + 1)} "
+            f"({t[k]:.10g} s, then {t[k + 1]:.10g} s); {bad.size} of {len(t) - 1} steps do. Sort the rows and remove "
+            "the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+        )
+
+
+def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[int], int]) -> None:
+    """Refuse samples that are empty, NaN or infinite.
+
+    Parameters
+    ----------
+    columns : Mapping of str to ndarray
+        The record.
+    where, line
+        As in `check_clock`.
+
+    Raises
+    ------
+    NonFiniteError
+        With columns, rows, and whether they stand at the end of the record.
+    """
+    bad = {name: ~np.isfinite(values) for name, values in columns.items()}
+    bad = {name: mask for name, mask in bad.items() if mask.any()}
+    if not bad:
+        return
+    rows = np.flatnonzero(np.any(list(bad.values()), axis=0))
+    n = len(next(iter(columns.values())))
+    trailing = rows[-1] == n - 1 and rows[0] == n - len(rows)
+    first = ", ".join(str(line(int(k))) for k in rows[:3]) + (", ..." if len(rows) > 3 else "")
+    remedy = (
+        "They all stand at the end of the record: remove them, or state [repairs] trailing = 'drop' in a format file."
+        if trailing
+        else "Remove the rows or fill them from neighbours you trust, or read a window without them (FILE@start:end)."
+    )
+    raise NonFiniteError(
+        f"{where}: {len(rows)} samples are empty or not finite, in rows {first}, "
+        f"column {', '.join(repr(name) for name in bad)}. {remedy}"
+    )
+
+
+def check_length(n: int, where: str) -> None:
+    """Refuse a record of fewer than `FEWEST_SAMPLES` samples.
+
+    Parameters
+    ----------
+    n : int
+        Number of samples.
+    where : str
+        Which record.
+
+    Raises
+    ------
+    TooShortError
+    """
+    if n < FEWEST_SAMPLES:
+        raise TooShortError(
+            f"{where} has {n} samples, and a trial needs at least {FEWEST_SAMPLES}. Check that the log is complete, "
+            "or widen the window."
+        )
+
+
+def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], where: str) -> None:
+    """Refuse angles that are said to be in radians and have the values of degrees, or the other way round.
+
+    Parameters
+    ----------
+    columns : Mapping of str to ndarray
+        The record in SI units, the heading as it was read, not yet unwrapped.
+    stated : Mapping of str to str
+        The unit each column was said to have.
+    where : str
+        Which record.
+
+    Raises
+    ------
+    LooksLikeDegreesError
+    """
+
+    def fail(name: str, finding: str) -> LooksLikeDegreesError:
+        now = stated[name]
+        other = now.replace("rad", "deg") if "rad" in now else now.replace("deg", "rad")
+        said, seems = ("radians", "degrees") if "rad" in now else ("degrees", "radians")
+        return LooksLikeDegreesError(
+            f"{where}, column '{name}': the unit says {said}, and the values look like {seems}: {finding}. "
+            f"Write '{name} [{other}]' in the header, or unit = \"{other}\" in the format file, if they are."
+        )
+
+    said_radians = {name for name in columns if "rad" in stated.get(name, "")}
+    for name in ("delta", "delta_order"):
+        if name in said_radians and (largest := float(np.abs(columns[name]).max())) > pi / 2:
+            raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
+    # 1 rad/s is a full turn in 6 s: a 3 m model reaches a fifth of it.
+    if "r" in said_radians and (fast := float(np.quantile(np.abs(columns["r"]), 0.95))) > 1.0:
+        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {np.degrees(fast):.0f} deg/s")
+    if "psi" not in columns:
+        return
+    t, psi = columns["t"], columns["psi"]
+    step = np.diff(psi)
+    if "psi" in said_radians:
+        if abs(psi[0]) > 8 * pi:
+            raise fail("psi", f"the heading begins at {psi[0]:.4g} rad")
+        if np.any(np.abs(np.abs(step) - 360) < 5):
+            raise fail("psi", "the heading jumps by 360")
+        if (rate := float(np.quantile(np.abs(step) / np.diff(t), 0.95))) > 1.0:
+            raise fail("psi", f"the heading runs from {psi.min():.4g} to {psi.max():.4g} rad, up to {rate:.3g} rad/s")
+    if "r" in columns:
+        smooth = np.abs(step) < pi / 2  # not the wrap
+        turned, said = step[smooth], (0.5 * (columns["r"][1:] + columns["r"][:-1]) * np.diff(t))[smooth]
+        # Compare spread, not sample by sample: quantised headings step while the rate is smooth.
+        blocks = max(1, len(turned) // 100)
+        edges = np.arange(0, len(turned), blocks)
+        turned, said = np.add.reduceat(turned, edges), np.add.reduceat(said, edges)
+        energy = float(said @ said)
+        ratio = float(turned @ said) / energy if energy > 0 else 1.0
+        agree = float(turned @ said) ** 2 > 0.5 * energy * float(turned @ turned)
+        if agree and 40 < ratio < 80:
+            name = "psi" if "psi" in said_radians else "r"
+            raise fail(name, f"the heading changes {ratio:.0f} times as fast as r says")
+        if agree and 1 / 80 < ratio < 1 / 40:
+            name = "r" if "r" in said_radians else "psi"
+            raise fail(name, f"r is {1 / ratio:.0f} times the slope of the heading")
+
+
+def gaps(t: np.ndarray) -> np.ndarray:
+    """Return the indices of the samples after which the clock has a gap.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+
+    Returns
+    -------
+    ndarray of int
+        Samples followed by an interval longer than `GAP` times the median one.
+    """
+    step = np.diff(t)
+    return np.flatnonzero(step > GAP * np.median(step))
+
+
+def check_regular(trial: Trial) -> None:
+    """Refuse a trial whose clock has a gap: a model cannot be run through the time nobody saw.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Raises
+    ------
+    ClockGapError
+        With the longest gap, and the stretches before and after it.
+    """
+    t = trial["t"]
+    found = gaps(t)
+    if found.size:
+        k = int(found[np.argmax(np.diff(t)[found])])
+        raise ClockGapError(
+            f"trial '{trial.name}': the clock has {found.size} gaps, the longest from {t[k]:g} to {t[k + 1]:g} s, "
+            f"where samples come every {trial.sampling:.4g} s. Use the stretches on either side: "
+            f"@{t[0]:g}:{t[k]:g} and @{t[k + 1]:g}:{t[-1]:g}."
+        )
+
+
+def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
+    """Refuse a trial in which the rudder does not move: there is no response to identify.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    column : str
+        The input: ``delta`` or ``delta_order``.
+
+    Raises
+    ------
+    NoRudderMovementError
+        If the rudder stays within 0.5 deg.
+    UnknownColumnError
+        If there is no such column.
+    """
+    if not trial.has(column):
+        raise UnknownColumnError(
+            f"trial '{trial.name}' has no column '{column}', and without the rudder angle there is nothing to "
+            f"identify. It has {', '.join(trial.table.columns)}."
+        )
+    delta = trial[column]
+    spread = float(np.ptp(delta))
+    if spread <= _STEADY_RUDDER:
+        raise NoRudderMovementError(
+            f"trial '{trial.name}', column '{column}': the rudder stays at {np.degrees(np.median(delta)):.2f} deg "
+            f"(it moves by {np.degrees(spread):.2g} deg), so the response to it cannot be identified. "
+            "Use a stretch with a manoeuvre in it, or check which column holds the rudder angle."
+        )
+
+
+def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
+    """Whether positive rudder turns this ship to port: the sign of a in ``r' = a delta - b r + c``, by regression.
+
+    Parameters
+    ----------
+    t, delta, r : ndarray, shape (n,)
+        Time [s], rudder angle [rad], rate of turn [rad/s].
+
+    Returns
+    -------
+    bool
+        True only where the sign is beyond doubt (ten standard deviations).
+    """
+    # In integral form, over blocks: differentiating a noisy rate of turn would drown the sign.
+    count = min(400, len(t) - 1)
+    at = np.unique(np.linspace(0, len(t) - 1, count + 1).astype(int))
+    dt = np.diff(t)
+    integral = [np.concatenate(([0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * dt))) for signal in (delta, r)]
+    design = np.column_stack([*(np.diff(part[at]) for part in integral), np.diff(t[at])])
+    target = np.diff(r[at])
+    if len(target) < 10 or np.ptp(delta) <= _STEADY_RUDDER or np.linalg.matrix_rank(design) < 3:
+        return False
+    solution, residual, *_ = np.linalg.lstsq(design, target, rcond=None)
+    if not residual.size:
+        return False
+    variance = residual[0] / (len(target) - 3) * np.linalg.inv(design.T @ design)[0, 0]
+    return bool(solution[0] < -10 * np.sqrt(variance))
