@@ -1,0 +1,111 @@
+"""Compile once, keep: generated C goes through the machine's compiler into a cache keyed by what it was made of.
+
+Without a compiler the CasADi virtual machine does the same arithmetic 5-12 times slower; that is said once.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+
+FLAGS = ("-O3", "-fPIC", "-shared")
+
+
+class CompilerNotice(UserWarning):
+    """Generated code runs on the virtual machine because it could not be compiled."""
+
+
+def cache_folder() -> Path:
+    """Return the folder of compiled code: ``$SHIPID_CACHE``, or the user's cache folder."""
+    chosen = os.environ.get("SHIPID_CACHE")
+    if chosen:
+        return Path(chosen)
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "shipid"
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "shipid"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "shipid"
+
+
+@functools.cache
+def _compiler() -> tuple[str, str] | None:
+    """Return the path and the version line of the C compiler, or None."""
+    for candidate in (os.environ.get("CC"), "cc", "gcc", "clang"):
+        path = shutil.which(candidate) if candidate else None
+        if path is None:
+            continue
+        try:
+            answer = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=20, check=True)
+        except (OSError, subprocess.SubprocessError):
+            continue
+        return path, answer.stdout.partition("\n")[0]
+    return None
+
+
+@functools.cache
+def _notice(reason: str) -> None:
+    warnings.warn(
+        f"generated code is not compiled ({reason}); it runs on CasADi's virtual machine, 5 to 12 times slower.",
+        CompilerNotice,
+        stacklevel=4,
+    )
+
+
+def compile_function(function: Any) -> Any:
+    """Return the compiled form of a CasADi function, from the cache where it has been compiled before.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        A function without callbacks.
+
+    Returns
+    -------
+    casadi.Function
+        The same function as machine code, or unchanged where there is no compiler or it failed (with one notice).
+        ``SHIPID_COMPILE=0`` in the environment leaves every function unchanged.
+    """
+    if os.environ.get("SHIPID_COMPILE") == "0":
+        return function
+    compiler = _compiler()
+    if compiler is None:
+        _notice("no C compiler found; install gcc or clang, or set CC")
+        return function
+    generator = ca.CodeGenerator("shipid_code.c", {"with_header": False})
+    generator.add(function)
+    source = generator.dump()
+    key = hashlib.sha256("\0".join((source, *compiler, *FLAGS)).encode()).hexdigest()[:32]
+    try:
+        library = _build(source, key, compiler[0])
+        return ca.external(function.name(), str(library))
+    except (OSError, RuntimeError, subprocess.SubprocessError) as error:
+        detail = getattr(error, "stderr", "") or str(error)
+        _notice(f"compiling failed: {detail.strip()[:200]}")
+        return function
+
+
+def _build(source: str, key: str, compiler: str) -> Path:
+    """Compile into the cache under a temporary name and rename: processes may race, none sees half a file."""
+    folder = cache_folder()
+    library = folder / f"{key}.so"
+    if library.exists():
+        return library
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder) as scratch:
+        code = Path(scratch) / "code.c"
+        code.write_text(source)
+        built = Path(scratch) / "code.so"
+        command = [compiler, *FLAGS, "-o", str(built), str(code), "-lm"]
+        subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
+        built.replace(library)
+    return library

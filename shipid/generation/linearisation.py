@@ -1,0 +1,167 @@
+"""Linearisation at a condition, and the steady conditions to linearise at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.declaration.errors import ShipidError
+from shipid.declaration.model import Model
+from shipid.generation.system import generate
+
+#: States that a steady motion may change at a constant rate: where the ship is and where it points.
+COORDINATES = ("x", "y", "psi")
+
+
+class NoSteadyStateError(ShipidError):
+    """No steady motion was found from the given starting point."""
+
+    exit_code = 4
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """The linear model ``dx/dt = A x + B u``, ``y = C x + D u`` of small deviations from a condition.
+
+    Attributes
+    ----------
+    A, B, C, D : ndarray
+        Exact Jacobians, shapes (n, n), (n, m), (k, n), (k, m).
+    states, inputs, outputs : tuple of str
+        Names along them.
+    condition : mapping of str to float
+        Where it holds, SI.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    condition: Mapping[str, float]
+
+    @property
+    def poles(self) -> np.ndarray:
+        """Eigenvalues of A in 1/s, slowest decay first."""
+        values = np.linalg.eigvals(self.A)
+        return values[np.argsort(-values.real)]
+
+    def to_state_space(self) -> Any:
+        """Return the python-control state-space system, with names."""
+        import control
+
+        return control.ss(
+            self.A,
+            self.B,
+            self.C,
+            self.D,
+            states=list(self.states),
+            inputs=list(self.inputs),
+            outputs=list(self.outputs),
+        )
+
+
+def linearise(
+    model: Model,
+    condition: Mapping[str, float],
+    states: Sequence[str] | None = None,
+    inputs: Sequence[str] | None = None,
+    outputs: Sequence[str] | None = None,
+) -> Linearisation:
+    """Linearise a continuous model at a condition, with exact Jacobians.
+
+    Parameters
+    ----------
+    model : Model
+        A model whose states all have a rate.
+    condition : mapping of str to float
+        SI values of states (0 where not given), inputs, parameters and constants.
+    states, inputs, outputs : sequence of str, optional
+        Which to keep; by default all states, all inputs, and the states as outputs.
+
+    Returns
+    -------
+    Linearisation
+
+    Raises
+    ------
+    DeclarationError
+        If a value is missing, or a state is sampled.
+    """
+    system = generate(model)
+    at = (
+        system.vector(system.states, condition, default=0.0),
+        system.vector(system.inputs, condition, default=0.0),
+        system.vector(system.coefficients, condition),
+    )
+    kept = tuple(states or system.states)
+    shown = tuple(outputs or kept)
+    used = tuple(inputs or system.inputs)
+    y = system.expression(shown)
+    blocks = ca.Function(
+        "linear",
+        [system.x, system.u, system.p],
+        [
+            ca.jacobian(system.rates, system.x),
+            ca.jacobian(system.rates, system.u),
+            ca.jacobian(y, system.x),
+            ca.jacobian(y, system.u),
+        ],
+    )
+    _ = system.right_hand_side  # refuses a sampled model, with its reason
+    a, b, c, d = (np.asarray(m.full()) for m in blocks(*at))
+    i = [system.states.index(s) for s in kept]
+    j = [system.inputs.index(n) for n in used]
+    return Linearisation(
+        a[np.ix_(i, i)], b[np.ix_(i, j)], c[:, i], d[:, j], kept, used, shown, MappingProxyType(dict(condition))
+    )
+
+
+def find_steady_state(model: Model, condition: Mapping[str, float]) -> dict[str, float]:
+    """Return the states of a steady motion: all rates zero but those of position and heading.
+
+    Parameters
+    ----------
+    model : Model
+        A model whose states all have a rate.
+    condition : mapping of str to float
+        Inputs, parameters and constants, and where the search starts in the states (0 where not given).
+
+    Returns
+    -------
+    dict of str to float
+        Every state, SI.
+
+    Raises
+    ------
+    NoSteadyStateError
+        If the search does not converge.
+    """
+    from scipy.optimize import root
+
+    system = generate(model)
+    free = [i for i, s in enumerate(system.states) if s not in COORDINATES]
+    x = system.vector(system.states, condition, default=0.0)
+    u = system.vector(system.inputs, condition, default=0.0)
+    p = system.vector(system.coefficients, condition)
+    rates, jacobian = system.right_hand_side, system.jacobian("rates", "x")
+
+    def fun(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x[free] = z
+        return rates(x, u, p).full().ravel()[free], jacobian(x, u, p).full()[np.ix_(free, free)]
+
+    found = root(fun, x[free].copy(), jac=True, tol=1e-13)
+    residual = np.abs(fun(found.x)[0]).max() if free else 0.0
+    if not np.isfinite(residual) or residual > 1e-8:
+        raise NoSteadyStateError(
+            f"model {model.name} has no steady motion near the given start (the rates stay at {residual:.2g}). "
+            "Start the search closer, or ask for less rudder."
+        )
+    return dict(zip(system.states, x.tolist()))

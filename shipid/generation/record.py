@@ -1,0 +1,184 @@
+"""Whole records: a step accumulated over all samples in one call, with or without sensitivities."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.generation.compiling import compile_function
+from shipid.generation.step import make_step
+from shipid.generation.system import System, generate
+
+
+@dataclass(frozen=True)
+class Record:
+    """A model over a whole record of samples.
+
+    Made by `make_record`. Sample k of the outputs belongs to the states before step k, so N samples of the input
+    give N samples of the outputs.
+
+    Attributes
+    ----------
+    system : System
+        The equations.
+    outputs : tuple of str
+        Names along the rows of the result.
+    unknowns : tuple of str
+        Names the outputs are differentiated by: coefficients, then ``x0:STATE``, then ``bias:INPUT``.
+    """
+
+    system: System
+    outputs: tuple[str, ...]
+    unknowns: tuple[str, ...]
+    _step: Any = field(repr=False)
+    _seed: np.ndarray = field(repr=False)
+
+    @property
+    def step(self) -> Any:
+        """The accumulated CasADi function of one sample."""
+        return self._step
+
+    def __call__(
+        self, x0: np.ndarray, u: np.ndarray, intervals: np.ndarray, p: np.ndarray, bias: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Run the record.
+
+        Parameters
+        ----------
+        x0 : ndarray, shape (states,)
+            Initial states.
+        u : ndarray, shape (inputs, N)
+            Inputs at the samples.
+        intervals : ndarray, shape (N,)
+            Time from each sample to the next, in s; the last one is not used.
+        p : ndarray, shape (coefficients,)
+            Parameters and constants.
+        bias : ndarray, shape (inputs,), optional
+            Added to every sample of the inputs.
+
+        Returns
+        -------
+        y : ndarray, shape (outputs, N)
+            Outputs; not finite from where the model diverges.
+        dy : ndarray, shape (outputs, unknowns, N)
+            Derivatives of the outputs by the unknowns.
+        """
+        count = u.shape[1]
+        n_y, n_q = len(self.outputs), len(self.unknowns)
+        shifted = u if bias is None else u + bias[:, None]
+        following = np.concatenate([shifted[:, 1:], shifted[:, -1:]], axis=1)
+        steps = np.array(intervals, dtype=float)
+        steps[-1] = 0.0
+        control = np.vstack([shifted, following, steps])
+        z0 = np.concatenate([x0, self._seed])
+        rows = np.asarray(_accumulated(self, count)(z0, control, p))
+        return rows[:n_y], rows[n_y:].reshape(n_q, n_y, count).transpose(1, 0, 2)
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+@functools.lru_cache(maxsize=256)
+def _accumulated(record: Record, count: int) -> Any:
+    step = record.step
+    z0, control, p = (
+        ca.MX.sym("z0", step.size1_in(0)),
+        ca.MX.sym("c", step.size1_in(1), count),
+        ca.MX.sym("p", step.size1_in(2)),
+    )
+    _, out = step.mapaccum(count)(z0, control, ca.repmat(p, 1, count))
+    return ca.Function("record", [z0, control, p], [out])
+
+
+@functools.lru_cache(maxsize=64)
+def make_record(
+    model: Model,
+    outputs: tuple[str, ...],
+    coefficients: tuple[str, ...] = (),
+    initial: tuple[str, ...] = (),
+    biases: tuple[str, ...] = (),
+    method: str = "rk4",
+    hold: str = "linear",
+    substeps: int = 1,
+    compiled: bool = True,
+) -> Record:
+    """Generate a record function, with forward sensitivities carried inside the step.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    outputs : tuple of str
+        Quantities to return at every sample.
+    coefficients, initial, biases : tuple of str
+        What to differentiate by: coefficients, initial values of states, constant biases of inputs.
+    method, hold, substeps
+        See `shipid.generation.step.make_step`.
+    compiled : bool
+        Whether to compile the step.
+
+    Returns
+    -------
+    Record
+
+    Notes
+    -----
+    With S the derivative of the states by the unknowns q, the step carries
+    ``S+ = (dx+/dx) S + dx+/dq``, and the outputs ``dy/dq = (dy/dx) S + dy/dq``: one pass, no adjoint of the whole
+    record, 2-4 times faster than differentiating the accumulated function.
+    """
+    system = generate(model)
+    step = make_step(system, method, hold, substeps)
+    n_x, n_q = system.x.shape[0], len(coefficients) + len(initial) + len(biases)
+    sensitivities = ca.SX.sym("S", n_x, n_q)
+    outputs_now = system.expression(outputs)
+
+    carried = ca.jacobian(step.x_next, system.x) @ sensitivities + _direct(
+        step.x_next, system, step, coefficients, initial, biases
+    )
+    shown = ca.jacobian(outputs_now, system.x) @ sensitivities + _direct(
+        outputs_now, system, step, coefficients, initial, biases
+    )
+
+    u1 = step.u1 if not ca.is_equal(step.u0, step.u1) else ca.SX.sym("u1", system.u.shape[0])
+    z = ca.vertcat(system.x, ca.vec(sensitivities))
+    z_next = ca.vertcat(step.x_next, ca.vec(carried))
+    out = ca.vertcat(outputs_now, ca.vec(shown))
+    function = ca.Function("step", [z, ca.vertcat(system.u, u1, system.T), system.p], [z_next, out])
+    seed = np.zeros((n_x, n_q))
+    for j, name in enumerate(initial):
+        seed[system.states.index(name), len(coefficients) + j] = 1.0
+    unknowns = (*coefficients, *(f"x0:{n}" for n in initial), *(f"bias:{n}" for n in biases))
+    return Record(
+        system,
+        tuple(outputs),
+        unknowns,
+        compile_function(function) if compiled else function,
+        seed.ravel(order="F"),
+    )
+
+
+def _direct(
+    expression: Any,
+    system: System,
+    step: Any,
+    coefficients: Sequence[str],
+    initial: Sequence[str],
+    biases: Sequence[str],
+) -> Any:
+    """Derivative of an expression by the unknowns at fixed states."""
+    by_p = ca.jacobian(expression, system.p)
+    by_u = ca.jacobian(expression, system.u)
+    if not ca.is_equal(step.u0, step.u1):
+        by_u = by_u + ca.jacobian(expression, step.u1)
+    rows = expression.shape[0]
+    columns = [by_p[:, system.coefficients.index(n)] for n in coefficients]
+    columns += [ca.SX.zeros(rows, 1) for _ in initial]
+    columns += [by_u[:, system.inputs.index(n)] for n in biases]
+    return ca.horzcat(*columns) if columns else ca.SX(rows, 0)

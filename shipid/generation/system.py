@@ -1,0 +1,177 @@
+"""A model as CasADi expressions: the one translation everything generated starts from."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.declaration.component import SAMPLING_INTERVAL
+from shipid.declaration.errors import DeclarationError, UnknownNameError
+from shipid.declaration.model import Evaluation, Model
+
+# CasADi asks which of two behaviours NumPy functions have on its symbols; equations need a symbol in, a symbol out.
+ca.GlobalOptions.setNumpyMode(1)
+
+
+@dataclass(frozen=True)
+class System:
+    """The equations of a model as SX expressions of its states, inputs and coefficients.
+
+    Attributes
+    ----------
+    model : Model
+        What it was generated from.
+    x, u, p : casadi.SX
+        Column vectors: states, inputs, coefficients (parameters, then constants), in the order of the names.
+    T : casadi.SX
+        The sampling interval.
+    rates : casadi.SX
+        Time derivative of each state; zero for a state that is defined by its next sample.
+    nexts : mapping of int to casadi.SX
+        Next sample of the states that are defined by it, by index.
+    values : mapping of str to casadi.SX
+        Every quantity of the model by name.
+    """
+
+    model: Model
+    x: Any
+    u: Any
+    p: Any
+    T: Any
+    rates: Any
+    nexts: Mapping[int, Any]
+    values: Mapping[str, Any] = field(repr=False)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names along `x`."""
+        return self.model.states
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names along `u`."""
+        return self.model.inputs
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Names along `p`: the parameters, then the constants."""
+        return self.model.parameters + self.model.constants
+
+    def expression(self, names: Sequence[str]) -> Any:
+        """Return the named quantities as one column.
+
+        Raises
+        ------
+        UnknownNameError
+            If the model has no such quantity.
+        """
+        unknown = [n for n in names if n not in self.values]
+        if unknown:
+            raise UnknownNameError(f"quantity in model {self.model.name} called", unknown[0], self.values)
+        return ca.vertcat(*(self.values[n] for n in names)) if names else ca.SX(0, 1)
+
+    def function(self, names: Sequence[str]) -> Any:
+        """Return the CasADi function ``(x, u, p) -> quantities``.
+
+        Parameters
+        ----------
+        names : sequence of str
+            States, inputs, derived quantities or outputs.
+        """
+        return ca.Function("quantities", [self.x, self.u, self.p], [self.expression(names)], ["x", "u", "p"], ["y"])
+
+    @functools.cached_property
+    def right_hand_side(self) -> Any:
+        """The CasADi function ``(x, u, p) -> dx/dt``.
+
+        Raises
+        ------
+        DeclarationError
+            If a state is defined by its next sample, and so has no rate.
+        """
+        if self.nexts:
+            sampled = ", ".join(self.states[i] for i in self.nexts)
+            raise DeclarationError(f"model {self.model.name} has no right-hand side: {sampled} is sampled. Use a step.")
+        return ca.Function("right_hand_side", [self.x, self.u, self.p], [self.rates], ["x", "u", "p"], ["dx"])
+
+    def jacobian(self, of: str, by: str) -> Any:
+        """Return the CasADi function ``(x, u, p) -> Jacobian``, exact.
+
+        Parameters
+        ----------
+        of : {"rates"} or str
+            The right-hand side, or the name of a quantity.
+        by : {"x", "u", "p"}
+            The argument to differentiate by.
+        """
+        wanted = self.rates if of == "rates" else self.expression([of])
+        derivative = ca.jacobian(wanted, {"x": self.x, "u": self.u, "p": self.p}[by])
+        return ca.Function("jacobian", [self.x, self.u, self.p], [derivative], ["x", "u", "p"], ["J"])
+
+    def vector(self, names: Sequence[str], values: Mapping[str, float], default: float | None = None) -> np.ndarray:
+        """Return named numbers in the order of `names`, shape (len(names),).
+
+        Raises
+        ------
+        DeclarationError
+            If a number is missing and there is no default.
+        """
+        out = np.empty(len(names))
+        for i, name in enumerate(names):
+            fallback = self.model[name].number("default") if name not in values else None
+            value = values.get(name, fallback if fallback is not None else default)
+            if value is None:
+                raise DeclarationError(f"'{name}' of model {self.model.name} has no value.")
+            out[i] = value
+        return out
+
+    @functools.cached_property
+    def digest(self) -> str:
+        """A hash of the equations, the same wherever and whenever the declaration is the same."""
+        names = (self.states, self.inputs, self.coefficients, tuple(self.values))
+        text = repr((names, str(self.rates), sorted((i, str(e)) for i, e in self.nexts.items())))
+        text += repr([(n, str(self.values[n])) for n in self.model.derived + self.model.outputs])
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+@functools.lru_cache(maxsize=64)
+def generate(model: Model) -> System:
+    """Translate a model to CasADi expressions.
+
+    Parameters
+    ----------
+    model : Model
+        Any model made by `shipid.join`.
+
+    Returns
+    -------
+    System
+    """
+    groups = {
+        "x": model.states,
+        "u": model.inputs,
+        "p": model.parameters + model.constants,
+    }
+    symbols = {n: ca.SX.sym(n) for names in groups.values() for n in names}
+    interval = ca.SX.sym(SAMPLING_INTERVAL)
+    evaluation = Evaluation(model, symbols | {SAMPLING_INTERVAL: interval})
+    rates = evaluation.right_hand_sides("rate")
+    nexts = evaluation.right_hand_sides("next")
+    values = {n: symbols[n] if n in symbols else ca.SX(evaluation[n]) for n in model.entries if n != SAMPLING_INTERVAL}
+    columns = {k: ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1) for k, names in groups.items()}
+    return System(
+        model,
+        columns["x"],
+        columns["u"],
+        columns["p"],
+        interval,
+        ca.vertcat(*(ca.SX(rates.get(s, 0.0)) for s in model.states)),
+        {i: ca.SX(nexts[s]) for i, s in enumerate(model.states) if s in nexts},
+        values,
+    )
