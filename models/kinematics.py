@@ -1,0 +1,56 @@
+"""Planar motion: the path of a ship over the ground, from its speeds through the water and its rate of turn.
+
+Passenier (1989), section 2.4 and 2.5.2. North is x and east is y, the heading is counted from north to the east,
+and a current is given by the direction it flows to. The thesis draws the same axes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid import Component, constant, given, state
+
+#: Below this share of the cruising speed, the equations that divide by the speed use the share instead. A model that
+#: is scaled with the speed says nothing about a ship that hardly moves, and its steady turn may not exist (De Keizer's
+#: runs down to u = 0 in finite time): the floor keeps such a run finite. Above it the equations are as printed.
+LEAST_WAY = 0.05
+
+
+class PlanarMotion(Component):
+    """Position and heading of a ship in a uniform current."""
+
+    x = state("m", "position to the north", nominal=100.0)
+    y = state("m", "position to the east", nominal=100.0)
+    psi = state("rad", "heading, clockwise from north", nominal="10 deg", wraps=True, latex=r"\psi")
+    u = given("m/s", "forward speed through the water")
+    v = given("m/s", "sway speed through the water, positive to starboard", default=0.0)
+    r = given("rad/s", "rate of turn, positive to starboard")
+    current_north = given("m/s", "current, its part that flows to the north", default=0.0, latex="U_{c,N}")
+    current_east = given("m/s", "current, its part that flows to the east", default=0.0, latex="U_{c,E}")
+
+    @x.rate
+    def north(self):
+        """Passenier (1989), eq. (2.71)."""
+        return self.u * np.cos(self.psi) - self.v * np.sin(self.psi) + self.current_north
+
+    @y.rate
+    def east(self):
+        """Passenier (1989), eq. (2.72)."""
+        return self.u * np.sin(self.psi) + self.v * np.cos(self.psi) + self.current_east
+
+    @psi.rate
+    def turning(self):
+        """The heading is the integral of the rate of turn: Passenier (1989), section 2.4."""
+        return self.r
+
+
+class SpeedScaled(Component):
+    """What the models scaled by length and instantaneous speed have in common; it states nothing itself."""
+
+    cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")
+    L = constant("m", "length between perpendiculars")
+
+    @property
+    def way(self):
+        """The forward speed, not less than `LEAST_WAY` of the cruising speed."""
+        return np.maximum(self.u, LEAST_WAY * self.cruise)
