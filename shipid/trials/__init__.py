@@ -16,7 +16,7 @@ _WHERE = {
     "TrialFormat": "format",
     "check_identifiable_input": "checks",
     "check_regular": "checks",
-    "measure": "measure",
+    "measure": "measuring",
     "overshoots_of": "zigzag",
     "read_format": "format",
     "read_trial": "reading",

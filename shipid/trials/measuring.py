@@ -1,0 +1,91 @@
+"""Measure a manoeuvre: find out what it is, and put its numbers in the terms of ITTC and IMO."""
+
+from __future__ import annotations
+
+from math import pi
+
+from shipid.declaration import units
+from shipid.declaration.errors import UnknownNameError
+from shipid.trials import rudder as helm
+from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
+from shipid.trials.measures import Measures
+from shipid.trials.trial import Trial
+from shipid.trials.turn import measure_turn, turning_plate
+from shipid.trials.zigzag import measure_zigzag
+
+KINDS = ("zig-zag", "turning circle")
+
+
+def measure(
+    trial: Trial, kind: str | None = None, *, execute: str | None = None, length: str | float | None = None
+) -> Measures:
+    """Measure a zig-zag or a turning circle.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial, or a window of it, with heading ``psi`` and rudder ``delta`` (or ``delta_order``).
+    kind : {"zig-zag", "turning circle"}, optional
+        What it is; found out from rudder and heading by default.
+    execute : {"moved", "order"}, optional
+        How the execute is read (`shipid.trials.rudder`): the rudder has left its plate by 15 % (in a turn: has moved
+        3 deg), or the order. By default the order where it is recorded, else "moved".
+    length : str, optional
+        Ship length with its unit, as in "320 m", for the ratios to it.
+
+    Returns
+    -------
+    Measures
+        A `ZigZag` or a `TurningCircle`; None stands for what the manoeuvre did not reach.
+
+    Raises
+    ------
+    NotAManoeuvreError
+        If the record is neither.
+    UnknownColumnError
+        If heading or rudder is missing.
+    UnitError
+        If the length has no unit.
+    """
+    metres = None if length is None else units.to_si(length, "m", "the ship length")
+    if kind is not None and kind not in KINDS:
+        raise UnknownNameError("kind of manoeuvre", kind, KINDS)
+    if not trial.has("psi"):
+        raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
+    kind = kind or detect(trial)
+    return measure_turn(trial, execute, metres) if kind == KINDS[1] else measure_zigzag(trial, execute, metres)
+
+
+def detect(trial: Trial) -> str:
+    """Find out whether a trial is a zig-zag or a turning circle.
+
+    Parameters
+    ----------
+    trial : Trial
+        With heading and rudder.
+
+    Returns
+    -------
+    str
+        One of `KINDS`.
+
+    Raises
+    ------
+    NotAManoeuvreError
+        If it is neither.
+    """
+    _, rudder = helm.convention(trial, None)
+    found = helm.plates(rudder)
+    psi = trial["psi"]
+    turning = turning_plate(trial, rudder)
+    if turning is not None and turning.side * (psi[turning.last - 1] - psi[turning.first]) > pi:
+        return KINDS[1]
+    if len(helm.regular(found)) >= 2:
+        return KINDS[0]
+    if turning is not None:
+        return KINDS[1]
+    raise NotAManoeuvreError(
+        f"trial '{trial.name}' is neither a zig-zag nor a turning circle: the rudder does not go from one held angle to "
+        "the opposite one, and the heading does not change by 90 deg on one rudder angle. Choose the window of the "
+        "manoeuvre (FILE@start:end)."
+    )
