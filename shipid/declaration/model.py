@@ -37,10 +37,12 @@ class Entry:
 
     @property
     def name(self) -> str:
+        """Name of the quantity."""
         return self.quantity.name
 
     @property
     def unit(self) -> str:
+        """Its declared SI unit."""
         return self.quantity.unit
 
     def number(self, attribute: str) -> float | None:
@@ -177,15 +179,17 @@ class Model:
             If no parameter is defined by one of the names, or they do not determine each other.
         """
         entries = dict(self.entries)
-        names = tuple(names)
+        names = tuple(dict.fromkeys(names))
+        taken: set[str] = set()
         for name in names:
             published = self[name]
-            parameter = self.partner(name)
+            parameter = self.partner(name, taken)
             if parameter is None:
                 raise DeclarationError(
                     f"'{name}' of model {self.name} is a {published.quantity.kind} quantity that follows from the "
                     f"others; it cannot be given. What can: {', '.join(self.parameters + self.constants)}."
                 )
+            taken.add(parameter)
             instead = self._equation(parameter)
             entries[name] = replace(published, quantity=replace(published.quantity, kind="constant"), equation=None)
             equation = Equation(instead._quantity, "equals", instead.function)
@@ -196,9 +200,13 @@ class Model:
         find_loops(model, advice=f"Give the published coefficients that belong to {', '.join(names)} as well.")
         return model
 
-    def partner(self, published: str) -> str | None:
-        """Return the parameter whose ``@p.instead`` defines it by the published coefficient, or None."""
-        own = [p for p in self.parameters if self[p].equation is not None]
+    def partner(self, published: str, taken: Iterable[str] = ()) -> str | None:
+        """Return the parameter whose ``@p.instead`` defines it by the published coefficient, or None.
+
+        Two published coefficients may define the same two parameters (a pair of time constants does); those in
+        `taken` have their coefficient already.
+        """
+        own = [p for p in self.parameters if self[p].equation is not None and p not in set(taken)]
         for parameter in own:
             reads = reads_of(self, self[parameter])
             if published in reads and published not in self.parameters:

@@ -1,0 +1,31 @@
+"""The steering machine: from the rudder angle that is ordered to the one the ship has.
+
+Passenier (1989), section 2.3.4: a limit of the angle, then a limit of its rate.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid import Component, constant, given, state
+
+
+class SteeringMachine(Component):
+    """A servo with a limited angle and a limited rate."""
+
+    delta = state("rad", "rudder angle, positive turns to starboard", nominal="10 deg", latex=r"\delta")
+    delta_order = given("rad", "rudder angle that is ordered, positive turns to starboard", latex=r"\delta_r")
+    delta_max = constant("rad", "largest rudder angle", latex=r"\delta_{\max}")
+    delta_rate = constant("rad/s", "largest rate of the rudder", latex=r"\dot\delta_{\max}")
+    tau_delta = constant("s", "time constant of the servo inside its limits", default="0.5 s", latex=r"\tau_\delta")
+
+    @delta.rate
+    def servo(self):
+        """Passenier (1989), fig. 2.9.
+
+        The figure has no lag inside the limits; a short one (assumed, half a second) keeps the machine a smooth
+        differential equation near the order.
+        """
+        order = np.minimum(np.maximum(self.delta_order, -self.delta_max), self.delta_max)
+        wanted = (order - self.delta) / self.tau_delta
+        return np.minimum(np.maximum(wanted, -self.delta_rate), self.delta_rate)
