@@ -8,7 +8,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-__version__ = "0.1.0"
+__version__: str = "0.1.0"
 
 _HOMES = {
     "Component": "shipid.declaration.component",
@@ -26,6 +26,17 @@ _HOMES = {
     "write_parameter_set": "shipid.declaration.parameters",
     "find_model": "shipid.declaration.catalogue",
     "find_ship": "shipid.declaration.catalogue",
+    "generate": "shipid.generation.system",
+    "linearise": "shipid.generation.linearisation",
+    "typeset": "shipid.generation.typesetting",
+    "Trial": "shipid.trials.trial",
+    "read_trial": "shipid.trials.reading",
+    "write_trial": "shipid.trials.writing",
+    "measure": "shipid.trials.measuring",
+    "simulate": "shipid.trials.simulation",
+    "Fit": "shipid.identification.fit",
+    "identify": "shipid.identification.identify",
+    "write_report": "shipid.report.report",
     "ShipidError": "shipid.declaration.errors",
 }
 

@@ -114,6 +114,24 @@ class System:
         derivative = ca.jacobian(wanted, {"x": self.x, "u": self.u, "p": self.p}[by])
         return ca.Function("jacobian", [self.x, self.u, self.p], [derivative], ["x", "u", "p"], ["J"])
 
+    def states_behind(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the states that can have an influence on the named quantities, in order.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Quantities of the model.
+        """
+        moves = self.rates + 0
+        for index, expression in self.nexts.items():
+            moves[index] = expression
+        reads = np.array(ca.DM(ca.jacobian(moves, self.x).sparsity(), 1).full(), dtype=bool)
+        shown = np.array(ca.DM(ca.jacobian(self.expression(names), self.x).sparsity(), 1).full(), dtype=bool)
+        behind = np.asarray(shown.any(axis=0))
+        for _ in self.states:
+            behind = behind | reads[behind].any(axis=0)
+        return tuple(s for s, needed in zip(self.states, behind.tolist()) if needed)
+
     def vector(self, names: Sequence[str], values: Mapping[str, float], default: float | None = None) -> np.ndarray:
         """Return named numbers in the order of `names`, shape (len(names),).
 

@@ -1,0 +1,17 @@
+"""What can go wrong between trials and an identified ship."""
+
+from __future__ import annotations
+
+from shipid.declaration.errors import ShipidError
+
+
+class IdentificationError(ShipidError):
+    """The trials and the model do not make a problem that can be solved."""
+
+
+class TrialTooShortError(IdentificationError):
+    """A trial that ends before the model's slowest motion could show."""
+
+
+class NothingToFitError(IdentificationError):
+    """The trials measure nothing that the model predicts."""

@@ -1,0 +1,259 @@
+"""The result of an identification: frozen, with names, units and uncertainties."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.declaration.parameters import ParameterSet
+from shipid.declaration.units import pretty
+from shipid.trials.trial import Trial
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimated coefficient.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        The coefficient as declared; SI.
+    value : float or None
+        The estimate; None where it runs to infinity (a gain at the edge of course stability).
+    std : float or None
+        Standard deviation; None where the data give none.
+    ci95 : tuple of float or None
+        95 % confidence interval.
+    identifiable : bool
+        Whether the trials determine it.
+    why : str
+        If not, why not.
+    follows : bool
+        Whether it is a published coefficient that follows from the fitted ones.
+    prime : float or None
+        Its value in the prime system (powers of L and U), or its dimensional value if it is declared without
+        dimension; None where L or U is unknown.
+    prime_unit : str
+        Unit of `prime`.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float | None
+    std: float | None
+    ci95: tuple[float, float] | None
+    identifiable: bool
+    why: str = ""
+    follows: bool = False
+    prime: float | None = None
+    prime_unit: str = ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, free of NaN."""
+        return {
+            "value": self.value,
+            "unit": self.unit,
+            "std": self.std,
+            "ci95": list(self.ci95) if self.ci95 else None,
+            "identifiable": self.identifiable,
+            "why": self.why,
+            "follows": self.follows,
+            "meaning": self.meaning,
+            "normalised" if self.unit not in ("", "1") else "dimensional": self.prime,
+            "normalised_unit" if self.unit not in ("", "1") else "dimensional_unit": self.prime_unit,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A trial beside its prediction.
+
+    Attributes
+    ----------
+    trial : Trial
+        The record.
+    predicted : mapping of str to ndarray
+        Predicted signals and track, SI, at the samples of the trial.
+    rmse : mapping of str to float
+        Root-mean-square error of each signal, SI.
+    refitted : mapping of str to float
+        The same with rudder bias and initial state refitted on this record; empty for a fitted trial.
+    bias : float
+        Rudder bias in rad that was used.
+    refitted_bias : float or None
+        Rudder bias refitted on this record.
+    overshoots, predicted_overshoots : tuple of float
+        Overshoot angles in rad, measured and predicted with the recorded rudder.
+    initial : mapping of str to float
+        Initial states that were used.
+    """
+
+    trial: Trial
+    predicted: Mapping[str, np.ndarray]
+    rmse: Mapping[str, float]
+    refitted: Mapping[str, float] = field(default_factory=dict)
+    bias: float = 0.0
+    refitted_bias: float | None = None
+    overshoots: tuple[float, ...] = ()
+    predicted_overshoots: tuple[float | None, ...] = ()
+    initial: Mapping[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """An identified model.
+
+    Attributes
+    ----------
+    model : Model
+        What was fitted.
+    ship : ParameterSet
+        The identified ship: its particulars, and the coefficients with their standard deviations.
+    method : str
+        How it was fitted.
+    converged : bool
+        Whether the search converged.
+    message : str
+        What the search said, and what the reader has to know.
+    parameters : mapping of str to Estimate
+        Fitted coefficients, then published ones that follow from them.
+    fixed : mapping of str to float
+        Coefficients that were not estimated, SI.
+    correlation : ndarray, shape (estimated, estimated)
+        Of the fitted coefficients, in order.
+    condition_number : float or None
+        Of that matrix; None where a coefficient has no finite variance.
+    noise : mapping of str to float
+        Standard deviation of each fitted signal's residuals, SI.
+    fitted, validation : tuple of Comparison
+        Trials that were fitted, and trials that were not.
+    chi_square : float
+        Mean squared weighted residual per degree of freedom.
+    evaluations : int
+        Runs of all trials.
+    provenance : mapping
+        Versions, and hashes of model and trials.
+    """
+
+    model: Model
+    ship: ParameterSet
+    method: str
+    converged: bool
+    message: str
+    parameters: Mapping[str, Estimate]
+    fixed: Mapping[str, float]
+    correlation: np.ndarray
+    condition_number: float | None
+    noise: Mapping[str, float]
+    fitted: tuple[Comparison, ...]
+    validation: tuple[Comparison, ...]
+    chi_square: float
+    evaluations: int
+    provenance: Mapping[str, Any]
+    _problem: Any = field(repr=False, default=None)
+    _solution: Any = field(repr=False, default=None)
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """Names of the fitted coefficients."""
+        return tuple(n for n, e in self.parameters.items() if not e.follows)
+
+    @property
+    def unidentifiable(self) -> tuple[str, ...]:
+        """Names of the fitted coefficients that the trials do not determine."""
+        return tuple(n for n in self.estimated if not self.parameters[n].identifiable)
+
+    def validate(self, trials: Any) -> Fit:
+        """Return the same fit with its prediction of trials that were not fitted.
+
+        Parameters
+        ----------
+        trials : sequence of Trial
+            Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
+            trials'. Reported apart: the same with rudder bias and initial state refitted on the record.
+        """
+        from shipid.identification.validation import validate
+
+        return validate(self, trials)
+
+    def to_frame(self) -> Any:
+        """Return the coefficients as a pandas table."""
+        import pandas as pd
+
+        rows = [{"name": e.name, **e.to_dict()} for e in self.parameters.values()]
+        frame = pd.DataFrame(rows).set_index("name")
+        return frame[["value", "std", "unit", "ci95", "identifiable", "follows", "meaning"]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values for JSON: SI, angles in radians, no NaN."""
+        units = {s: self.model[s].unit for s in self.noise}
+        return {
+            "model": self.model.name,
+            "ship": self.ship.name,
+            "method": self.method,
+            "converged": self.converged,
+            "message": self.message,
+            "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
+            "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
+            "fit": {
+                c.trial.name: {s: {"rmse": _plain(v), "unit": units[s]} for s, v in c.rmse.items()} for c in self.fitted
+            },
+            "validation": {
+                c.trial.name: {
+                    s: {"rmse": _plain(v), "rmse_refitted_bias": _plain(c.refitted.get(s)), "unit": units[s]}
+                    for s, v in c.rmse.items()
+                }
+                for c in self.validation
+            },
+            "manoeuvre": {
+                c.trial.name: {
+                    "overshoots_deg": [_degrees(o) for o in c.overshoots],
+                    "predicted_overshoots_deg": [_degrees(o) for o in c.predicted_overshoots],
+                }
+                for c in (*self.fitted, *self.validation)
+            },
+            "rudder_bias": {
+                c.trial.name: {"value": c.bias, "refitted": c.refitted_bias, "unit": "rad"}
+                for c in (*self.fitted, *self.validation)
+            },
+            "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
+            "diagnostics": {
+                "condition_number": self.condition_number,
+                "unidentifiable": list(self.unidentifiable),
+                "why": {n: self.parameters[n].why for n in self.unidentifiable},
+                "correlation": {
+                    "names": list(self.estimated),
+                    "matrix": [[round(float(v), 6) for v in row] for row in self.correlation],
+                },
+                "chi_square": self.chi_square,
+                "evaluations": self.evaluations,
+            },
+            "provenance": dict(self.provenance),
+        }
+
+    def __repr__(self) -> str:
+        state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
+        lines = [f"{self.model.name} fitted to {', '.join(c.trial.name for c in self.fitted)} ({self.method}; {state})"]
+        for e in self.parameters.values():
+            value = "runs to infinity" if e.value is None else f"{e.value:.5g} {pretty(e.unit)}"
+            spread = "" if e.std is None else f" +- {e.std:.2g}"
+            lines.append(f"  {e.name:<10s} {value}{spread}" + ("" if e.identifiable else f"   not determined: {e.why}"))
+        for c in (*self.fitted, *self.validation):
+            role = "fitted   " if c in self.fitted else "predicted"
+            errors = ", ".join(f"{s} {v:.3g} {pretty(self.model[s].unit)}" for s, v in c.rmse.items())
+            lines.append(f"  {role} {c.trial.name}: rms error {errors}")
+        return "\n".join(lines)
+
+
+def _plain(value: float | None) -> float | None:
+    """A number for JSON, which knows neither NaN nor infinity."""
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+def _degrees(angle: float | None) -> float | None:
+    return None if angle is None or not np.isfinite(angle) else round(float(np.rad2deg(angle)), 4)

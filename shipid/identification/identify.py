@@ -1,0 +1,315 @@
+"""The verb: trials and a model in, an identified ship out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+import shipid
+from shipid.declaration.catalogue import find_model, find_ship, whole_ship
+from shipid.declaration.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.declaration.model import Model
+from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value, missing_values
+from shipid.declaration.units import prime_factor, to_si
+from shipid.generation.system import generate
+from shipid.identification.errors import TrialTooShortError
+from shipid.identification.estimates import estimates_of
+from shipid.identification.fit import Fit
+from shipid.identification.problem import Sailed, fitted_signals, make_problem, prepare
+from shipid.identification.solve import Box, Progress, Solution, box_of, solve
+from shipid.identification.uncertainty import correlation_of, covariance_of
+from shipid.identification.validation import compare
+from shipid.trials.checks import check_identifiable_input, check_regular
+from shipid.trials.columns import COLUMNS
+from shipid.trials.trial import Trial
+
+#: First weights, before the residuals say better; only their ratio matters.
+_FIRST_SIGMA = {"psi": np.deg2rad(1.0), "r": 0.02, "u": 0.05, "v": 0.05}
+
+
+@dataclass(frozen=True)
+class _Setting:
+    """What is known before the search."""
+
+    model: Model
+    ship: ParameterSet
+    known: dict[str, float]
+    estimated: tuple[str, ...]
+    length: float
+    speed: float
+    notes: tuple[str, ...]
+
+    @property
+    def unit_time(self) -> float:
+        return self.length / self.speed
+
+
+def identify(
+    model: Model | str | Any,
+    trials: Sequence[Trial],
+    *,
+    ship: ParameterSet | str | None = None,
+    estimate: Sequence[str] | None = None,
+    fixed: Mapping[str, str | float] | None = None,
+    signals: Sequence[str] | None = None,
+    noise: Mapping[str, str | float] | None = None,
+    validate: Sequence[Trial] = (),
+    rudder_bias: bool = True,
+    starts: int = 5,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Fit:
+    """Identify a model from trials by output error.
+
+    Parameters
+    ----------
+    model : Model, component class or str
+        What to fit; a component is joined with planar motion, a name is looked up.
+    trials : sequence of Trial
+        Fitted jointly: the parameters are shared, and each trial has its own initial state and rudder bias.
+    ship : ParameterSet or str, optional
+        Particulars (and known coefficients, where the search starts).
+    estimate : sequence of str, optional
+        Coefficients to estimate, published names included; by default all that the model declares as estimated.
+    fixed : mapping of str to str, optional
+        Coefficients to hold, with units: ``{"n3": "0.4 s^2/deg^2"}``.
+    signals : sequence of str, optional
+        Signals to fit; by default heading, rate of turn, forward and sway speed, as far as they are measured and
+        predicted.
+    noise : mapping of str to str, optional
+        Standard deviation of each signal, with units; estimated from the residuals when not given.
+    validate : sequence of Trial, optional
+        Trials to predict.
+    rudder_bias : bool
+        Whether each trial has a rudder bias of its own.
+    starts : int
+        Number of starting points.
+    seed : int
+        Of the random ones.
+    progress : callable, optional
+        Called with a line of text after each stage.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    ShipidError
+        For trials, names and values that do not fit; a search that fails is a result, with ``converged`` False.
+    """
+    if not trials:
+        raise UsageError("identify needs at least one trial.")
+    setting = _settle(model, trials, ship, estimate, dict(fixed or {}))
+    for trial in trials:
+        check_regular(trial)
+        check_identifiable_input(trial)
+    shown = fitted_signals(setting.model, [*trials, *validate], signals)
+    sailed = [prepare(setting.model, t, shown, setting.ship.particular("speed", "m/s")) for t in trials]
+    _check_length(setting, trials)
+    sigma, weigh = _weights(shown, noise, setting.unit_time)
+    box = _box(setting)
+    fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
+    problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, rudder_bias)
+    solution = solve(
+        problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
+    )
+    fit = _result(setting, solution, box, sailed, weigh)
+    return fit.validate(validate) if validate else fit
+
+
+def _settle(
+    model: Model | str | Any,
+    trials: Sequence[Trial],
+    ship: ParameterSet | str | None,
+    estimate: Sequence[str] | None,
+    fixed: dict[str, str | float],
+) -> _Setting:
+    whole = find_model(model) if isinstance(model, str) else model if isinstance(model, Model) else whole_ship(model)
+    given = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
+    held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
+    for name in held:
+        if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
+            raise UsageError(f"'{name}' is a {whole[name].quantity.kind} of model {whole.name}; it cannot be fixed.")
+    published = [n for n in held if whole[n].quantity.kind == "derived"]
+    whole = whole.impose(published) if published else whole
+
+    speed = _speed_of(given, trials)
+    known = given.values(whole, speed=speed) | held
+    length = known.get("L", given.particular("L", "m"))
+    if length is not None and not length > 0:
+        raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; a ship is longer than that.")
+    if length is None:
+        length = speed * _own_unit_time(trials)
+    estimated = _estimated(whole, estimate, held)
+    notes = []
+    for name in whole.parameters:
+        start = whole[name].number("start")
+        if name not in known and start is not None and name not in estimated:
+            known[name] = start * (prime_factor(whole[name].unit, length, speed) if whole[name].quantity.prime else 1.0)
+            notes.append(f"{name} was held at its declared start, {known[name]:.4g}, which is assumed.")
+    lacking = missing_values(whole, {**known, **dict.fromkeys(estimated, 0.0)}, f"ship {given.name}")
+    if lacking:
+        raise lacking
+    return _Setting(whole, given, known, estimated, length, speed, tuple(notes))
+
+
+def _estimated(model: Model, wanted: Sequence[str] | None, held: Mapping[str, float]) -> tuple[str, ...]:
+    if wanted is None:
+        chosen = [n for n in model.parameters if model[n].quantity.estimated and n not in held]
+    else:
+        chosen = []
+        for name in wanted:
+            partner = name if name in model.parameters else model.partner(name) if name in model else None
+            if partner is None:
+                raise UnknownNameError(f"parameter of model {model.name} to estimate called", name, model.parameters)
+            if partner in held:
+                raise UsageError(f"'{name}' is to be estimated and is fixed as well; choose one.")
+            chosen.append(partner)
+    if not chosen:
+        raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
+    return tuple(n for n in model.parameters if n in chosen)
+
+
+def _speed_of(ship: ParameterSet, trials: Sequence[Trial]) -> float:
+    recorded = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+    speed = float(np.mean(recorded)) if recorded else ship.particular("speed", "m/s")
+    return speed if speed and speed > 0 else 1.0
+
+
+def _own_unit_time(trials: Sequence[Trial]) -> float:
+    """L/U guessed from the rudder's period: zig-zags of ships take 7 to 12 L/U (it only scales the first search)."""
+    guesses = []
+    for trial in trials:
+        delta = trial["delta"] - np.median(trial["delta"])
+        changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
+        guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
+    return float(np.median(guesses))
+
+
+def unit_time_of(ship: ParameterSet, trials: Sequence[Trial]) -> float:
+    """Return L/U of some trials in s, guessed from the rudder where the length is unknown."""
+    length = ship.particular("L", "m")
+    return length / _speed_of(ship, trials) if length else _own_unit_time(trials)
+
+
+def _weights(
+    signals: tuple[str, ...], noise: Mapping[str, str | float] | None, unit_time: float
+) -> tuple[np.ndarray, bool]:
+    if noise is None:
+        first = [_FIRST_SIGMA.get(s, 1.0) / (unit_time if s == "r" else 1.0) for s in signals]
+        return np.array(first), True
+    lacking = [s for s in signals if s not in noise]
+    if lacking:
+        raise UsageError(
+            f"noise levels are given, and none for {', '.join(lacking)}. Give one for every fitted signal."
+        )
+    levels = [to_si(noise[s], COLUMNS[s].unit, f"noise on {s}") for s in signals]
+    if min(levels) <= 0:
+        raise UsageError("a noise level of zero or less has no weight; give a positive standard deviation.")
+    return np.array(levels), False
+
+
+def _box(setting: _Setting) -> Box:
+    bounds = {}
+    for name in setting.estimated:
+        entry = setting.model[name]
+        scale = prime_factor(entry.unit, setting.length, setting.speed) if entry.quantity.prime else 1.0
+        low, high = (entry.number(a) for a in ("low", "high"))
+        declared = entry.number("start")
+        low = -np.inf if low is None else low * scale
+        high = np.inf if high is None else high * scale
+        start = setting.known.get(name, scale if declared is None else declared * scale)
+        # A value from the ship's own set is believed over a declared bound.
+        bounds[name] = (start, min(low, start), max(high, start))
+    return box_of(bounds)
+
+
+def _check_length(setting: _Setting, trials: Sequence[Trial]) -> None:
+    constants = [n for n in ("tau", "tau1") if n in setting.model.parameters and setting.model[n].unit == "s"]
+    slowest = max((abs(setting.known[n]) for n in constants if n in setting.known), default=0.0)
+    needed = max(setting.unit_time, slowest)
+    why = (
+        "the ship's time constant" if slowest > setting.unit_time else "the time L/U in which the ship sails its length"
+    )
+    for trial in trials:
+        if trial.duration < needed:
+            raise TrialTooShortError(
+                f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "
+                "answered its rudder. Give a longer trial, or a wider window."
+            )
+
+
+def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sailed], weigh: bool) -> Fit:
+    problem = solution.problem
+    covariance = covariance_of(solution)
+    shared = len(problem.estimated)
+    block = covariance.matrix[:shared, :shared]
+    parameters = estimates_of(
+        setting.model, problem.estimated, problem.fixed, solution.q[:shared], block, box, setting.length, setting.speed
+    )
+    fitted = tuple(compare(problem, solution.q, i) for i in range(len(sailed)))
+    dof = max(1, solution.residual.size - problem.size)
+    levels = "noise levels estimated" if weigh else "noise levels given"
+    condition = covariance.condition_number if np.isfinite(covariance.condition_number) else None
+    return Fit(
+        model=setting.model,
+        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed]),
+        method=f"output error on {', '.join(problem.signals)}, exact sensitivities, {levels}",
+        converged=solution.converged,
+        message=" ".join((solution.message, *setting.notes)),
+        parameters=parameters,
+        fixed=dict(problem.fixed),
+        correlation=correlation_of(block),
+        condition_number=condition,
+        noise=dict(zip(problem.signals, problem.sigma.tolist())),
+        fitted=fitted,
+        validation=(),
+        chi_square=2 * solution.cost / dof,
+        evaluations=solution.evaluations,
+        provenance=_provenance(setting.model, [s.trial for s in sailed]),
+        _problem=problem,
+        _solution=solution,
+    )
+
+
+def _identified_ship(
+    setting: _Setting, parameters: Mapping[str, Any], fixed: Mapping[str, float], trials: Sequence[Trial]
+) -> ParameterSet:
+    where = f"identified by output error from {', '.join(t.name for t in trials)} (shipid {shipid.__version__})"
+    section = {}
+    for name, e in parameters.items():
+        if not e.follows and e.value is not None:
+            note = "" if e.identifiable else f"not determined by these trials: {e.why}"
+            section[name] = Value(name, e.value, e.unit, where, std=e.std, note=note)
+    particulars = dict(setting.ship.sections.get(PARTICULARS, {}))
+    for name, value in fixed.items():
+        if setting.ship.particular(name, setting.model[name].unit) == value:
+            continue
+        held = setting.ship.find(setting.model, name)
+        source = held.source if held is not None else "held during the identification"
+        target = particulars if name == "L" else section
+        target[name] = Value(name, value, setting.model[name].unit, source)
+    sections = {**setting.ship.sections, PARTICULARS: particulars, setting.model.name: section}
+    return replace(setting.ship, sections=sections)
+
+
+def _provenance(model: Model, trials: Sequence[Trial]) -> dict[str, Any]:
+    import casadi
+    import scipy
+
+    return {
+        "versions": {
+            "shipid": shipid.__version__,
+            "python": sys.version.split()[0],
+            "casadi": casadi.__version__,
+            "numpy": np.__version__,
+            "scipy": scipy.__version__,
+        },
+        "model_sha256": generate(model).digest,
+        "trials": {t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials},
+    }

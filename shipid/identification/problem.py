@@ -1,0 +1,289 @@
+"""The output-error problem: trials, a model and the unknowns, as one vector of residuals with its exact Jacobian.
+
+Unknowns are the estimated parameters, shared by all trials, and for each trial its initial states and the constant biases
+of the rudder (and of the cruising speed, where the model reads it): ``q = [parameters, trial 1, trial 2, ...]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.generation.record import Record, make_record
+from shipid.generation.system import generate
+from shipid.identification.errors import NothingToFitError
+from shipid.trials.trial import Trial
+
+#: Signals that are fitted where the trial measures them and the model predicts them.
+SIGNALS = ("psi", "r", "u", "v")
+#: Weighted residual of a sample at which the model has run away.
+_RUNAWAY = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Sailed:
+    """A trial as the model sees it.
+
+    Attributes
+    ----------
+    trial : Trial
+        Where it came from.
+    intervals : ndarray, shape (N,)
+        Time to the next sample in s; the last is zero.
+    inputs : ndarray, shape (inputs, N)
+        Inputs of the model.
+    measured : ndarray, shape (signals, N)
+        The fitted signals.
+    x0 : ndarray, shape (states,)
+        A first guess of the initial states.
+    speed : float
+        Median speed in m/s (1 where neither trial nor ship knows it).
+    """
+
+    trial: Trial
+    intervals: np.ndarray
+    inputs: np.ndarray
+    measured: np.ndarray
+    x0: np.ndarray
+    speed: float
+
+    def thinned(self, most: int) -> Sailed:
+        """Return every n-th sample, so that at most about `most` are left."""
+        n = max(1, self.intervals.size // most)
+        if n == 1:
+            return self
+        t = self.trial["t"][::n]
+        return replace(
+            self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, ::n], measured=self.measured[:, ::n]
+        )
+
+    def head(self, count: int) -> Sailed:
+        """Return the first `count` samples."""
+        return replace(
+            self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count]
+        )
+
+
+def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
+    """Return the signals that every trial measures and the model predicts.
+
+    Raises
+    ------
+    NothingToFitError
+        If there is none, or a signal asked for is missing.
+    """
+    predicted = [n for n in model.entries if model[n].quantity.kind in ("state", "derived", "output")]
+    for name in wanted or ():
+        lacking = next((t.name for t in trials if not t.has(name)), None)
+        if name not in predicted or lacking:
+            where = f"trial {lacking}" if name in predicted else f"model {model.name}"
+            raise NothingToFitError(f"the signal '{name}' is to be fitted, and {where} does not have it.")
+    found = tuple(n for n in (wanted or SIGNALS) if n in predicted and all(t.has(n) for t in trials))
+    if not found:
+        raise NothingToFitError(
+            f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "
+            f"{', '.join(trials[0].table.columns)}."
+        )
+    return found
+
+
+def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None) -> Sailed:
+    """Return a trial as the model sees it.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    trial : Trial
+        The record; an input the model reads and the trial lacks takes its declared default.
+    signals : sequence of str
+        What is fitted.
+    own_speed : float or None
+        Speed of the ship in m/s, for trials that do not record it.
+
+    Raises
+    ------
+    NothingToFitError
+        If the trial lacks an input that has no default.
+    """
+    t = trial["t"]
+    recorded = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
+    speed = float(np.median(recorded)) if recorded is not None else own_speed
+    first = max(3, int(0.02 * t.size))
+    # A model that takes the speed as given holds it constant; a measured speed would be a hidden answer.
+    known = {"u": speed, "cruise": float(np.median(recorded[:first])) if recorded is not None else own_speed}
+    inputs = np.empty((len(model.inputs), t.size))
+    for i, name in enumerate(model.inputs):
+        value = known.get(name) if name in known else trial[name] if trial.has(name) else model[name].number("default")
+        if value is None:
+            raise NothingToFitError(
+                f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which trial {trial.name} does not "
+                f"record. Its columns: {', '.join(trial.table.columns)}."
+            )
+        inputs[i] = value
+    x0 = np.array([_initial(model, trial, s, known, first) for s in model.states])
+    measured = np.array([trial[s] for s in signals])
+    return Sailed(trial, np.diff(t, append=t[-1]), inputs, measured, x0, speed or 1.0)
+
+
+def _initial(model: Model, trial: Trial, name: str, known: Mapping[str, float | None], first: int) -> float:
+    if trial.has(name):
+        column = trial[name]
+        return float(column[0] if name in ("x", "y", "psi") else np.median(column[:first]))
+    if name == "u" and known["cruise"] is not None:
+        return float(known["cruise"])
+    return model[name].number("start") or 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Residuals and Jacobian of trials under a model.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    sailed : tuple of Sailed
+        The trials.
+    signals : tuple of str
+        Fitted signals.
+    estimated : tuple of str
+        Parameters shared by all trials; may be empty.
+    initial, biases : tuple of str
+        States and inputs with an unknown of their own in each trial.
+    fixed : mapping of str to float
+        Values of all other coefficients.
+    sigma : ndarray, shape (signals,)
+        Standard deviation by which each signal is weighted.
+    """
+
+    model: Model
+    sailed: tuple[Sailed, ...]
+    signals: tuple[str, ...]
+    estimated: tuple[str, ...]
+    initial: tuple[str, ...]
+    biases: tuple[str, ...]
+    fixed: Mapping[str, float]
+    sigma: np.ndarray
+    bias_offset: Mapping[str, float]
+
+    @property
+    def record(self) -> Record:
+        """The generated record function."""
+        return make_record(self.model, self.signals, self.estimated, self.initial, self.biases)
+
+    @property
+    def per_trial(self) -> int:
+        """Number of unknowns each trial has of its own."""
+        return len(self.initial) + len(self.biases)
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return len(self.estimated) + len(self.sailed) * self.per_trial
+
+    def own(self, index: int) -> slice:
+        """Where the unknowns of one trial stand in q."""
+        begin = len(self.estimated) + index * self.per_trial
+        return slice(begin, begin + self.per_trial)
+
+    def first_guess(self, parameters: np.ndarray) -> np.ndarray:
+        """Return q with these parameters, initial states as measured, and no further bias."""
+        states = self.record.system.states
+        q = np.zeros(self.size)
+        q[: len(self.estimated)] = parameters
+        for i, s in enumerate(self.sailed):
+            q[self.own(i)] = [*(s.x0[states.index(n)] for n in self.initial), *(0.0 for _ in self.biases)]
+        return q
+
+    def run(self, q: np.ndarray, index: int, sailed: Sailed | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Run one trial: outputs (signals, N) and their derivatives (signals, unknowns of the record, N)."""
+        s = sailed or self.sailed[index]
+        record = self.record
+        own = q[self.own(index)]
+        x0 = s.x0.copy()
+        x0[[record.system.states.index(n) for n in self.initial]] = own[: len(self.initial)]
+        values = {**self.fixed, **dict(zip(self.estimated, q))}
+        p = record.system.vector(record.system.coefficients, values)
+        return record(x0, s.inputs, s.intervals, p, self.bias_vector(own))
+
+    def bias_vector(self, own: np.ndarray) -> np.ndarray:
+        """Return the bias of every input for one trial's own unknowns."""
+        inputs = self.record.system.inputs
+        bias = np.array([self.bias_offset.get(n, 0.0) for n in inputs])
+        for name, value in zip(self.biases, own[len(self.initial) :]):
+            bias[inputs.index(name)] += value
+        return bias
+
+    def residuals(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return weighted residuals, shape (M,), and their Jacobian, shape (M, unknowns).
+
+        Where the model runs away the residual is a large constant with no slope: the search steps back.
+        """
+        shared = len(self.estimated)
+        rows, blocks = [], []
+        for i, s in enumerate(self.sailed):
+            y, dy = self.run(q, i)
+            with np.errstate(over="ignore", invalid="ignore"):
+                residual = (y - s.measured) / self.sigma[:, None]
+                slope = dy / self.sigma[:, None, None]
+            good = np.isfinite(residual) & np.isfinite(slope).all(axis=1) & (np.abs(residual) < 1e6)
+            residual = np.where(good, residual, _RUNAWAY)
+            slope = np.where(good[:, None, :], slope, 0.0)
+            flat = slope.transpose(0, 2, 1).reshape(-1, slope.shape[1])
+            block = np.zeros((flat.shape[0], self.size))
+            block[:, :shared] = flat[:, :shared]
+            block[:, self.own(i)] = flat[:, shared:]
+            rows.append(residual.ravel())
+            blocks.append(block)
+        return np.concatenate(rows), np.concatenate(blocks)
+
+    def by_signal(self, residual: np.ndarray) -> list[list[np.ndarray]]:
+        """Split a residual vector: for each trial, for each signal."""
+        out, at = [], 0
+        for s in self.sailed:
+            n = s.intervals.size
+            out.append([residual[at + j * n : at + (j + 1) * n] for j in range(len(self.signals))])
+            at += n * len(self.signals)
+        return out
+
+
+def make_problem(
+    model: Model,
+    sailed: Sequence[Sailed],
+    signals: tuple[str, ...],
+    estimated: tuple[str, ...],
+    fixed: Mapping[str, float],
+    sigma: np.ndarray,
+    rudder_bias: bool = True,
+    bias_offset: Mapping[str, float] | None = None,
+) -> Problem:
+    """Put a problem together: which states and inputs have unknowns of their own follows from the model.
+
+    Parameters
+    ----------
+    model, sailed, signals, estimated, fixed, sigma
+        See `Problem`.
+    rudder_bias : bool
+        Whether each trial has a rudder bias of its own.
+    bias_offset : mapping, optional
+        Biases that are known beforehand, by input.
+    """
+    system = generate(model)
+    biases = ["delta"] if rudder_bias and "delta" in model.inputs else []
+    if "cruise" in model.inputs and "u" in signals:
+        biases.append("cruise")
+    return Problem(
+        model,
+        tuple(sailed),
+        signals,
+        estimated,
+        system.states_behind(signals),
+        tuple(biases),
+        dict(fixed),
+        np.asarray(sigma, dtype=float),
+        dict(bias_offset or {}),
+    )

@@ -1,0 +1,157 @@
+"""Predictions beside trials: those that were fitted, and those that were not.
+
+For a trial that was not fitted only the initial state may come from its first seconds; parameters and rudder bias come
+from the fitted trials. Reported apart: the same with rudder bias and initial state refitted on the whole record, which is no
+prediction but shows what knowing them would give.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from shipid.generation.record import make_record
+from shipid.identification.fit import Comparison, Fit
+from shipid.identification.problem import Problem, Sailed, make_problem, prepare
+from shipid.identification.solve import Box, minimise
+from shipid.trials.errors import TrialError
+from shipid.trials.measures import ZigZag
+from shipid.trials.measuring import measure
+from shipid.trials.trial import Trial
+from shipid.trials.zigzag import overshoots_of
+
+#: The first seconds of a trial, in ship lengths' time L/U: what an initial state may be taken from.
+WARM_UP = 0.25
+_EMPTY = Box(np.zeros(0), np.zeros(0), np.zeros(0))
+
+
+def validate(fit: Fit, trials: Sequence[Trial]) -> Fit:
+    """Return a fit with its predictions of trials that were not fitted (see `shipid.identification.fit.Fit.validate`)."""
+    return replace(fit, validation=fit.validation + tuple(_predict(fit, t) for t in trials))
+
+
+def warm_up_samples(trial: Trial, unit_time: float) -> int:
+    """Return how many samples make the first seconds: a quarter of L/U, at least ten samples."""
+    return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
+
+
+def predict_problem(fit: Fit, trial: Trial, refit_bias: bool) -> tuple[Problem, Sailed]:
+    """Return the problem of a trial whose parameters are known and only whose own unknowns are not."""
+    problem: Problem = fit._problem
+    own_speed = fit.ship.particular("speed", "m/s")
+    sailed = prepare(problem.model, trial, problem.signals, own_speed)
+    values = {**problem.fixed, **dict(zip(problem.estimated, fit._solution.q))}
+    offset = {"delta": mean_bias(fit)} if "delta" in problem.biases else {}
+    made = make_problem(
+        problem.model, [sailed], problem.signals, (), values, problem.sigma, rudder_bias=refit_bias, bias_offset=offset
+    )
+    return made, sailed
+
+
+def mean_bias(fit: Fit) -> float:
+    """Return the mean rudder bias of the fitted trials in rad."""
+    return float(np.mean([c.bias for c in fit.fitted])) if fit.fitted else 0.0
+
+
+def _predict(fit: Fit, trial: Trial) -> Comparison:
+    from shipid.identification.identify import unit_time_of
+
+    problem, sailed = predict_problem(fit, trial, refit_bias=False)
+    count = warm_up_samples(trial, unit_time_of(fit.ship, [trial]))
+    head = replace(problem, sailed=(sailed.head(count),))
+    start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50)
+    compared = compare(problem, start.q, 0)
+
+    free, _ = predict_problem(fit, trial, refit_bias=True)
+    if "delta" not in free.biases:
+        return compared
+    again = compare(free, _refit(free, start.q), 0)
+    return replace(compared, refitted=again.rmse, refitted_bias=again.bias)
+
+
+def _refit(problem: Problem, start: np.ndarray) -> np.ndarray:
+    """Bias and initial state that fit the whole record best, from no bias and the state of the first seconds."""
+    states, biases = len(problem.initial), len(problem.biases)
+    q0 = np.zeros(problem.size)
+    q0[:states] = start[:states]
+    q0[states + 1 : states + biases] = start[states:]
+    return minimise(problem, q0, _EMPTY, most=50).q
+
+
+def _x0(problem: Problem, q: np.ndarray, sailed: Sailed) -> np.ndarray:
+    x0 = sailed.x0.copy()
+    states = problem.record.system.states
+    for name, value in zip(problem.initial, q):
+        x0[states.index(name)] = value
+    return x0
+
+
+def compare(problem: Problem, q: np.ndarray, index: int) -> Comparison:
+    """Return one trial of a problem beside its prediction.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    q : ndarray, shape (unknowns,)
+        Its unknowns.
+    index : int
+        Which trial.
+    """
+    sailed = problem.sailed[index]
+    trial = sailed.trial
+    own = q[problem.own(index)]
+    predicted = _signals(problem, q, sailed, own)
+    measured = dict(zip(problem.signals, sailed.measured))
+    errors = {s: _rms(predicted[s] - m) for s, m in measured.items()}
+    overshoots, foreseen = _overshoots(trial, predicted.get("psi"))
+    bias = problem.bias_vector(own)
+    inputs = problem.record.system.inputs
+    return Comparison(
+        trial,
+        predicted,
+        errors,
+        bias=float(bias[inputs.index("delta")]) if "delta" in inputs else 0.0,
+        overshoots=overshoots,
+        predicted_overshoots=foreseen,
+        initial=dict(zip(problem.initial, own.tolist())),
+    )
+
+
+def _signals(problem: Problem, q: np.ndarray, sailed: Sailed, own: np.ndarray) -> dict[str, np.ndarray]:
+    shown = tuple(n for n in ("psi", "r", "u", "v", "x", "y") if n in problem.model)
+    shown = tuple(dict.fromkeys((*problem.signals, *shown)))
+    record = make_record(problem.model, shown)
+    values: Mapping[str, float] = {**problem.fixed, **dict(zip(problem.estimated, q))}
+    x0 = _x0(problem, own, sailed)
+    y, _ = record(
+        x0,
+        sailed.inputs,
+        sailed.intervals,
+        record.system.vector(record.system.coefficients, values),
+        problem.bias_vector(own),
+    )
+    return dict(zip(shown, y))
+
+
+def _rms(error: np.ndarray) -> float:
+    with np.errstate(over="ignore", invalid="ignore"):
+        value = float(np.sqrt(np.mean(error**2)))
+    return value if np.isfinite(value) else float("inf")
+
+
+def _overshoots(trial: Trial, psi: np.ndarray | None) -> tuple[tuple[float, ...], tuple[float | None, ...]]:
+    """Overshoots measured, and of the predicted heading at the same executes; empty where it is no zig-zag."""
+    if psi is None or not trial.has("psi") or not np.isfinite(psi).all():
+        return (), ()
+    try:
+        measured = measure(trial, kind="zig-zag")
+    except TrialError:
+        return (), ()
+    assert isinstance(measured, ZigZag)
+    executes = tuple(e for e in measured.executes or () if e is not None)
+    side = 1 if measured.first_side == "starboard" else -1
+    kept = tuple(o for o in measured.overshoots or () if o is not None)
+    return kept, overshoots_of(trial["t"], psi, executes, side=side)[: len(kept)]

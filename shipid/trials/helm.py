@@ -1,0 +1,142 @@
+"""The helmsman of each manoeuvre, declared like any other component.
+
+A helmsman reads heading and rate of turn and states the rudder order ``delta_order``. Decisions fall on the samples of
+the simulation; between them the order stands.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import constant, derived, given, state
+
+
+class ScheduledOrder(Component):
+    """A rudder order laid down beforehand: spiral, random telegraph, any recorded helm."""
+
+    helm_schedule = given("rad", "scheduled rudder order")
+    delta_order = derived("rad", "rudder order, positive turns to starboard")
+
+    @delta_order.equals
+    def order(self) -> Any:
+        """The order as scheduled."""
+        return self.helm_schedule
+
+
+class _AfterApproach(Component):
+    """A helmsman who holds the rudder amidships on a straight approach first."""
+
+    psi = given("rad", "heading")
+    T = given("s", "sampling interval")
+    helm_course = constant("rad", "heading of the approach")
+    helm_start = constant("s", "length of the approach")
+    helm_rudder = constant("rad", "rudder angle of the manoeuvre, positive to starboard")
+    helm_clock = state("s", "time since the beginning")
+
+    @helm_clock.next
+    def tick(self) -> Any:
+        """The clock."""
+        return self.helm_clock + self.T
+
+    def begun(self) -> Any:
+        """Whether the approach is over (half an interval of slack for the rounding of the clock)."""
+        return self.helm_clock >= self.helm_start - 0.5 * self.T
+
+
+class ZigzagHelm(_AfterApproach):
+    """Zig-zag: the rudder is reversed whenever the heading has gone far enough to its side (ITTC 7.5-04-02-01)."""
+
+    helm_heading = constant("rad", "heading change at which the rudder is reversed")
+    helm_side = state("1", "+1 while the rudder is on the side of the first execute, -1 on the other", start=1.0)
+    delta_order = derived("rad", "rudder order, positive turns to starboard")
+
+    @delta_order.equals
+    def order(self) -> Any:
+        """Amidships on the approach, then the rudder angle to the side of the swing."""
+        return np.where(self.begun(), self.helm_side * self.helm_rudder, 0.0 * self.helm_rudder)
+
+    @helm_side.next
+    def execute(self) -> Any:
+        """Reverse when the heading change on the side of the rudder reaches the execute angle."""
+        swing = self.helm_side * np.sign(self.helm_rudder) * (self.psi - self.helm_course)
+        return np.where(swing >= self.helm_heading, -self.helm_side, self.helm_side)
+
+
+class TurningHelm(_AfterApproach):
+    """Turning circle: the rudder is held until the heading has turned far enough, then goes amidships (pull-out)."""
+
+    helm_turn = constant("rad", "heading change after which the rudder goes amidships")
+    helm_released = state("1", "1 once the rudder is back amidships")
+    delta_order = derived("rad", "rudder order, positive turns to starboard")
+
+    @delta_order.equals
+    def order(self) -> Any:
+        """Amidships, the rudder angle, amidships again."""
+        steering = np.logical_and(self.begun(), self.helm_released < 0.5)
+        return np.where(steering, self.helm_rudder, 0.0 * self.helm_rudder)
+
+    @helm_released.next
+    def release(self) -> Any:
+        """Amidships for good once the turn is complete."""
+        return np.where(np.abs(self.psi - self.helm_course) >= self.helm_turn, 1.0, self.helm_released)
+
+
+class CourseHelm(Component):
+    """Course change under a plain proportional and derivative law, within a rudder limit."""
+
+    psi = given("rad", "heading")
+    r = given("rad/s", "rate of turn, positive to starboard")
+    helm_schedule = given("rad", "heading to steer")
+    helm_limit = constant("rad", "largest rudder angle the law asks for")
+    helm_gain = constant("1", "rudder per heading error", default=1.0)
+    helm_damping = constant("s", "rudder per rate of turn")
+    delta_order = derived("rad", "rudder order, positive turns to starboard")
+
+    @delta_order.equals
+    def order(self) -> Any:
+        """Proportional and derivative, limited."""
+        wanted = self.helm_gain * (self.helm_schedule - self.psi) - self.helm_damping * self.r
+        return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
+
+
+class RateHelm(Component):
+    """Reversed spiral: the rudder that keeps a rate of turn is sought by a proportional and integral law."""
+
+    r = given("rad/s", "rate of turn, positive to starboard")
+    T = given("s", "sampling interval")
+    helm_schedule = given("rad/s", "rate of turn to keep")
+    helm_limit = constant("rad", "largest rudder angle the law asks for")
+    helm_gain = constant("s", "rudder per error in the rate of turn")
+    helm_reset = constant("s", "time in which the integral repeats the proportional part")
+    helm_integral = state("rad", "integral of the error in the rate of turn")
+    delta_order = derived("rad", "rudder order, positive turns to starboard")
+
+    def error(self) -> Any:
+        """Rate wanted less rate kept."""
+        return self.helm_schedule - self.r
+
+    @helm_integral.next
+    def integrate(self) -> Any:
+        """Euler's rule, on the samples."""
+        return self.helm_integral + self.T * self.error()
+
+    @delta_order.equals
+    def order(self) -> Any:
+        """Proportional and integral, limited."""
+        wanted = self.helm_gain * (self.error() + self.helm_integral / self.helm_reset)
+        return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
+
+
+class DirectRudder(Component):
+    """A ship without a steering machine: the rudder is where it is ordered."""
+
+    delta_order = given("rad", "rudder order, positive turns to starboard")
+    delta = derived("rad", "rudder angle, positive turns to starboard")
+
+    @delta.equals
+    def direct(self) -> Any:
+        """No lag."""
+        return self.delta_order
