@@ -44,7 +44,7 @@ class Component:
         for name, quantity in quantities.items():
             _check_quantity(cls, name, quantity)
 
-    def __new__(cls, *_: Any, **__: Any) -> Any:
+    def __new__(cls, *_: Any, **__: Any) -> Any:  # noqa: D102
         raise DeclarationError(
             f"{cls.__name__} is a declaration and is not instantiated: pass the class to shipid.join."
         )

@@ -9,7 +9,6 @@ from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component
 from shipid.declaration.errors import DeclarationError, UnitError
 from shipid.declaration.model import Entry, Model
-from shipid.declaration.quantity import Quantity
 from shipid.declaration.unit_check import check_units
 
 

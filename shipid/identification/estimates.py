@@ -58,10 +58,17 @@ def estimates_of(
         spread = float(np.sqrt(covariance[i, i]))
         order = np.argsort(-np.abs(correlation[i]))
         strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > 0.9]
-        why = verdict(float(values[i]), spread, abs(float(box.start[i])), box.low[i], box.high[i], " and ".join(strong))
+        size = max(abs(float(box.start[i])), _declared_size(entry, length, speed))
+        why = verdict(float(values[i]), spread, size, box.low[i], box.high[i], " and ".join(strong))
         result[name] = _estimate(entry, float(values[i]), spread, why, False, length, speed)
     result |= _published(model, names, fixed, values, covariance, length, speed)
     return result
+
+
+def _declared_size(entry: Entry, length: float, speed: float) -> float:
+    """The declared start in SI: a typical size of the coefficient."""
+    start = abs(entry.number("start") or 0.0)
+    return start * prime_factor(entry.unit, length, speed) if entry.quantity.prime else start
 
 
 def _estimate(

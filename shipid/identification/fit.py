@@ -83,8 +83,8 @@ class Comparison:
         Root-mean-square error of each signal, SI.
     refitted : mapping of str to float
         The same with rudder bias and initial state refitted on this record; empty for a fitted trial.
-    bias : float
-        Rudder bias in rad that was used.
+    biases : mapping of str to float
+        Bias of each input that was used, SI: the rudder, the cruising speed, the current.
     refitted_bias : float or None
         Rudder bias refitted on this record.
     overshoots, predicted_overshoots : tuple of float
@@ -97,11 +97,16 @@ class Comparison:
     predicted: Mapping[str, np.ndarray]
     rmse: Mapping[str, float]
     refitted: Mapping[str, float] = field(default_factory=dict)
-    bias: float = 0.0
+    biases: Mapping[str, float] = field(default_factory=dict)
     refitted_bias: float | None = None
     overshoots: tuple[float, ...] = ()
     predicted_overshoots: tuple[float | None, ...] = ()
     initial: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def bias(self) -> float:
+        """Rudder bias in rad that was used."""
+        return self.biases.get("delta", 0.0)
 
 
 @dataclass(frozen=True, eq=False)

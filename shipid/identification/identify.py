@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import metadata
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from shipid.generation.system import generate
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
-from shipid.identification.problem import Sailed, fitted_signals, make_problem, prepare
+from shipid.identification.problem import Sailed, fitted_signals, make_problem, prepare, unknown_biases
 from shipid.identification.solve import Box, Progress, Solution, box_of, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare
@@ -28,7 +29,7 @@ from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
 
 #: First weights, before the residuals say better; only their ratio matters.
-_FIRST_SIGMA = {"psi": np.deg2rad(1.0), "r": 0.02, "u": 0.05, "v": 0.05}
+_FIRST_SIGMA = {"psi": np.deg2rad(1.0), "r": 0.02, "u": 0.05, "v": 0.05, "x": 10.0, "y": 10.0}
 
 
 @dataclass(frozen=True)
@@ -114,7 +115,8 @@ def identify(
     sigma, weigh = _weights(shown, noise, setting.unit_time)
     box = _box(setting)
     fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
-    problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, rudder_bias)
+    biases = unknown_biases(setting.model, shown, rudder_bias)
+    problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, biases)
     solution = solve(
         problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
     )
@@ -299,17 +301,9 @@ def _identified_ship(
 
 
 def _provenance(model: Model, trials: Sequence[Trial]) -> dict[str, Any]:
-    import casadi
-    import scipy
-
+    versions = {name: metadata.version(name) for name in ("casadi", "numpy", "scipy")}
     return {
-        "versions": {
-            "shipid": shipid.__version__,
-            "python": sys.version.split()[0],
-            "casadi": casadi.__version__,
-            "numpy": np.__version__,
-            "scipy": scipy.__version__,
-        },
+        "versions": {"shipid": shipid.__version__, "python": sys.version.split()[0], **versions},
         "model_sha256": generate(model).digest,
         "trials": {t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials},
     }

@@ -19,6 +19,8 @@ from shipid.trials.trial import Trial
 
 #: Signals that are fitted where the trial measures them and the model predicts them.
 SIGNALS = ("psi", "r", "u", "v")
+#: Signals that are fitted where the sway speed is predicted and not measured.
+TRACK = ("x", "y")
 #: Weighted residual of a sample at which the model has run away.
 _RUNAWAY = 1e3
 
@@ -82,6 +84,9 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
             where = f"trial {lacking}" if name in predicted else f"model {model.name}"
             raise NothingToFitError(f"the signal '{name}' is to be fitted, and {where} does not have it.")
     found = tuple(n for n in (wanted or SIGNALS) if n in predicted and all(t.has(n) for t in trials))
+    if wanted is None and "v" in predicted and "v" not in found and all(t.has("x", "y") for t in trials):
+        # Nothing else shows the drift: fit the track, with a constant current of its own in each trial.
+        found += tuple(n for n in TRACK if n in predicted)
     if not found:
         raise NothingToFitError(
             f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "
@@ -158,6 +163,8 @@ class Problem:
         Values of all other coefficients.
     sigma : ndarray, shape (signals,)
         Standard deviation by which each signal is weighted.
+    bias_offset : mapping of str to float
+        Biases that are known beforehand, by input.
     """
 
     model: Model
@@ -210,6 +217,10 @@ class Problem:
         p = record.system.vector(record.system.coefficients, values)
         return record(x0, s.inputs, s.intervals, p, self.bias_vector(own))
 
+    def named_biases(self, own: np.ndarray) -> dict[str, float]:
+        """Return the biases of one trial by input, those known beforehand included."""
+        return {n: float(b) for n, b in zip(self.record.system.inputs, self.bias_vector(own)) if b}
+
     def bias_vector(self, own: np.ndarray) -> np.ndarray:
         """Return the bias of every input for one trial's own unknowns."""
         inputs = self.record.system.inputs
@@ -251,6 +262,17 @@ class Problem:
         return out
 
 
+def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = True) -> tuple[str, ...]:
+    """Return the inputs whose constant bias is unknown in each trial.
+
+    The rudder; the cruising speed, where a fitted speed shows it; the current, where a fitted track shows it.
+    """
+    wanted = ["delta"] if rudder_bias else []
+    wanted += ["cruise"] if "u" in signals else []
+    wanted += ["current_north", "current_east"] if set(TRACK) & set(signals) else []
+    return tuple(n for n in wanted if n in model.inputs)
+
+
 def make_problem(
     model: Model,
     sailed: Sequence[Sailed],
@@ -258,32 +280,20 @@ def make_problem(
     estimated: tuple[str, ...],
     fixed: Mapping[str, float],
     sigma: np.ndarray,
-    rudder_bias: bool = True,
+    biases: tuple[str, ...],
     bias_offset: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Put a problem together: which states and inputs have unknowns of their own follows from the model.
+    """Put a problem together: which states have unknowns of their own follows from the model.
 
     Parameters
     ----------
-    model, sailed, signals, estimated, fixed, sigma
+    model, sailed, signals, estimated, fixed, sigma, biases
         See `Problem`.
-    rudder_bias : bool
-        Whether each trial has a rudder bias of its own.
     bias_offset : mapping, optional
         Biases that are known beforehand, by input.
     """
-    system = generate(model)
-    biases = ["delta"] if rudder_bias and "delta" in model.inputs else []
-    if "cruise" in model.inputs and "u" in signals:
-        biases.append("cruise")
+    behind = generate(model).states_behind(signals)
+    levels = np.asarray(sigma, dtype=float)
     return Problem(
-        model,
-        tuple(sailed),
-        signals,
-        estimated,
-        system.states_behind(signals),
-        tuple(biases),
-        dict(fixed),
-        np.asarray(sigma, dtype=float),
-        dict(bias_offset or {}),
+        model, tuple(sailed), signals, estimated, behind, biases, dict(fixed), levels, dict(bias_offset or {})
     )

@@ -37,47 +37,36 @@ def warm_up_samples(trial: Trial, unit_time: float) -> int:
     return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
 
 
-def predict_problem(fit: Fit, trial: Trial, refit_bias: bool) -> tuple[Problem, Sailed]:
-    """Return the problem of a trial whose parameters are known and only whose own unknowns are not."""
-    problem: Problem = fit._problem
-    own_speed = fit.ship.particular("speed", "m/s")
-    sailed = prepare(problem.model, trial, problem.signals, own_speed)
-    values = {**problem.fixed, **dict(zip(problem.estimated, fit._solution.q))}
-    offset = {"delta": mean_bias(fit)} if "delta" in problem.biases else {}
-    made = make_problem(
-        problem.model, [sailed], problem.signals, (), values, problem.sigma, rudder_bias=refit_bias, bias_offset=offset
-    )
-    return made, sailed
+def _problem_of(fit: Fit, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float]) -> Problem:
+    """The problem of a trial whose parameters are known and only whose own unknowns are not."""
+    known: Problem = fit._problem
+    sailed = prepare(known.model, trial, known.signals, fit.ship.particular("speed", "m/s"))
+    values = {**known.fixed, **dict(zip(known.estimated, fit._solution.q))}
+    return make_problem(known.model, [sailed], known.signals, (), values, known.sigma, biases, offset)
 
 
-def mean_bias(fit: Fit) -> float:
-    """Return the mean rudder bias of the fitted trials in rad."""
-    return float(np.mean([c.bias for c in fit.fitted])) if fit.fitted else 0.0
+def mean_biases(fit: Fit) -> dict[str, float]:
+    """Return the mean biases of the fitted trials, SI, by input; the cruising speed is each trial's own."""
+    names = [n for n in fit._problem.biases if n != "cruise"]
+    return {n: float(np.mean([c.biases.get(n, 0.0) for c in fit.fitted])) for n in names}
 
 
 def _predict(fit: Fit, trial: Trial) -> Comparison:
     from shipid.identification.identify import unit_time_of
 
-    problem, sailed = predict_problem(fit, trial, refit_bias=False)
+    biases = fit._problem.biases
+    ahead = _problem_of(fit, trial, tuple(n for n in biases if n == "cruise"), mean_biases(fit))
     count = warm_up_samples(trial, unit_time_of(fit.ship, [trial]))
-    head = replace(problem, sailed=(sailed.head(count),))
-    start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50)
-    compared = compare(problem, start.q, 0)
-
-    free, _ = predict_problem(fit, trial, refit_bias=True)
-    if "delta" not in free.biases:
-        return compared
-    again = compare(free, _refit(free, start.q), 0)
-    return replace(compared, refitted=again.rmse, refitted_bias=again.bias)
-
-
-def _refit(problem: Problem, start: np.ndarray) -> np.ndarray:
-    """Bias and initial state that fit the whole record best, from no bias and the state of the first seconds."""
-    states, biases = len(problem.initial), len(problem.biases)
-    q0 = np.zeros(problem.size)
-    q0[:states] = start[:states]
-    q0[states + 1 : states + biases] = start[states:]
-    return minimise(problem, q0, _EMPTY, most=50).q
+    head = replace(ahead, sailed=(ahead.sailed[0].head(count),))
+    start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50).q
+    predicted = compare(ahead, start, 0)
+    if "delta" not in biases:
+        return predicted
+    free = _problem_of(fit, trial, biases, {})
+    q0 = free.first_guess(np.zeros(0))
+    q0[: len(ahead.initial)] = start[: len(ahead.initial)]
+    again = compare(free, minimise(free, q0, _EMPTY, most=50).q, 0)
+    return replace(predicted, refitted=again.rmse, refitted_bias=again.bias)
 
 
 def _x0(problem: Problem, q: np.ndarray, sailed: Sailed) -> np.ndarray:
@@ -107,13 +96,11 @@ def compare(problem: Problem, q: np.ndarray, index: int) -> Comparison:
     measured = dict(zip(problem.signals, sailed.measured))
     errors = {s: _rms(predicted[s] - m) for s, m in measured.items()}
     overshoots, foreseen = _overshoots(trial, predicted.get("psi"))
-    bias = problem.bias_vector(own)
-    inputs = problem.record.system.inputs
     return Comparison(
         trial,
         predicted,
         errors,
-        bias=float(bias[inputs.index("delta")]) if "delta" in inputs else 0.0,
+        biases=problem.named_biases(own),
         overshoots=overshoots,
         predicted_overshoots=foreseen,
         initial=dict(zip(problem.initial, own.tolist())),

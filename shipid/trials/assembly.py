@@ -61,6 +61,10 @@ def trial_from_frame(
 
 
 def _floats(name: str, series: pd.Series, where: str) -> np.ndarray:
+    if pd.api.types.is_datetime64_any_dtype(series.dtype):
+        raise TextInColumnError(
+            f"{where}, column '{name}': it holds dates, not numbers. Write seconds since the start of the record."
+        )
     numbers = pd.to_numeric(series, errors="coerce")
     text = numbers.isna() & series.notna()
     if text.any():

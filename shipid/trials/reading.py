@@ -89,7 +89,8 @@ def _split(path: str | Path) -> tuple[Path, str | None]:
     if whole.exists() or "@" not in whole.name:
         return whole, None
     stem, _, tail = str(path).rpartition("@")
-    return Path(stem), tail
+    # Neither is there: a name like a@b.csv is more likely a file that is missing than a window of one.
+    return (Path(stem), tail) if Path(stem).exists() or ":" in tail else (whole, None)
 
 
 def _span(window: str | Span | None, fmt: TrialFormat | None, file: Path) -> Span | None:

@@ -112,7 +112,8 @@ def simulate(
     heading : str or float
         Heading of the approach, in rad or with a unit.
     noise : str or mapping, optional
-        ``"none"``, ``"standard"``, ``"psi=0.2 deg"``, or standard deviations by column.
+        ``"none"``, ``"standard"``, ``"psi=0.2 deg"``, or standard deviations by column. A trial with sensors does not
+        hold a speed through the water that none of them measures.
     current, wind : tuple, optional
         Speed and direction it flows TO, with units or in SI. Wind needs the wind coefficients among `values` or in
         the ship's set.
@@ -245,10 +246,12 @@ def _measured(
 ) -> pd.DataFrame:
     rng = np.random.default_rng([seed, 0])
     table = {"t": t}
+    unmeasured = {"u", "v"} - set(deviations) if deviations else set()
     for name, row in zip(shown, y):
         # Drawn for every column, so that the noise on one does not depend on which others carry noise.
         draw = rng.standard_normal(t.size)
-        table[name] = row + deviations.get(name, 0.0) * draw
+        if name not in unmeasured:
+            table[name] = row + deviations.get(name, 0.0) * draw
     return pd.DataFrame(table)
 
 

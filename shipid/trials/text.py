@@ -153,7 +153,7 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, encoding: str, 
             raise HeaderError(
                 f"'{path}', line {skip}: the first row is a sample, so there is no header to name the columns. "
                 "Write a header line such as 't [s],psi [deg],r [deg/s],delta [deg]', or describe the columns by index "
-                "in a format file (--format)."
+                "in a format file with header_lines = 0."
             )
         skip, text, first, comments = header[0], comments[-1], text, comments[:-1]
     if first is None:
@@ -200,9 +200,10 @@ def _separator(path: Path, header: str, first: str) -> str:
 
 
 def _one_column(path: Path, separator: str | None, line: str) -> SeparatorError:
+    shown = "".join(c if c.isprintable() else "?" for c in line.strip()[:60])
     used = f"with separator '{_NAMES.get(separator, separator)}' " if separator else ""
     return SeparatorError(
-        f"'{path}': {used}there is only one column, '{line.strip()[:60]}'. Separate the columns by comma, semicolon, "
+        f"'{path}': {used}there is only one column, '{shown}'. Separate the columns by comma, semicolon, "
         "tab or white space, the same in header and rows, or state the separator in a format file."
     )
 
@@ -229,36 +230,38 @@ def parse(path: Path, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
     RaggedRowError, TextInColumnError, EmptyFileError
         If a row has too many fields, a field is not a number, or there are no samples.
     """
+    # Told which columns to use, pandas drops what a row has too much of without a word: one column more shows it.
+    beyond = layout.width
     try:
         with warnings.catch_warnings():
-            # pandas only warns when rows are longer than the names it was given, and drops the rest.
-            warnings.simplefilter("error", pd.errors.ParserWarning)
+            warnings.simplefilter("ignore", pd.errors.ParserWarning)
             table = pd.read_csv(
                 path,
                 sep=layout.separator,
                 skiprows=layout.skip,
                 header=None,
-                names=list(range(layout.width)),
+                names=list(range(layout.width + 1)),
                 index_col=False,
-                usecols=sorted(set(wanted)),
-                dtype="float64",
+                usecols=[*sorted(set(wanted)), beyond],
+                dtype={**dict.fromkeys(wanted, "float64"), beyond: "object"},
                 decimal=layout.decimal,
                 comment=layout.comment,
                 encoding=layout.encoding,
                 encoding_errors="replace",
                 engine="c",
-                float_precision="round_trip",
                 low_memory=False,
             )
     except pd.errors.EmptyDataError:
         raise _empty(path) from None
-    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
+    except (pd.errors.ParserError, ValueError) as error:
         _explain(path, layout, wanted)
         raise RaggedRowError(
             f"'{path}' could not be parsed: {error}. Check its rows, or state a format file."
         ) from None
     if table.empty:
         raise _empty(path)
+    if table.pop(beyond).notna().any():
+        _explain(path, layout, wanted)
     return table
 
 
