@@ -141,10 +141,10 @@ def to_inside(name: str, unit: str, where: str = "") -> float:
         If the unit is unknown or measures something else.
     """
     try:
-        return units.factor(spelt(unit), inside_unit(name, unit), f"column '{name}'")
+        return units.factor(spelt(unit), inside_unit(name, unit), "it")
     except UnitError as error:
         raise ColumnUnitError(
-            f"{where}{error} Correct the header, as in '{header(name, example_unit(name))}', "
+            f"{where}column '{name}': {error} Correct the header, as in '{header(name, example_unit(name))}', "
             f"or state the unit of '{name}' in a format file."
         ) from None
 

@@ -230,20 +230,18 @@ def parse(path: Path, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
     RaggedRowError, TextInColumnError, EmptyFileError
         If a row has too many fields, a field is not a number, or there are no samples.
     """
-    # Told which columns to use, pandas drops what a row has too much of without a word: one column more shows it.
-    beyond = layout.width
+    # No usecols: told which columns to use, pandas drops what a row has too much of without a word.
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", pd.errors.ParserWarning)
+            warnings.simplefilter("error", pd.errors.ParserWarning)
             table = pd.read_csv(
                 path,
                 sep=layout.separator,
                 skiprows=layout.skip,
                 header=None,
-                names=list(range(layout.width + 1)),
+                names=list(range(layout.width)),
                 index_col=False,
-                usecols=[*sorted(set(wanted)), beyond],
-                dtype={**dict.fromkeys(wanted, "float64"), beyond: "object"},
+                dtype=dict.fromkeys(wanted, "float64"),
                 decimal=layout.decimal,
                 comment=layout.comment,
                 encoding=layout.encoding,
@@ -253,16 +251,14 @@ def parse(path: Path, layout: Layout, wanted: Sequence[int]) -> pd.DataFrame:
             )
     except pd.errors.EmptyDataError:
         raise _empty(path) from None
-    except (pd.errors.ParserError, ValueError) as error:
+    except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
         _explain(path, layout, wanted)
         raise RaggedRowError(
-            f"'{path}' could not be parsed: {error}. Check its rows, or state a format file."
+            f"'{path}' could not be parsed: {' '.join(str(error).split())}. Check its rows, or state a format file."
         ) from None
     if table.empty:
         raise _empty(path)
-    if table.pop(beyond).notna().any():
-        _explain(path, layout, wanted)
-    return table
+    return table[list(dict.fromkeys(wanted))]
 
 
 def _samples(path: Path, layout: Layout) -> Iterator[tuple[int, str]]:
@@ -281,7 +277,7 @@ def _explain(path: Path, layout: Layout, wanted: Sequence[int]) -> None:
     """Walk the file to the first row that is too long or holds text, and raise its error."""
     for number, line in _samples(path, layout):
         row = fields(line.split(layout.comment)[0], layout.separator)
-        if len(row) > layout.width and any(row[layout.width :]):
+        if len(row) > layout.width:
             raise RaggedRowError(
                 f"'{path}', line {number}: the row has {len(row)} fields, the first sample {layout.width}. "
                 "Complete or remove the row; a text field must not contain the separator."

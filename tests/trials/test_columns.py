@@ -1,0 +1,69 @@
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shipid.declaration import units
+from shipid.trials import columns
+from shipid.trials.errors import ColumnUnitError
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "unit"),
+    [
+        ("psi [deg]", "psi", "deg"),
+        ("psi[deg]", "psi", "deg"),
+        ("psi (deg)", "psi", "deg"),
+        ('"psi [deg]"', "psi", "deg"),
+        ("  r [deg/s] ", "r", "deg/s"),
+        ("psi", "psi", None),
+        ("thrust 2 [kN]", "thrust 2", "kN"),
+    ],
+)
+def test_header_is_split_into_name_and_unit(text, name, unit):
+    assert columns.split_header(text) == (name, unit)
+
+
+@given(st.sampled_from(sorted(columns.COLUMNS)))
+def test_header_round_trip(name):
+    column = columns.COLUMNS[name]
+    assert columns.split_header(columns.header(name, column.display)) == (name, column.display)
+
+
+@pytest.mark.parametrize("column", columns.COLUMNS.values(), ids=lambda c: c.name)
+def test_vocabulary_units_are_units_and_fit_their_display(column):
+    assert columns.to_inside(column.name, column.unit) == pytest.approx(1.0)
+    assert columns.to_inside(column.name, column.display) > 0
+    assert units.same_dimension(column.unit, columns.spelt(column.display))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "factor"),
+    [
+        ("psi", "deg", math.pi / 180),
+        ("psi", "°", math.pi / 180),
+        ("U", "kn", 1852 / 3600),
+        ("n", "rpm", 1 / 60),
+        ("n", "rev/s", 1.0),
+        ("n", "rps", 1.0),
+        ("torque", "Nm", 1.0),
+        ("torque", "kNm", 1000.0),
+        ("t", "min", 60.0),
+        ("fuel", "kg/h", 1 / 3600),
+    ],
+)
+def test_factor_to_inside(name, unit, factor):
+    assert columns.to_inside(name, unit) == pytest.approx(factor)
+
+
+@pytest.mark.parametrize(("name", "unit"), [("psi", "m"), ("psi", "1"), ("r", "1/s"), ("n", "1/s"), ("u", "furlong/")])
+def test_unit_that_does_not_fit_is_refused_with_a_remedy(name, unit):
+    with pytest.raises(ColumnUnitError, match=rf"'{name}'(.|\n)*Correct the header, as in '{name} \["):
+        columns.to_inside(name, unit)
+
+
+def test_other_columns_take_the_coherent_unit():
+    assert columns.inside_unit("fuel", "kg/h") == "kg/s"
+    with pytest.raises(ColumnUnitError, match="fuel"):
+        columns.inside_unit("fuel", "litres per fortnite")
