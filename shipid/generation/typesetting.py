@@ -44,8 +44,8 @@ class Typeset:
 
     Attributes
     ----------
-    target : str
-        What it defines.
+    target, kind : str
+        What it defines, and how: rate, next, equals, or instead (where a parameter set publishes other coefficients).
     component, method : str
         Where it is declared.
     latex, plain : str
@@ -55,6 +55,7 @@ class Typeset:
     """
 
     target: str
+    kind: str
     component: str
     method: str
     latex: str
@@ -178,6 +179,7 @@ def typeset(model: Model) -> list[Typeset]:
         result.append(
             Typeset(
                 entry.name,
+                entry.equation.kind,
                 entry.owner.__name__,
                 entry.equation.name,
                 f"{left_latex} = {sympy.latex(right, symbol_names=names)}",

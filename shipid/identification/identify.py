@@ -105,6 +105,7 @@ def identify(
     """
     if not trials:
         raise UsageError("identify needs at least one trial.")
+    trials, validate = _named_apart(trials, validate)
     setting = _settle(model, trials, ship, estimate, dict(fixed or {}))
     for trial in trials:
         check_regular(trial)
@@ -122,6 +123,19 @@ def identify(
     )
     fit = _result(setting, solution, box, sailed, weigh)
     return fit.validate(validate) if validate else fit
+
+
+def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
+    """Give trials of the same name a number, so that each has a place of its own in the result."""
+    seen: dict[str, int] = {}
+    result: list[list[Trial]] = []
+    for group in groups:
+        result.append([])
+        for trial in group:
+            seen[trial.name] = seen.get(trial.name, 0) + 1
+            again = seen[trial.name]
+            result[-1].append(trial if again == 1 else replace(trial, name=f"{trial.name}-{again}"))
+    return result
 
 
 def _settle(

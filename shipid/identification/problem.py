@@ -21,6 +21,8 @@ from shipid.trials.trial import Trial
 SIGNALS = ("psi", "r", "u", "v")
 #: Signals that are fitted where the sway speed is predicted and not measured.
 TRACK = ("x", "y")
+#: Rudder movement in rad at which a manoeuvre has begun.
+_MOVED = np.deg2rad(3.0)
 #: Weighted residual of a sample at which the model has run away.
 _RUNAWAY = 1e3
 
@@ -119,7 +121,7 @@ def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float
     speed = float(np.median(recorded)) if recorded is not None else own_speed
     first = max(3, int(0.02 * t.size))
     # A model that takes the speed as given holds it constant; a measured speed would be a hidden answer.
-    known = {"u": speed, "cruise": float(np.median(recorded[:first])) if recorded is not None else own_speed}
+    known = {"u": speed, "cruise": own_speed if recorded is None else _approach_speed(trial, recorded, first)}
     inputs = np.empty((len(model.inputs), t.size))
     for i, name in enumerate(model.inputs):
         value = known.get(name) if name in known else trial[name] if trial.has(name) else model[name].number("default")
@@ -132,6 +134,15 @@ def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float
     x0 = np.array([_initial(model, trial, s, known, first) for s in model.states])
     measured = np.array([trial[s] for s in signals])
     return Sailed(trial, np.diff(t, append=t[-1]), inputs, measured, x0, speed or 1.0)
+
+
+def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> float:
+    """Median speed before the rudder first moves, over at least so many samples."""
+    count = least
+    if trial.has("delta"):
+        moved = np.abs(trial["delta"] - np.median(trial["delta"][:least])) > _MOVED
+        count = max(least, int(np.argmax(moved)) if moved.any() else 0)
+    return float(np.median(speed[:count]))
 
 
 def _initial(model: Model, trial: Trial, name: str, known: Mapping[str, float | None], first: int) -> float:

@@ -55,7 +55,7 @@ def _predict(fit: Fit, trial: Trial) -> Comparison:
     from shipid.identification.identify import unit_time_of
 
     biases = fit._problem.biases
-    ahead = _problem_of(fit, trial, tuple(n for n in biases if n == "cruise"), mean_biases(fit))
+    ahead = _problem_of(fit, trial, (), mean_biases(fit))
     count = warm_up_samples(trial, unit_time_of(fit.ship, [trial]))
     head = replace(ahead, sailed=(ahead.sailed[0].head(count),))
     start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50).q

@@ -91,7 +91,7 @@ def simulate(
     current: tuple[str | float, str | float] | None = None,
     wind: tuple[str | float, str | float] | None = None,
     steering: bool = True,
-    values: Mapping[str, float] | None = None,
+    values: Mapping[str, str | float] | None = None,
     seed: int = 0,
     name: str | None = None,
 ) -> Trial:
@@ -119,8 +119,8 @@ def simulate(
         the ship's set.
     steering : bool
         Whether the rudder follows through the ship's steering machine (limit and rate limit).
-    values : mapping of str to float, optional
-        SI numbers that replace those of the ship.
+    values : mapping of str to str or float, optional
+        Values with units that replace those of the ship.
     seed : int
         Of the noise and the random telegraph.
     name : str, optional
@@ -156,7 +156,10 @@ def simulate(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {sailed.duration:g} s.")
 
     whole = _with_steering(model, sailed.helm, steering, wind is not None)
-    known = ship.values(whole, speed=u0) | dict(values or {}) | sailed.constants
+    replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in (values or {}).items()}
+    published = [n for n in replaced if whole[n].quantity.kind == "derived"]
+    whole = whole.impose(published) if published else whole
+    known = ship.values(whole, speed=u0) | replaced | sailed.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
     if lacking:
         raise lacking
@@ -182,7 +185,9 @@ def simulate(
     table = _measured(shown, y[:, ::fine], t[::fine], deviations, seed)
     story = _story(model, ship, manoeuvre, u0, deviations, current, wind, seed)
     source = Source(simulated=True, comment=story, notes=(story,))
-    return Trial(name or f"{model.name}-{manoeuvre.kind}", table, source, ship=ship.name)
+    return Trial(
+        name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
+    )
 
 
 def _si(value: str | float, unit: str, what: str) -> float:

@@ -1,0 +1,5 @@
+"""``python -m shipid``: the command line."""
+
+from shipid.cli import entry
+
+entry()
