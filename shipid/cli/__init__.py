@@ -1,0 +1,110 @@
+"""The command line: thin, and it imports what a command needs when the command runs.
+
+Results go to stdout (``--json`` for machines), progress and messages to stderr. Exit codes: 0 done, 2 usage, 3 bad data,
+4 no convergence, 70 a fault of shipid itself.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from shipid.cli.shared import say
+
+#: Command: the module it lives in, and its line in the help.
+_COMMANDS = {
+    "models": ("shipid.cli.catalogue", "List models and ships, one line each."),
+    "show": ("shipid.cli.catalogue", "Show a model: quantities, units, equations, sources."),
+    "simulate": ("shipid.cli.simulate", "Simulate a manoeuvre and write it as a trial."),
+    "measure": ("shipid.cli.measure", "Measure a zig-zag or a turning circle."),
+    "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
+}
+
+
+class _LazyGroup(click.Group):
+    """A group that imports a command when it is called, so that ``shipid --help`` imports nothing numeric."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names in the order of the work."""
+        return list(_COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Import a command."""
+        if cmd_name not in _COMMANDS:
+            return None
+        command: Any = getattr(importlib.import_module(_COMMANDS[cmd_name][0]), cmd_name)
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, about) for name, (_, about) in _COMMANDS.items()])
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Offer the nearest command for a misspelt one."""
+        if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
+            from shipid.declaration.errors import UnknownNameError
+
+            raise UnknownNameError("command", args[0], _COMMANDS)
+        return super().resolve_command(ctx, args)
+
+
+@click.group(cls=_LazyGroup, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(package_name="shipid", message="shipid %(version)s")
+def main() -> None:
+    """Identify ships from trials: declare the ship once; everything else is generated.
+
+    \b
+    shipid models                                  what there is
+    shipid simulate norrbin --ship zeefakkel --manoeuvre zigzag:20/20 --noise standard -o trial.csv
+    shipid measure trial.csv                       overshoots, period, advance, transfer, ...
+    shipid identify trial.csv --model norrbin --ship zeefakkel --out result
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code; errors are one paragraph on stderr, never a traceback.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        What stands behind ``shipid``; taken from the process by default.
+    """
+    from shipid.declaration.errors import ShipidError
+
+    given = None if arguments is None else list(arguments)
+    try:
+        code = main.main(args=given, prog_name="shipid", standalone_mode=False)
+    except click.ClickException as error:
+        error.show()
+        return error.exit_code
+    except (click.Abort, KeyboardInterrupt):
+        say("interrupted; nothing more was written.")
+        return 130
+    except ShipidError as error:
+        say(str(error))
+        return error.exit_code
+    except BrokenPipeError:
+        sys.stdout = None  # nobody reads on; say nothing more
+        return 0
+    except OSError as error:
+        say(f"{error.filename or 'a file'}: {error.strerror or error}.")
+        return 3
+    except Exception as error:  # the last line of defence: a fault of ours is said in one paragraph too
+        if os.environ.get("SHIPID_DEBUG"):
+            raise
+        say(
+            f"a fault in shipid itself, {type(error).__name__}: {error}. Set SHIPID_DEBUG=1 to see where, and report it."
+        )
+        return 70
+    return code if isinstance(code, int) else 0
+
+
+def entry() -> None:
+    """Entry point of the installed command."""
+    sys.exit(run())

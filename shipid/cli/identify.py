@@ -1,0 +1,167 @@
+"""``shipid identify``: from trials to an identified ship, with its report."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+
+from shipid.cli.shared import assignments, format_option, json_option, overwrite_option, print_json, say, window_of
+
+
+class _Variadic(click.Command):
+    """A command whose option ``--validate`` takes every following word up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat the option before each of its values, which is the form click knows."""
+        spread: list[str] = []
+        taking = False
+        for arg in args:
+            if arg == "--validate":
+                taking = True
+                continue
+            taking = taking and not (arg.startswith("-") and arg != "-")
+            spread += ["--validate", arg] if taking else [arg]
+        return super().parse_args(ctx, spread)
+
+
+@click.command(cls=_Variadic)
+@click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
+@click.option("--model", required=True, metavar="MODEL", help="A model's name, or path/to/file.py:Class.")
+@click.option("--ship", metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
+@format_option
+@click.option("--window", metavar="A:B", help="For every trial without a window of its own (FILE@A:B).")
+@click.option("--estimate", metavar="a,b,..", help="Coefficients to estimate; the model's own choice by default.")
+@click.option(
+    "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a coefficient, with its unit: n3='0.4 s^2/deg^2'."
+)
+@click.option("--validate", multiple=True, metavar="TRIAL...", help="Trials to predict that are not fitted.")
+@click.option("--signals", metavar="a,b,..", help="Signals to fit: psi, r, u, v, x, y. By default what is measured.")
+@click.option("--noise", metavar="LIST", help="Noise levels, 'psi=0.2 deg,r=0.02 deg/s'; estimated by default.")
+@click.option("--no-rudder-bias", is_flag=True, help="Believe the rudder: no bias of its own in each trial.")
+@click.option("--starts", default=5, show_default=True, help="Number of starting points.")
+@click.option("--seed", default=0, show_default=True, help="Of the random starting points.")
+@click.option("--out", metavar="DIR", help="Folder for result.json, ship.toml and report.html.")
+@overwrite_option
+@json_option
+def identify(
+    trials: tuple[str, ...],
+    model: str,
+    ship: str | None,
+    format_: str | None,
+    window: str | None,
+    estimate: str | None,
+    fix: tuple[str, ...],
+    validate: tuple[str, ...],
+    signals: str | None,
+    noise: str | None,
+    no_rudder_bias: bool,
+    starts: int,
+    seed: int,
+    out: str | None,
+    overwrite: bool,
+    as_json: bool,
+) -> int:
+    """Identify a model from one trial or several, jointly.
+
+    Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
+    """
+    from shipid.declaration.catalogue import find_model, find_ship
+    from shipid.declaration.errors import UsageError
+    from shipid.identification.identify import identify as run_identify
+    from shipid.trials.reading import read_trial
+    from shipid.trials.simulation import parse_noise
+
+    if starts < 1:
+        raise UsageError(f"{starts} starting points are too few: give at least one.")
+    folder = _folder(out, overwrite)
+    span = window_of(window)
+    found, known = find_model(model), find_ship(ship) if ship else None
+
+    def read(name: str) -> Any:
+        return read_trial(name, format=format_, window=span)
+
+    with _progress(as_json) as tell:
+        fit = run_identify(
+            found,
+            [read(t) for t in trials],
+            ship=known,
+            estimate=_names(estimate),
+            fixed=assignments(fix),
+            signals=_names(signals),
+            noise=parse_noise(noise) if noise else None,
+            validate=[read(t) for t in validate],
+            rudder_bias=not no_rudder_bias,
+            starts=starts,
+            seed=seed,
+            progress=tell,
+        )
+        if folder is not None:
+            tell("writing the report")
+            _write(fit, folder)
+    if as_json:
+        print_json(fit.to_dict())
+    else:
+        click.echo(repr(fit))
+        if folder is not None:
+            click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
+    if not fit.converged:
+        say(f"the search did not converge: {fit.message} What it knows is above; do not use it as a ship.")
+        return 4
+    return 0
+
+
+_FILES = ("result.json", "ship.toml", "report.html")
+
+
+def _names(text: str | None) -> list[str] | None:
+    return [n.strip() for n in text.split(",") if n.strip()] if text else None
+
+
+def _folder(out: str | None, overwrite: bool) -> Path | None:
+    from shipid.declaration.errors import UsageError
+
+    if out is None:
+        return None
+    folder = Path(out)
+    there = [n for n in _FILES if (folder / n).exists()]
+    if there and not overwrite:
+        raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
+    if folder.exists() and not folder.is_dir():
+        raise UsageError(f"{folder} is a file; --out wants a folder.")
+    return folder
+
+
+def _write(fit: Any, folder: Path) -> None:
+    """Write the three files beside their places first, so that an interruption leaves no half of them."""
+    import json
+    import tempfile
+
+    from shipid.declaration.parameters import write_parameter_set
+    from shipid.report.report import write_report
+
+    result = json.dumps(fit.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".shipid-") as scratch:
+        parts = [Path(scratch) / n for n in _FILES]
+        parts[0].write_text(result + "\n", encoding="utf-8")
+        write_parameter_set(fit.ship, parts[1])
+        write_report(fit, parts[2])
+        for part in parts:
+            part.replace(folder / part.name)
+
+
+@contextmanager
+def _progress(quiet: bool) -> Any:
+    """Show what is being done, on stderr, where somebody is looking."""
+    if quiet or not sys.stderr.isatty():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        yield lambda text: status.update(text)

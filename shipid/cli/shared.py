@@ -1,0 +1,61 @@
+"""What the commands share: messages, JSON, options, and the reading of their values."""
+
+from __future__ import annotations
+
+import os
+import sys
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+overwrite_option = click.option("--overwrite", is_flag=True, help="Replace files that exist.")
+format_option = click.option(
+    "--format", "format_", metavar="FILE", help="Trial format file (TOML), for headers without units."
+)
+
+
+def say(message: str) -> None:
+    """Print one paragraph on stderr."""
+    width = os.get_terminal_size(sys.stderr.fileno()).columns if sys.stderr.isatty() else 100
+    filled = textwrap.fill(
+        f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
+    )
+    click.echo(filled, err=True)
+
+
+def print_json(value: Any) -> None:
+    """Print a result as JSON, which holds no NaN."""
+    import json
+
+    click.echo(json.dumps(value, indent=1, allow_nan=False, ensure_ascii=False))
+
+
+def assignments(texts: Sequence[str]) -> dict[str, str]:
+    """Read options of the form NAME=VALUE UNIT."""
+    from shipid.declaration.errors import UsageError
+
+    result = {}
+    for text in texts:
+        name, sign, value = text.partition("=")
+        if not sign or not name.strip() or not value.strip():
+            raise UsageError(f"'{text}' does not say NAME=VALUE with a unit, as in n3='0.4 s^2/deg^2'.")
+        result[name.strip()] = value.strip()
+    return result
+
+
+def window_of(text: str | None) -> tuple[float, float] | None:
+    """Read a window A:B in seconds."""
+    from shipid.declaration.errors import UsageError
+
+    if text is None:
+        return None
+    first, sign, second = text.partition(":")
+    try:
+        if not sign:
+            raise ValueError
+        return float(first), float(second)
+    except ValueError:
+        raise UsageError(f"the window '{text}' is not A:B in seconds of the trial's clock, as in 1622:1712.") from None

@@ -1,0 +1,98 @@
+"""``shipid simulate``: a manoeuvre of a declared ship, written as a trial."""
+
+from __future__ import annotations
+
+import re
+
+import click
+
+from shipid.cli.shared import assignments, overwrite_option, say
+
+
+@click.command()
+@click.argument("model")
+@click.option("--ship", required=True, metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
+@click.option("--manoeuvre", required=True, metavar="M", help="zigzag:20/20, turn:35, spiral:25, course:60, ...")
+@click.option("--speed", metavar="V", help="Speed before the manoeuvre, as in '9 kn'; the ship's own by default.")
+@click.option(
+    "--noise", default="none", show_default=True, help="none, standard, or a list: 'psi=0.2 deg,r=0.02 deg/s'."
+)
+@click.option("--seed", default=0, show_default=True, help="Of the noise and the random telegraph.")
+@click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
+@click.option("--sampling", metavar="T", help="Sampling interval, as in '1 s'.")
+@click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
+@click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
+@click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
+@click.option(
+    "--set", "values", multiple=True, metavar="NAME=VALUE", help="Replace a value of the ship, with its unit."
+)
+@click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
+@overwrite_option
+def simulate(
+    model: str,
+    ship: str,
+    manoeuvre: str,
+    speed: str | None,
+    noise: str,
+    seed: int,
+    duration: str | None,
+    sampling: str | None,
+    heading: str,
+    current: str | None,
+    wind: str | None,
+    values: tuple[str, ...],
+    output: str | None,
+    overwrite: bool,
+) -> None:
+    """Simulate a manoeuvre and write it as a trial.
+
+    \b
+    zigzag:20/20        rudder and heading angle; zigzag:-20/20 begins to port
+    turn:35             turning circle through 540 degrees, with pull-out
+    spiral:25           direct spiral          reversed-spiral:0.6  up to r L/U = 0.6
+    course:60/15        course change with at most 15 degrees of rudder
+    telegraph:10        random telegraph
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.declaration.catalogue import find_model, find_ship
+    from shipid.trials.simulation import simulate as run_simulation
+    from shipid.trials.writing import write_trial
+
+    trial = run_simulation(
+        find_model(model),
+        find_ship(ship),
+        manoeuvre,
+        speed=speed,
+        noise=noise,
+        seed=seed,
+        duration=duration,
+        sampling=sampling,
+        heading=heading,
+        current=_flow(current, "current"),
+        wind=_flow(wind, "wind"),
+        values=assignments(values),
+    )
+    if output is None:
+        click.echo(f"# {trial.source.comment}")
+        click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
+        return
+    write_trial(trial, output, overwrite=overwrite, comment=trial.source.comment)
+    say(f"{output}: {len(trial)} samples. {trial.source.comment}")
+
+
+def _flow(text: str | None, what: str) -> tuple[float, float] | None:
+    """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
+    import math
+
+    from shipid.declaration.errors import UsageError
+    from shipid.declaration.units import to_si
+
+    if text is None:
+        return None
+    match = re.match(r"^\s*(.+?)\s+(to|from)\s+(.+?)\s*$", text)
+    if not match:
+        raise UsageError(
+            f"the {what} '{text}' does not say where it flows: write '3 kn to 30 deg' or '10 m/s from 270 deg'."
+        )
+    direction = to_si(match.group(3), "rad", f"direction of the {what}")
+    turned = math.pi if match.group(2) == "from" else 0.0
+    return to_si(match.group(1), "m/s", f"speed of the {what}"), direction + turned
