@@ -70,7 +70,7 @@ class DeKeizerMinimal(SpeedScaled):
 
         The print has du/dt, with which neither the sign nor the dimension is right; u = U0 (1 - u*) by (2.53).
         """
-        slowing = (self.K_u * self.r_star**2 - self.speed_feedback()) / self.tau_u
+        slowing = (self.K_u * self.r_star**2 * self.way_left - self.speed_feedback()) / self.tau_u
         return -self.cruise * self.way / self.L * slowing + self.u_disturbance
 
 

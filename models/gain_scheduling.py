@@ -59,7 +59,7 @@ class GainSchedule(SpeedScaled):
     @K_u.equals
     def speed_gain(self):
         """Passenier (1989), eq. (2.62)."""
-        return self.K_u_star * (self.L / self.way) ** 2
+        return self.K_u_star * (self.L / self.way) ** 2 * self.way_left
 
     @tau_u.equals
     def speed_time(self):

@@ -10,9 +10,10 @@ import numpy as np
 
 from shipid import Component, constant, given, state
 
-#: Below this share of the cruising speed, the equations that divide by the speed use the share instead. A model that
-#: is scaled with the speed says nothing about a ship that hardly moves, and its steady turn may not exist (De Keizer's
-#: runs down to u = 0 in finite time): the floor keeps such a run finite. Above it the equations are as printed.
+#: Below this share of the cruising speed, the equations that divide by the speed use the share instead, and turning
+#: slows the ship in proportion to the way she still has. A model that is scaled with the speed says nothing about a
+#: ship that hardly moves, and its steady turn may not exist (De Keizer's runs down to u = 0 in finite time): the floor
+#: keeps such a run finite and the speed positive. Above it the equations are as printed.
 LEAST_WAY = 0.05
 
 
@@ -54,3 +55,8 @@ class SpeedScaled(Component):
     def way(self):
         """The forward speed, not less than `LEAST_WAY` of the cruising speed."""
         return np.maximum(self.u, LEAST_WAY * self.cruise)
+
+    @property
+    def way_left(self):
+        """1 while the ship has way; below `LEAST_WAY` the share of it that is left."""
+        return self.u / self.way

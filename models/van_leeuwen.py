@@ -65,7 +65,7 @@ class VanLeeuwen(SpeedScaled):
     @u_star.rate
     def loss_of_speed(self):
         """Passenier (1989), eq. (2.44) with (2.46) and (2.42); a push ahead lowers the loss (the sign of (2.86))."""
-        filtered = (self.K_u * self.r_star**2 - self.u_star) / self.tau_u
+        filtered = (self.K_u * self.r_star**2 * self.way_left - self.u_star) / self.tau_u
         return self.way / self.L * filtered - self.u_disturbance / self.cruise
 
     @s_star.rate

@@ -1,0 +1,185 @@
+"""What every declaration has to say of itself, and every ship of its numbers."""
+
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+
+from shipid import Component, find_model, find_ship, join
+from shipid.declaration import units
+from shipid.declaration.catalogue import known_component, known_models, known_ships, modules
+from shipid.declaration.component import slug
+from shipid.declaration.parameters import PARTICULARS, missing_values
+
+COMPONENTS = sorted(
+    {c for m in modules() for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)} - {Component},
+    key=lambda c: c.__name__,
+)
+SHIPS = sorted(known_ships())
+SECTIONS = [(ship, section) for ship in SHIPS for section in find_ship(ship).models]
+MODELS = sorted(known_models())
+FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")
+
+
+def test_the_named_models_are_there() -> None:
+    assert {*FAMILIES, "davidson-schiff", "pershitz-discrete", "pershitz-track"} <= set(MODELS)
+
+
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
+def test_every_equation_cites_its_source(component: type[Component]) -> None:
+    for equation in component._equations.values():
+        assert re.search(r"\b(19|20)\d\d\b", equation.source), f"{equation.name} ({equation.place}) cites no source"
+    assert (component.__doc__ or "").strip()
+
+
+@pytest.mark.parametrize("module", modules(), ids=lambda m: m.__name__)
+def test_every_file_names_its_family_and_stays_one_idea(module: object) -> None:
+    assert len((module.__doc__ or "").split()) > 15
+    lines = Path(module.__file__).read_text(encoding="utf-8").splitlines()  # type: ignore[attr-defined]
+    assert len(lines) < 400
+
+
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
+def test_every_parameter_has_a_start_inside_its_bounds(component: type[Component]) -> None:
+    if not component._equations:
+        return
+    model = join("alone", component)
+    for name in model.parameters:
+        low, start, high = (model[name].number(a) for a in ("low", "start", "high"))
+        assert low is not None and start is not None and high is not None, name
+        assert low <= start <= high and low < high, name
+
+
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
+def test_every_parameter_says_how_it_scales(component: type[Component]) -> None:
+    """Dimensional ones declare the prime system; starred ones the unit of their dimensional form, where it has one."""
+    for name, quantity in component._quantities.items():
+        if quantity.kind != "parameter":
+            continue
+        dimensionless = units.same_dimension(quantity.unit, "1")
+        if quantity.prime:
+            units.prime_exponents(quantity.unit)
+        else:
+            assert dimensionless, f"{name} [{quantity.unit}] declares no prime"
+        if quantity.dimensional:
+            assert dimensionless and units.prime_exponents(quantity.dimensional) != (0.0, 0.0), name
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_steers_the_heading(name: str) -> None:
+    model = find_model(name)
+    assert {"x", "y", "psi"} <= set(model.states)
+    assert model["psi"].quantity.wraps
+    assert model.is_sampled == ("T" in {q for c in model.components for q in c._quantities})
+
+
+def test_every_yaw_model_takes_a_disturbance() -> None:
+    """So that wind joins with any of them; the sampled forms of the trackers have none."""
+    for name in MODELS:
+        model = find_model(name)
+        assert ("r_disturbance" in model.inputs) == (not model.is_sampled), name
+
+
+@pytest.mark.parametrize("name", [n for n in MODELS if not find_model(n).is_sampled])
+def test_everything_that_surrounds_a_ship_joins_with_every_model(name: str) -> None:
+    around = ("UniformCurrent", "Wind", "Waves", "SteeringMachine", "Compass", "Gyro", "Log", "PositionSensor")
+    whole = join("whole", find_model(name), *(known_component(c) for c in around))
+    assert {"delta_order", "wind_speed", "wind_direction", "current_speed"} <= set(whole.inputs)
+    assert not {"r_disturbance", "current_north", "delta", "psi_wave"} & set(whole.inputs)
+    assert whole.outputs == ("compass", "gyro", "log", "fix_north", "fix_east")
+    for output in whole.outputs:
+        declared = whole[output].quantity
+        assert declared.measures in whole and declared.noise is not None
+        assert units.to_si(declared.noise, declared.unit) > 0
+
+
+@pytest.mark.parametrize("name", SHIPS)
+def test_every_ship_has_its_particulars(name: str) -> None:
+    ship = find_ship(name)
+    assert ship.name == name
+    assert ship.title and ship.notes
+    for particular, unit in (("L", "m"), ("speed", "m/s"), ("delta_max", "rad"), ("delta_rate", "rad/s")):
+        value = ship.particular(particular, unit)
+        assert value is not None and value > 0, particular
+    assert ship.particular("delta_max", "deg") <= 45
+
+
+@pytest.mark.parametrize(("name", "section"), SECTIONS)
+def test_every_section_of_a_ship_determines_its_model(name: str, section: str) -> None:
+    ship = find_ship(name)
+    named = {slug(c): c for c in COMPONENTS}
+    model = find_model(section) if section in MODELS else join(section, named[section])
+    speed = ship.particular("speed", "m/s")
+    values = ship.values(model, speed)
+    assert missing_values(model, values, name) is None
+    assert set(ship.sections[section]) <= set(model.entries), "a name the model does not have"
+    length = ship.particular("L", "m")
+    for parameter in model.parameters:
+        entry = model[parameter]
+        scale = units.prime_factor(entry.unit, length, speed) if entry.quantity.prime else 1.0
+        low, high = entry.number("low"), entry.number("high")
+        assert low * scale <= values[parameter] <= high * scale, parameter
+
+
+@pytest.mark.parametrize("name", SHIPS)
+def test_every_number_of_a_ship_has_a_source_someone_can_look_up(name: str) -> None:
+    """A name and a year, a toolbox, a campaign, what it was derived from; or the plain word assumed."""
+    known = r"assumed$|\((19|20)\d\d\)|SIMMAN 2008|MSS toolbox|FRT-DS-ESSO|NTNU|MARIN|HSVA|^derived from|eq\. \("
+    for section, values in find_ship(name).sections.items():
+        for value in values.values():
+            assert re.search(known, value.source), f"[{section}] {value.name}: {value.source}"
+            assert not re.search(r"[/\\](home|work|tmp|root|Users)[/\\]", value.source + value.note)
+
+
+def test_every_model_has_a_ship_that_knows_it() -> None:
+    sections = {section for _, section in SECTIONS}
+    assert set(MODELS) <= sections
+
+
+@pytest.mark.parametrize("name", SHIPS)
+def test_every_ship_steers(name: str) -> None:
+    machine = join("machine", known_component("SteeringMachine"))
+    assert set(find_ship(name).values(machine)) == {"delta_max", "delta_rate", "tau_delta"}
+
+
+def test_zeefakkel_is_tabulated_against_speed() -> None:
+    ship, model = find_ship("zeefakkel"), find_model("norrbin")
+    for speed, gain, time in ((2.0, 0.15, 33.0), (4.5, 0.435, 32.0), (6.2, 0.83, 43.0)):
+        values = ship.values(model, speed)
+        assert values["a"] == pytest.approx(gain / time)
+        assert values["b1"] == pytest.approx(1 / time)
+        # 0.4 s^2/deg^2 is 1313 s^2/rad^2: the angle is what the printed number leaves out.
+        assert values["b3"] == pytest.approx(1313.12 / time, rel=1e-5)
+
+
+def test_the_derived_numbers_of_the_container_follow_from_its_published_ones() -> None:
+    ship = find_ship("soesterberg")
+    starred, linear = ship.values(find_model("de-keizer")), ship.values(find_model("nomoto"))
+    assert linear["K"] == pytest.approx(starred["K"] * 9.5 / 226, rel=1e-5)
+    assert linear["tau"] == pytest.approx(starred["tau"] * 226 / 9.5, rel=1e-5)
+    published = units.to_si("2.26 m/deg", "m/rad")
+    assert starred["gamma"] == pytest.approx(published / 226, rel=1e-3)
+
+
+def test_the_two_sizes_of_the_kvlcc2_are_one_hull() -> None:
+    """The same coefficients, made dimensionless, in full scale and in the model."""
+    model, primed = find_model("norrbin"), []
+    for name in ("kvlcc2", "kvlcc2-7m"):
+        ship = find_ship(name)
+        length, speed = ship.particular("L", "m"), ship.particular("speed", "m/s")
+        values = ship.values(model, speed)
+        primed.append([values[p] / units.prime_factor(model[p].unit, length, speed) for p in model.parameters])
+    assert primed[0] == pytest.approx(primed[1], rel=1e-3)
+    assert primed[0] == pytest.approx([0.470, 0.04, 4.4], rel=1e-3)
+
+
+def test_declared_names_are_imported_from_the_package() -> None:
+    package = importlib.import_module("shipid.models")
+    assert package.DeKeizer is known_component("DeKeizer")
+    with pytest.raises(AttributeError, match="NoSuchShip"):
+        package.NoSuchShip  # noqa: B018
+
+
+def test_particulars_are_not_taken_for_a_model() -> None:
+    assert all(PARTICULARS not in find_ship(s).models for s in SHIPS)

@@ -1,0 +1,306 @@
+"""Every equation against the same formula written out by hand in plain floats.
+
+The formulas are typed from the papers once more, without the helpers of the declarations, so that a slip in a
+helper shows. Agreement is to rounding.
+"""
+
+from collections.abc import Callable
+from math import atan2, cos, exp, hypot, pi, sin, sqrt
+
+import pytest
+import shipid.models as declared
+
+from shipid import Component
+from shipid.declaration.catalogue import known_models, modules
+from shipid.declaration.model import Evaluation
+
+Numbers = dict[str, float]
+Case = Callable[[Numbers], Numbers]
+
+# Odd numbers of a likely size, none of them 0 or 1, so that no term vanishes or hides in another.
+SHIP: Numbers = {
+    "x": 120.0, "y": -35.0, "psi": 0.83, "u": 6.7, "v": -0.41, "r": 0.0117, "w": 2.3e-4, "delta": -0.21, "L": 161.0,
+    "cruise": 8.9, "current_north": 0.37, "current_east": -0.22, "r_disturbance": 1.7e-5, "u_disturbance": -2.1e-3,
+    "T": 3.0,
+}  # fmt: skip
+
+
+def planar(n: Numbers) -> Numbers:
+    return {
+        "x": n["u"] * cos(n["psi"]) - n["v"] * sin(n["psi"]) + n["current_north"],
+        "y": n["u"] * sin(n["psi"]) + n["v"] * cos(n["psi"]) + n["current_east"],
+        "psi": n["r"],
+    }
+
+
+def nomoto(n: Numbers) -> Numbers:
+    n |= {"K": 0.07, "tau": 41.0}
+    return {"r": (n["K"] * n["delta"] - n["r"]) / n["tau"] + n["r_disturbance"], **planar(n)}
+
+
+def nomoto_second_order(n: Numbers) -> Numbers:
+    n |= {"K": 0.185, "tau1": 118.0, "tau2": 7.8, "tau3": 18.5}
+    d = 118.0 * 7.8
+    r = n["w"] + 0.185 * 18.5 / d * n["delta"] - 125.8 / d * n["r"] + n["r_disturbance"]
+    w = 0.185 / d * n["delta"] - n["r"] / d + 107.3 / d * n["r_disturbance"]
+    return {"r": r, "w": w, **planar(n)}
+
+
+def norrbin(n: Numbers) -> Numbers:
+    n |= {"a": 2.9e-4, "b1": 1.1e-3, "b3": 176.0}
+    r = 2.9e-4 * n["delta"] - 1.1e-3 * n["r"] - 176.0 * n["r"] ** 3 + n["r_disturbance"]
+    return {"r": r, "K": 2.9e-4 / 1.1e-3, "tau": 1 / 1.1e-3, "n3": 176.0 / 1.1e-3, **planar(n)}
+
+
+def bech(n: Numbers) -> Numbers:
+    n |= {"d1": 6.3e-4, "d0": 2.0e-5, "c1": 0.072, "c0": -3.0e-4, "c3": 8.8}
+    r = n["w"] + 6.3e-4 * n["delta"] - 0.072 * n["r"] + n["r_disturbance"]
+    first = 0.072 + 3.0e-4 * 6.3e-4 / 2.0e-5
+    w = 2.0e-5 * n["delta"] + 3.0e-4 * n["r"] - 8.8 * n["r"] ** 3 + first * n["r_disturbance"]
+    slow, fast = ((-0.072 + k * sqrt(0.072**2 + 1.2e-3)) / 2 for k in (1, -1))
+    published = {"K": 2.0e-5 / -3.0e-4, "tau1": -1 / slow, "tau2": -1 / fast, "tau3": 31.5, "n3": 8.8 / -3.0e-4}
+    return {"r": r, "w": w, **published, **planar(n)}
+
+
+def _de_keizer(n: Numbers, cubic: float, linear: float, loss_cubic: float, sway_cubic: float) -> Numbers:
+    n |= {"K": 1.6, "tau": 1.7, "K_u": 0.9, "tau_u": 2.5, "gamma": 0.573}
+    u, r, length, u0 = n["u"], n["r"], n["L"], n["cruise"]
+    rs, us = r * length / u, (u0 - u) / u0
+    # tau* (L/u) r' + (u/L) H = K* (u/L) delta
+    yaw = ((u / length) * 1.6 * n["delta"] - (u / length) * (cubic * rs**3 + linear * rs)) / (1.7 * length / u)
+    # tau_u* (L/u) du*/dt + H_u = K_u* r*^2, u = U0 (1 - u*)
+    loss = (0.9 * rs**2 - us - loss_cubic * us**3) / (2.5 * length / u)
+    v = -(sway_cubic * rs**3 + 0.573 * rs) * u
+    n["v"] = v
+    return {"r": yaw + n["r_disturbance"], "u": -u0 * loss + n["u_disturbance"], "v": v, **planar(n)}
+
+
+def de_keizer_minimal(n: Numbers) -> Numbers:
+    return _de_keizer(n, 0.0, 1.0, 0.0, 0.0)
+
+
+def de_keizer(n: Numbers) -> Numbers:
+    n |= {"alpha1": -0.6, "alpha3": 2.4}
+    return _de_keizer(n, 2.4, -0.6, 0.0, 0.0)
+
+
+def de_keizer_cubic(n: Numbers) -> Numbers:
+    n |= {"alpha1": -0.6, "alpha3": 2.4, "beta3": 0.7, "gamma3": 0.31}
+    return _de_keizer(n, 2.4, -0.6, 0.7, 0.31)
+
+
+def gain_scheduled(n: Numbers) -> Numbers:
+    n |= {"K_star": 1.6, "tau_star": 1.7, "K_u_star": 0.9, "tau_u_star": 2.5, "gamma_star": 0.573}
+    t = n["L"] / n["u"]
+    schedule = {"K": 1.6 / t, "tau": 1.7 * t, "K_u": 0.9 * t * t, "tau_u": 2.5 * t, "gamma": 0.573 * n["L"]}
+    motion = _de_keizer(dict(n), 0.0, 1.0, 0.0, 0.0)
+    return motion | schedule
+
+
+def van_leeuwen(n: Numbers) -> Numbers:
+    n |= {"r_star": 0.37, "u_star": 0.17, "s_star": 3.3, "gamma": 0.573}
+    n |= {"K": 1.6, "tau": 1.7, "K_u": 0.9, "tau_u": 2.5, "alpha1": -0.6, "alpha3": 2.4}
+    u = 8.9 * (1 - 0.17)
+    pace = u / 161.0
+    n |= {"u": u, "r": pace * 0.37}
+    n["v"] = -0.573 * 161.0 * n["r"]
+    return {
+        "r_star": pace * (1.6 * n["delta"] - 2.4 * 0.37**3 + 0.6 * 0.37) / 1.7 + n["r_disturbance"] / pace,
+        "u_star": pace * (0.9 * 0.37**2 - 0.17) / 2.5 - n["u_disturbance"] / 8.9,
+        "s_star": pace, "u": u, "r": n["r"], "v": n["v"], **planar(n),
+    }  # fmt: skip
+
+
+PERSHITZ = {"q21": 0.331, "r21": -0.629, "s21": -0.104, "h1": 3.5, "q31": -4.64, "r31": 3.88, "s31": -1.019}
+
+
+def pershitz(n: Numbers) -> Numbers:
+    n |= PERSHITZ | {"k_v": 1.9, "omega": 0.043, "beta": -0.12}
+    pace = 8.9 / 161.0
+    ratio = 1 / (1 + 1.9 * 0.043**2 * 161.0**2 / 8.9**2)
+    n |= {"r": ratio * 0.043, "u": 8.9 * ratio * cos(-0.12), "v": -8.9 * ratio * sin(-0.12)}
+    psi = n["psi"]
+    return planar(n) | {
+        "omega": -(pace**2) * (-4.64 * -0.12 - 1.019 * n["delta"]) - pace * 3.88 * 0.043 + n["r_disturbance"],
+        "beta": -pace * (0.331 * -0.12 + 3.5 * -0.12 * 0.12 - 0.104 * n["delta"]) + 0.629 * 0.043,
+        "V": 8.9 * ratio, "u": n["u"], "v": n["v"], "r": n["r"],
+        # (1) and (2): the course is psi - beta
+        "y": 8.9 * ratio * sin(psi + 0.12) + n["current_east"],
+        "x": 8.9 * ratio * cos(psi + 0.12) + n["current_north"],
+    }  # fmt: skip
+
+
+def pershitz_discrete(n: Numbers) -> Numbers:
+    n |= PERSHITZ | {"k_v": 1.9, "Omega": 0.0021, "delta": -0.3, "delta_midships": 0.5, "L": 99.0}
+    q = 0.331 * 3.88 - 4.64 * 0.629
+    s = 0.629 * 1.019 + 3.88 * 0.104
+    beta0 = (-q + sqrt(q * q + 4 * 3.5 * 3.88 * s * 0.3)) / (2 * 3.5 * 3.88)
+    omega_u = -(-1.019 * -0.3 - 1.0 * -4.64 * beta0) / (3.88 * 99.0)
+    p = 0.5 * (0.331 + 3.5 * beta0 + 3.88)
+    product = (0.331 + 3.5 * beta0) * 3.88 - 4.64 * 0.629
+    tau = (-p + sqrt(p * p - product)) / 99.0
+    v = 8.9 / (1 + 1.9 * 0.0021**2 * 99.0**2)
+    left = exp(3.0 * v * tau)
+    return {
+        "beta0": beta0, "Omega_U": omega_u, "decay": tau, "V": v, "r": 0.0021 * v,
+        "x": 120.0 + 3.0 * v * cos(0.83),
+        "y": -35.0 + 3.0 * v * sin(0.83),
+        "psi": 0.83 + 3.0 * v * (0.0021 + 0.5 * 3.0 * tau * v * (0.0021 - omega_u) * left),
+        "Omega": 0.0021 * left + omega_u * (1 - left),
+    }  # fmt: skip
+
+
+def pershitz_track(n: Numbers) -> Numbers:
+    n |= {"Omega": -0.0066, "V_U": 14.0, "mean_length": 69.0, "k_v": 1.9}
+    v = 14.0 / (1 + 1.9 * 0.0066**2 * 69.0**2)
+    heading = {"psi": 0.83 - 3.0 * v * 0.0066}
+    return {"V": v, "V_U": v, "x": 120.0 + 3.0 * v * cos(0.83), "y": -35.0 + 3.0 * v * sin(0.83), **heading}
+
+
+def pershitz_track_augmented(n: Numbers) -> Numbers:
+    n |= {"dOmega": 0.0013}
+    same = pershitz_track(n)
+    return same | {"psi": 0.83 + 3.0 * same["V"] * (-0.0066 + 0.0013), "dOmega": 0.0013}
+
+
+def davidson_schiff(n: Numbers) -> Numbers:
+    n |= {"m": 8e-3, "I_z": 4e-4, "x_G": -0.023, "Y_vdot": -7.5e-3, "Y_rdot": -9.4e-5, "N_vdot": 4.6e-5}
+    n |= {"N_rdot": -4.4e-4, "Y_v": -0.0116, "Y_r": 0.003, "Y_delta": 0.0028, "N_v": -0.0026, "N_r": -0.0018}
+    n |= {"N_delta": -0.0014}
+    v, r, rudder = -0.41 / 6.7, 0.0117 * 161.0 / 6.7, 0.21
+    force = -0.0116 * v + (0.003 - 0.008) * r + 0.0028 * rudder
+    moment = -0.0026 * v + (-0.0018 + 0.008 * 0.023) * r - 0.0014 * rudder
+    # [a b; c d] (v', r') = (force, moment), by Cramer's rule
+    a, b = 0.008 + 0.0075, -0.008 * 0.023 + 9.4e-5
+    c, d = -0.008 * 0.023 - 4.6e-5, 4e-4 + 4.4e-4
+    determinant = a * d - b * c
+    sway = (d * force - b * moment) / determinant * 6.7**2 / 161.0
+    yaw = (a * moment - c * force) / determinant * (6.7 / 161.0) ** 2
+    return {"v": sway, "r": yaw + n["r_disturbance"], **planar(n)}
+
+
+def cubic_sway(n: Numbers) -> Numbers:
+    n |= {"gamma": 0.5, "gamma3": 0.31}
+    rs = n["r"] * n["L"] / n["u"]
+    return {"v": -n["u"] * (0.31 * rs**3 + 0.5 * rs)}
+
+
+def loss_of_speed(n: Numbers) -> Numbers:
+    n |= {"K_u": 3900.0, "tau_u": 55.0, "beta3": 0.13, "loss": 0.9}
+    rate = (3900.0 * n["r"] ** 2 - 0.9 - 0.13 * 0.9**3) / 55.0 - n["u_disturbance"]
+    return {"loss": rate, "u": 8.9 - 0.9}
+
+
+def uniform_current(n: Numbers) -> Numbers:
+    n |= {"current_speed": 1.3, "current_direction": 2.2}
+    return {"current_north": 1.3 * cos(2.2), "current_east": 1.3 * sin(2.2)}
+
+
+def wind(n: Numbers) -> Numbers:
+    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "N_w": 3e-7, "F_w": 4e-7}
+    # The vectors over the ground axes first, turned into the ship afterwards.
+    north = 12.0 * cos(2.9) - (6.7 * cos(0.83) + 0.41 * sin(0.83))
+    east = 12.0 * sin(2.9) - (6.7 * sin(0.83) - 0.41 * cos(0.83))
+    speed, angle = hypot(north, east), atan2(east, north) - 0.83 + 2 * pi  # back into -pi..pi
+    return {
+        "wind_relative": speed, "wind_angle": angle, "wind_ahead": speed * cos(angle),
+        "wind_aside": speed * sin(angle), "r_disturbance": 3e-7 * sin(2 * angle) * speed**2,
+        "u_disturbance": 4e-7 * 161.0 * cos(angle) * speed**2,
+    }  # fmt: skip
+
+
+def waves(n: Numbers) -> Numbers:
+    n |= {"psi_wave": 0.011, "r_wave": -0.004, "wave_noise": 0.0007, "wave_direction": 1.9, "wave_damping": 0.15}
+    n |= {"wave_frequency": 0.8, "g": 9.81}
+    omega = 0.8 - 0.8**2 * 6.7 * cos(1.9 - 0.83) / 9.81
+    shaped = 0.0007 - 2 * 0.15 * omega * -0.004 - omega**2 * 0.011
+    return {"encounter": omega, "psi_wave": -0.004, "r_wave": shaped}
+
+
+def coloured_waves(n: Numbers) -> Numbers:
+    n |= {"v_f": 0.002, "wave_noise": -0.0035, "T": 0.4, "wave_time": 3.0}
+    b = 0.4 / 3.0
+    return {"v_f": (1 - b) * 0.002 - b * 0.0035, "r_wave": -0.0035 - 0.002, "psi_wave": 0.4 / b * 0.002}
+
+
+def steering_machine(n: Numbers) -> Numbers:
+    n |= {"delta_order": -0.22, "delta": -0.21, "delta_max": 0.6, "delta_rate": 0.04, "tau_delta": 0.5}
+    return {"delta": (-0.22 + 0.21) / 0.5}
+
+
+def compass(n: Numbers) -> Numbers:
+    n |= {"psi_wave": 0.011}
+    return {"compass": 0.83 + 0.011}
+
+
+def gyro(n: Numbers) -> Numbers:
+    n |= {"r_wave": 0.002}
+    return {"gyro": 0.0117 + 0.002}
+
+
+def log(n: Numbers) -> Numbers:
+    return {"log": n["u"]}
+
+
+def position_sensor(n: Numbers) -> Numbers:
+    return {"fix_north": n["x"], "fix_east": n["y"]}
+
+
+MODELS: dict[str, Case] = {
+    "nomoto": nomoto, "nomoto-second-order": nomoto_second_order, "norrbin": norrbin, "bech": bech,
+    "de-keizer": de_keizer, "de-keizer-minimal": de_keizer_minimal, "de-keizer-cubic": de_keizer_cubic,
+    "gain-scheduled": gain_scheduled, "van-leeuwen": van_leeuwen, "pershitz": pershitz,
+    "pershitz-discrete": pershitz_discrete, "pershitz-track": pershitz_track,
+    "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
+}  # fmt: skip
+PARTS: dict[str, Case] = {
+    "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
+    "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
+    "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
+}  # fmt: skip
+
+
+def _agree(got: Numbers, wanted: Numbers) -> None:
+    assert got.keys() == wanted.keys()
+    for name, value in wanted.items():
+        assert got[name] == pytest.approx(value, rel=1e-12, abs=1e-15), name
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_model_agrees_with_the_formulas_by_hand(name: str, evaluate: Callable[..., Numbers]) -> None:
+    values = dict(SHIP)
+    wanted = MODELS[name](values)
+    model = known_models()[name]
+    inside = {n: v for n, v in values.items() if n not in model.derived}
+    _agree(evaluate(model, inside), wanted)
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_component_agrees_with_the_formulas_by_hand(name: str, evaluate: Callable[..., Numbers]) -> None:
+    values = dict(SHIP)
+    wanted = PARTS[name](values)
+    part = getattr(declared, name)
+    inside = {n: v for n, v in values.items() if n not in wanted or part._quantities[n].kind == "state"}
+    _agree(evaluate(part, inside), wanted)
+
+
+def test_no_model_and_no_component_is_left_out() -> None:
+    assert known_models().keys() == MODELS.keys()
+    classes = {c for m in modules() for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)}
+    joined = {c for m in known_models().values() for c in m.components}
+    stating = {c for c in classes - joined if any(e.kind != "instead" for e in c._equations.values())}
+    assert {c.__name__ for c in stating} <= PARTS.keys()
+
+
+@pytest.mark.parametrize("name", ["norrbin", "bech"])
+def test_published_coefficients_give_the_regular_ones_back(name: str) -> None:
+    """Regular to published by the equations, and back by what stands instead."""
+    from shipid.declaration.parameters import resolve
+
+    values = dict(SHIP)
+    MODELS[name](values)
+    model = known_models()[name]
+    evaluation = Evaluation(model, {n: values[n] for n in model.parameters})
+    published = {n: float(evaluation[n]) for n in model.derived}
+    back = resolve(model, published)
+    assert back == pytest.approx({n: values[n] for n in model.parameters}, rel=1e-12)
