@@ -123,7 +123,7 @@ def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
                 kept = thin(curve.y)
                 ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
             ax.set_title(f"{panel.label} [{panel.unit}]", loc="left", fontsize=9, pad=3)
-            _limit(ax.set_ylim, [c.y for c in panel.curves])
+            ax.set_ylim(*_range([c.y for c in panel.curves]))
             ax.margins(x=0.01)
             ax.locator_params(axis="y", nbins=5)
         axes[-1].set_xlabel("time [s]")
@@ -142,8 +142,11 @@ def tracks(curves: Sequence[Curve], key: str, title: str) -> Markup:
     key, title : str
         As for `histories`.
     """
-    east, north = (np.concatenate([getattr(c, n) for c in curves]) for n in ("x", "y"))
-    tall = float(np.clip(np.ptp(north) / max(np.ptp(east), 1e-9), 0.55, 1.25))
+    across, along = _range([c.x for c in curves]), _range([c.y for c in curves])
+    wide, tall = across[1] - across[0], along[1] - along[0]
+    # A straight track would make a figure of one line's width: a panel is at most 1.8 times as wide as tall, or 1.25 as tall.
+    across, along = _widen(across, tall / 1.25), _widen(along, 0.55 * wide)
+    shape = (along[1] - along[0]) / (across[1] - across[0])
 
     def draw(figure: Any) -> None:
         ax = figure.subplots()
@@ -152,31 +155,38 @@ def tracks(curves: Sequence[Curve], key: str, title: str) -> Markup:
             ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
         first = curves[0]
         ax.plot(first.x[:1], first.y[:1], "o", color="black", markersize=4, linestyle="none", label="start")
-        _limit(ax.set_xlim, [c.x for c in curves])
-        _limit(ax.set_ylim, [c.y for c in curves])
-        ax.set_aspect("equal", adjustable="datalim")
+        ax.set_aspect("equal", adjustable="box")
+        ax.set_xlim(*across)
+        ax.set_ylim(*along)
         ax.set_xlabel("east [m]")
         ax.set_ylabel("north [m]")
         ax.locator_params(nbins=6)
         _legend(figure, [ax])
 
-    return _svg(draw, (_WIDTH, 0.9 + 3.9 * tall), key, title)
+    return _svg(draw, (_WIDTH, 0.9 + 3.9 * shape), key, title)
 
 
-def _limit(setter: Any, values: Sequence[np.ndarray]) -> None:
-    """Set the range of an axis: everything, but no more than one and a half spans beyond the first line."""
+def _range(values: Sequence[np.ndarray]) -> tuple[float, float]:
+    """The range of an axis: everything, but no more than one and a half spans beyond the first line."""
     lows, highs = zip(*((float(v.min()), float(v.max())) for v in values if len(v)))
     span = max(highs[0] - lows[0], 1e-9 * max(1.0, abs(highs[0])))
     low = max(min(lows), lows[0] - 1.5 * span)
     high = min(max(highs), highs[0] + 1.5 * span)
     pad = 0.05 * max(high - low, 1e-9)
-    setter(low - pad, high + pad)
+    return low - pad, high + pad
+
+
+def _widen(limits: tuple[float, float], least: float) -> tuple[float, float]:
+    short = max(0.0, least - (limits[1] - limits[0])) / 2
+    return limits[0] - short, limits[1] + short
 
 
 def _legend(figure: Any, axes: Sequence[Any]) -> None:
     handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels())}
     if len(handles) > 1:
-        figure.legend(handles.values(), handles.keys(), loc="outside upper left", ncols=4, columnspacing=1.2, handlelength=2.4)
+        figure.legend(
+            handles.values(), handles.keys(), loc="outside upper left", ncols=4, columnspacing=1.2, handlelength=2.4
+        )
 
 
 def _svg(draw: Any, size: tuple[float, float], key: str, title: str) -> Markup:
