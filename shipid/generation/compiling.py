@@ -102,10 +102,9 @@ def _build(source: str, key: str, compiler: str) -> Path:
         return library
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        code = Path(scratch) / "code.c"
-        code.write_text(source)
-        built = Path(scratch) / "code.so"
-        command = [compiler, *FLAGS, "-o", str(built), str(code), "-lm"]
-        subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
-        built.replace(library)
+        (Path(scratch) / "code.c").write_text(source)
+        # Relative names: a compiler that fails says the same each time, and is reported once.
+        command = [compiler, *FLAGS, "-o", "code.so", "code.c", "-lm"]
+        subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, cwd=scratch)
+        (Path(scratch) / "code.so").replace(library)
     return library

@@ -10,11 +10,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from shipid.declaration.errors import ShipidError
+from shipid.declaration.errors import ShipidError, UnknownNameError
 from shipid.declaration.model import Model
-from shipid.generation.system import generate
+from shipid.generation.system import System, generate
 
-#: States that a steady motion may change at a constant rate: where the ship is and where it points.
+#: States that a steady motion may change at a constant rate: where the ship is and where it points. Others that no
+#: equation but their own kind reads, such as a distance sailed, are found by `_settling`.
 COORDINATES = ("x", "y", "psi")
 
 
@@ -94,8 +95,11 @@ def linearise(
     ------
     DeclarationError
         If a value is missing, or a state is sampled.
+    UnknownNameError
+        If the model has no such state, input or output.
     """
     system = generate(model)
+    _ = system.right_hand_side  # refuses a sampled model, with its reason
     at = (
         system.vector(system.states, condition, default=0.0),
         system.vector(system.inputs, condition, default=0.0),
@@ -104,6 +108,10 @@ def linearise(
     kept = tuple(states or system.states)
     shown = tuple(outputs or kept)
     used = tuple(inputs or system.inputs)
+    for kind, names, known in (("state", kept, system.states), ("input", used, system.inputs)):
+        for name in names:
+            if name not in known:
+                raise UnknownNameError(f"{kind} of model {model.name} called", name, known)
     y = system.expression(shown)
     blocks = ca.Function(
         "linear",
@@ -115,7 +123,6 @@ def linearise(
             ca.jacobian(y, system.u),
         ],
     )
-    _ = system.right_hand_side  # refuses a sampled model, with its reason
     a, b, c, d = (np.asarray(m.full()) for m in blocks(*at))
     i = [system.states.index(s) for s in kept]
     j = [system.inputs.index(n) for n in used]
@@ -124,8 +131,17 @@ def linearise(
     )
 
 
+def _settling(system: System) -> list[int]:
+    """Return the indices of the states that come to rest in a steady motion, and are not constant anyway."""
+    reads = np.array(ca.DM(ca.jacobian(system.rates, system.x).sparsity(), 1).full(), dtype=bool)
+    drifting = np.array([s in COORDINATES for s in system.states])
+    for _ in system.states:
+        drifting |= ~reads[~drifting].any(axis=0)
+    return [i for i, drifts in enumerate(drifting) if not drifts and not system.rates[i].is_zero()]
+
+
 def find_steady_state(model: Model, condition: Mapping[str, float]) -> dict[str, float]:
-    """Return the states of a steady motion: all rates zero but those of position and heading.
+    """Return the states of a steady motion: all rates zero but those of position, heading and distance sailed.
 
     Parameters
     ----------
@@ -147,18 +163,20 @@ def find_steady_state(model: Model, condition: Mapping[str, float]) -> dict[str,
     from scipy.optimize import root
 
     system = generate(model)
-    free = [i for i, s in enumerate(system.states) if s not in COORDINATES]
+    rates, jacobian = system.right_hand_side, system.jacobian("rates", "x")
+    free = _settling(system)
     x = system.vector(system.states, condition, default=0.0)
     u = system.vector(system.inputs, condition, default=0.0)
     p = system.vector(system.coefficients, condition)
-    rates, jacobian = system.right_hand_side, system.jacobian("rates", "x")
 
     def fun(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x[free] = z
         return rates(x, u, p).full().ravel()[free], jacobian(x, u, p).full()[np.ix_(free, free)]
 
+    if not free:
+        return dict(zip(system.states, x.tolist()))
     found = root(fun, x[free].copy(), jac=True, tol=1e-13)
-    residual = np.abs(fun(found.x)[0]).max() if free else 0.0
+    residual = np.abs(fun(found.x)[0]).max()
     if not np.isfinite(residual) or residual > 1e-8:
         raise NoSteadyStateError(
             f"model {model.name} has no steady motion near the given start (the rates stay at {residual:.2g}). "

@@ -73,6 +73,8 @@ class Record:
         n_y, n_q = len(self.outputs), len(self.unknowns)
         shifted = u if bias is None else u + bias[:, None]
         following = np.concatenate([shifted[:, 1:], shifted[:, -1:]], axis=1)
+        if count == 0:
+            return np.empty((n_y, 0)), np.empty((n_y, n_q, 0))
         steps = np.array(intervals, dtype=float)
         steps[-1] = 0.0
         control = np.vstack([shifted, following, steps])

@@ -108,7 +108,7 @@ def make_step(system: System, method: str = "rk4", hold: str = "linear", substep
     if substeps < 1:
         raise UsageError(f"a step needs at least one substep, and got {substeps}.")
     u1 = system.u if hold == "zero" else ca.SX.sym("u1", system.u.shape[0])
-    x_next = system.x
+    x_next = system.x + 0  # a copy: assigning to its rows must not change the system
     if len(system.nexts) < system.x.shape[0]:
         rates = ca.Function("rates", [system.x, system.u, system.p, system.T], [system.rates])
         for i in range(substeps):

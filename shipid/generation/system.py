@@ -154,7 +154,13 @@ class System:
         """A hash of the equations, the same wherever and whenever the declaration is the same."""
         names = (self.states, self.inputs, self.coefficients, tuple(self.values))
         text = repr((names, str(self.rates), sorted((i, str(e)) for i, e in self.nexts.items())))
-        text += repr([(n, str(self.values[n])) for n in self.model.derived + self.model.outputs])
+        shown = self.model.derived + self.model.outputs
+        text += repr([(n, str(self.values[n])) for n in shown])
+        # CasADi prints six digits of a number; the rest counts too.
+        everything = ca.vertcat(self.rates, *self.nexts.values(), *(self.values[n] for n in shown))
+        program = ca.Function("all", [self.x, self.u, self.p, self.T], [everything])
+        instructions = range(program.n_instructions())
+        text += repr([program.instruction_constant(k) for k in instructions if program.instruction_id(k) == ca.OP_CONST])
         return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -27,6 +27,9 @@ RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 
 
+_ROLES = {"given": "input", "state": "state", "output": "sensor"}
+
+
 class SimulationDivergedError(ShipidError):
     """The model ran away to values that are not finite."""
 
@@ -75,7 +78,13 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
     for name in pairs:
         if name not in COLUMNS:
             raise UnknownNameError("column to put noise on called", name, COLUMNS)
-    return {n: to_si(v, COLUMNS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()}
+    deviations = {
+        n: to_si(v, COLUMNS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
+    }
+    for name, deviation in deviations.items():
+        if not 0 <= deviation < np.inf:
+            raise UsageError(f"the noise on {name} is {pairs[name]}: a standard deviation is zero or more.")
+    return deviations
 
 
 def simulate(
@@ -133,6 +142,9 @@ def simulate(
 
     Raises
     ------
+    UsageError
+        If the manoeuvre, the speed or another argument does not fit, or the model does not read a current or wind
+        that is asked for.
     ParameterSetError
         If the ship lacks something the model needs.
     SimulationDivergedError
@@ -148,15 +160,23 @@ def simulate(
         )
     course = _si(heading, "rad", "the heading")
     limit = ship.particular("delta_max", "rad") or 35 * np.pi / 180
-    sailed = plan(
-        manoeuvre, length / u0, course, limit, seed, None if duration is None else _si(duration, "s", "duration")
-    )
+    seconds = None if duration is None else _si(duration, "s", "the duration")
+    if seconds is not None and not 0 < seconds < np.inf:
+        raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
+    sailed = plan(manoeuvre, length / u0, course, limit, seed, seconds)
     interval = _interval(length / u0) if sampling is None else _si(sampling, "s", "the sampling interval")
     if not 0 < interval < sailed.duration:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {sailed.duration:g} s.")
 
+    for flow, quantity in (("current", "current_north"), ("wind", "r_disturbance")):
+        asked = current if flow == "current" else wind
+        if asked is not None and quantity not in model.inputs:
+            raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
     whole = _with_steering(model, sailed.helm, steering, wind is not None)
     replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in (values or {}).items()}
+    for n in replaced:
+        if whole[n].quantity.kind not in ("parameter", "constant", "derived"):
+            raise UsageError(f"'{n}' is a {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
     published = [n for n in replaced if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
     known = ship.values(whole, speed=u0) | replaced | sailed.constants
