@@ -28,8 +28,8 @@ def measure(
     kind : {"zig-zag", "turning circle"}, optional
         What it is; found out from rudder and heading by default.
     execute : {"moved", "order"}, optional
-        How the execute is read (`shipid.trials.rudder`): the rudder has left its plate by 15 % (in a turn: has moved
-        3 deg), or the order. By default the order where it is recorded, else "moved".
+        How the execute is read (`shipid.trials.rudder`): the rudder has left its plate by 15 % (in a turn: 3 deg
+        from midships), or the order. By default the order where it is recorded, else "moved".
     length : str, optional
         Ship length with its unit, as in "320 m", for the ratios to it.
 

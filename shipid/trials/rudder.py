@@ -4,7 +4,7 @@ A zig-zag is steered in plates, stretches at one rudder angle, and the execute i
 Where the order is recorded the execute is its step. Where only the rudder's own angle is, two readings are offered:
 
 - ``"moved"``: the last sample at which the rudder is still within 15 % of its plate (in a turn: within 3 deg of
-  where it was). It is what can be seen in a record without assuming how the steering gear works.
+  midships). It is what can be seen in a record without assuming how the steering gear works.
 - ``"order"``: the ramp of the rudder, extended back to the plate it leaves; where the record steps, the sample that
   carries the new angle. It is the nearest to the order, as ITTC 7.5-04-02-01 and IMO MSC.137(76) mean it. Overshoots
   come out larger than in the other reading, by the rate of turn times the time the rudder needs for these 15 %.
@@ -81,7 +81,7 @@ def convention(trial: Trial, execute: str | None) -> tuple[str, np.ndarray]:
     """
     if execute not in (None, "moved", "order"):
         raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
-    ordered = trial.has("delta_order") and float(np.ptp(trial["delta_order"])) > 0
+    ordered = trial.has("delta_order") and (not trial.has("delta") or float(np.ptp(trial["delta_order"])) > 0)
     if execute != "moved" and ordered:
         return "order", trial["delta_order"]
     if not trial.has("delta"):
@@ -217,7 +217,7 @@ def first_execute(
     execute : {"moved", "order"}
         The reading.
     moved : float, optional
-        Angle by which the rudder has to have moved [rad], instead of 15 % of its way.
+        Rudder angle from midships that counts as moved [rad], instead of 15 % of the way.
 
     Returns
     -------
@@ -229,12 +229,12 @@ def first_execute(
     calm = np.flatnonzero(np.abs(before) < 0.3 * way)
     if not calm.size:
         return None
-    # The neutral angle: the rudder just before, over a stretch no longer than the plate is held.
-    span = max(5, (plate.last - plate.first) // 10)
-    neutral = float(np.median(before[calm[-span:]]))
+    # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
+    neutral = _mode(before[calm[-max(5, plate.last - plate.first) :]])
     y = -plate.side * rudder
     share = plate.first + 1
     if moved is None or execute == "order":
         return _put_over(t, y, share, -neutral, -way, execute), plate.side * neutral
-    still = np.flatnonzero(y[:share] > -neutral - moved)
+    # From midships, unless the helm carried more than that before.
+    still = np.flatnonzero(y[:share] > -(moved if neutral < moved else neutral + moved))
     return float(t[int(still[-1])]), plate.side * neutral

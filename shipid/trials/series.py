@@ -103,8 +103,7 @@ def maximum(t: np.ndarray, y: np.ndarray, width: float) -> tuple[float, float] |
             return None
         begin = float(np.polynomial.polynomial.polyfit(t[:size], y[:size], 1)[1])
         end = float(np.polynomial.polynomial.polyfit(t[-size:], y[-size:], 1)[1])
-        if not end < 0.1 * begin:
-            return None
+        return (float(t[top]), float(calm[top])) if end < 0.1 * begin else None
     floor = calm[top] - 0.2 * max(float(calm[top] - calm[0]), 0.0)
     below = np.flatnonzero(calm < floor)
     left = below[below < top]

@@ -14,7 +14,7 @@ from shipid.trials.track import drift, speed, track
 from shipid.trials.trial import Trial
 
 MOVED = np.radians(3.0)
-"""In a turn the rudder counts as moved when it is this far from where it was: the reading of the published circle."""
+"""In a turn the rudder counts as moved when it is this far from midships: the reading of the published circle."""
 
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 
@@ -76,7 +76,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None) -> Tur
     side, when = plate.side, start[0]
     released = _released(rudder, plate)
     calm = max(5 * trial.sampling, 0.01 * (t[released - 1] - when))
-    course = series.value_at(t, psi, when, calm)
+    # The course before the order: the ship turns after it, so nothing of that may be averaged in.
+    before = slice(int(np.searchsorted(t, when - 2 * calm)), int(np.searchsorted(t, when, side="right")))
+    course = series.value_at(t[before], psi[before], when, 2.1 * calm, 1)
     turned = side * (psi - course)
     running = slice(int(np.searchsorted(t, when)), released)
     quarters = [series.crossing(t[running], series.smoothed(t, turned, calm)[running], q) for q in _QUARTERS]

@@ -14,7 +14,7 @@ from shipid.trials.measures import ZigZag
 from shipid.trials.track import speed
 from shipid.trials.trial import Trial
 
-_WIDTH = 0.015
+_WIDTH = 0.03
 """Local fits and averages span this share of the time between two reversals, on either side."""
 
 

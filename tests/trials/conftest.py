@@ -46,32 +46,31 @@ def table() -> str:
     return "t [s],psi [deg],r [deg/s],delta [deg]\n" + rows
 
 
-@pytest.fixture
-def sine():
+def make_sine(
+    amplitude=30.0, switch=20.0, rudder=20.0, period=100.0, start=20.0, interval=0.5, side=1,
+    course=0.0, noise=0.0, seed=1,
+):  # fmt: skip
     """Make a zig-zag whose heading is a sine: overshoot, period and times in closed form.
 
     The heading leaves the course at `start` as ``side A sin(w (t - start))``; the rudder is reversed when the
-    heading passes the switch value on its way out.
+    heading passes the switch value on its way out. Returns the trial, the reversals [s], the time to check yaw [s].
     """
+    w = 2 * np.pi / period
+    # It ends just before a fifth reversal.
+    t = np.arange(0, start + period * (1.98 + np.arcsin(switch / amplitude) / (2 * np.pi)), interval)
+    psi = course + side * amplitude * np.sin(w * np.clip(t - start, 0, None))
+    first = np.arcsin(switch / amplitude)
+    executes = start + (first + np.pi * np.arange(4)) / w
+    sign = np.where(t < start, 0.0, side * (-1.0) ** np.searchsorted(executes, t, side="right"))
+    if noise:
+        psi = psi + np.random.default_rng(seed).normal(0, noise, len(t))
+    frame = pd.DataFrame(
+        {"t [s]": t, "psi [deg]": psi, "delta_order [deg]": rudder * sign, "u [m/s]": 5.0, "v [m/s]": 0.0}
+    )
+    return Trial.from_frame(frame, name="sine"), executes, (np.pi / 2 - first) / w
 
-    def make(
-        amplitude=30.0, switch=20.0, rudder=20.0, period=100.0, start=20.0, cycles=2.25, interval=0.5, side=1,
-        course=0.0, noise=0.0, ramp=0.0, feedback=False, seed=1,
-    ):  # fmt: skip
-        w = 2 * np.pi / period
-        t = np.arange(0, start + cycles * period, interval)
-        phase = np.clip(w * (t - start), 0, None)
-        psi = course + side * amplitude * np.sin(phase)
-        first = np.arcsin(switch / amplitude)
-        executes = start + (first + np.pi * np.arange(int(2 * cycles) + 1)) / w
-        executes = executes[executes < t[-1]]
-        sign = np.where(t < start, 0.0, side * (-1.0) ** np.searchsorted(executes, t, side="right"))
-        order = rudder * sign
-        if noise:
-            psi = psi + np.random.default_rng(seed).normal(0, noise, len(t))
-        frame = pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta_order [deg]": order})
-        frame["u [m/s]"], frame["v [m/s]"] = 5.0, 0.0
-        trial = Trial.from_frame(frame, name="sine")
-        return trial, executes, (np.pi / 2 - first) / w
 
-    return make
+@pytest.fixture(scope="session")
+def sine():
+    """The function that makes a zig-zag in closed form."""
+    return make_sine
