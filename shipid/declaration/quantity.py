@@ -7,7 +7,9 @@ return an `Equation`, which stands in the class under the name of the method it 
 
 from __future__ import annotations
 
+import importlib
 import inspect
+import operator
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -67,6 +69,16 @@ class Equation:
         """File and line of the method, for messages."""
         code = self.function.__code__
         return f"{code.co_filename}:{code.co_firstlineno}"
+
+    def __reduce__(self) -> Any:
+        # pickle finds a function by its name, and under that name the class holds this equation.
+        return _restore, (self._quantity, self.kind, self.function.__module__, self.function.__qualname__)
+
+
+def _restore(quantity: Quantity, kind: EquationKind, module: str, qualname: str) -> Equation:
+    """Make an equation again in another process, from the place where its method is declared."""
+    found: Any = operator.attrgetter(qualname)(importlib.import_module(module))
+    return Equation(quantity, kind, found.function if isinstance(found, Equation) else found)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def test_every_equation_cites_its_source(component: type[Component]) -> None:
 @pytest.mark.parametrize("module", modules(), ids=lambda m: m.__name__)
 def test_every_file_names_its_family_and_stays_one_idea(module: object) -> None:
     assert len((module.__doc__ or "").split()) > 15
-    lines = Path(module.__file__).read_text(encoding="utf-8").splitlines()  # type: ignore[attr-defined]
+    lines = Path(module.__file__).read_text(encoding="utf-8").splitlines()
     assert len(lines) < 400
 
 

@@ -1,0 +1,221 @@
+"""Components: what is collected, inherited and refused while a class is built."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from shipid import Component, constant, derived, given, join, output, parameter, state
+from shipid.declaration.component import slug
+from shipid.declaration.errors import DeclarationError
+from shipid.declaration.model import Evaluation
+from shipid.declaration.quantity import Quantity
+
+
+class Turning(Component):
+    """A first-order ship."""
+
+    r = state("rad/s", "rate of turn")
+    delta = given("rad", "rudder angle")
+    K = parameter("1/s", "gain", start=0.1, low=0.01, high=1.0)
+    tau = parameter("s", "time constant", start=20.0, low=1.0, high=100.0)
+
+    def damping(self):
+        return self.r
+
+    @r.rate
+    def yaw(self):
+        """Nomoto (1957)."""
+        return (self.K * self.delta - self.damping()) / self.tau
+
+
+class Cubic(Turning):
+    """The same with a cubic damping, by replacing a helper."""
+
+    n3 = parameter("s^2/rad^2", "cubic coefficient", start=1.0, low=0.0, high=1e4)
+
+    def damping(self):
+        return self.r + self.n3 * self.r**3
+
+
+class Reversed(Turning):
+    """The same with the rudder reversed, by replacing an equation."""
+
+    def yaw(self):
+        """Nobody (1900)."""
+        return (-self.K * self.delta - self.damping()) / self.tau
+
+
+def rate(component: type[Component], **values: float) -> float:
+    model = join("alone", component)
+    return float(Evaluation(model, values).right_hand_sides("rate")["r"])
+
+
+POINT = {"r": 0.02, "delta": 0.2, "K": 0.1, "tau": 20.0, "n3": 300.0}
+
+
+def test_quantities_and_equations_are_collected_in_order() -> None:
+    assert tuple(Turning._quantities) == ("r", "delta", "K", "tau")
+    assert [q.kind for q in Turning._quantities.values()] == ["state", "given", "parameter", "parameter"]
+    assert Turning._quantities["K"].name == "K"
+    equation = Turning._equations["r"]
+    assert (equation.name, equation.kind, equation.source) == ("yaw", "rate", "Nomoto (1957).")
+    assert equation.place.startswith(__file__)
+
+
+def test_a_subclass_inherits_and_adds() -> None:
+    assert tuple(Cubic._quantities) == ("r", "delta", "K", "tau", "n3")
+    assert tuple(Turning._quantities) == ("r", "delta", "K", "tau")
+
+
+def test_a_helper_may_be_replaced() -> None:
+    assert rate(Turning, **POINT) == pytest.approx((0.02 - 0.02) / 20)
+    assert rate(Cubic, **POINT) == pytest.approx(-300 * 0.02**3 / 20)
+
+
+def test_a_method_of_the_same_name_replaces_the_equation() -> None:
+    assert rate(Reversed, **POINT) == pytest.approx(-0.04 / 20)
+    assert Reversed._equations["r"].source == "Nobody (1900)."
+    assert Turning._equations["r"].source == "Nomoto (1957)."
+
+
+def test_a_quantity_may_be_declared_again() -> None:
+    class Heavier(Turning):
+        """The same with other bounds."""
+
+        tau = parameter("s", "time constant of a heavier ship", start=200.0, low=10.0, high=1000.0)
+
+    assert Heavier._quantities["tau"].start == 200.0
+    assert rate(Heavier, **POINT | {"r": 0.0}) == pytest.approx(0.1 * 0.2 / 20)
+
+
+def test_properties_and_constants_of_the_class_are_seen_by_equations() -> None:
+    class WithProperty(Component):
+        """A helper that needs no brackets."""
+
+        LEAST = 0.5
+        x = state("1", "something")
+
+        @property
+        def twice(self):
+            return 2 * self.x
+
+        @x.rate
+        def change(self):
+            """Anon (2000)."""
+            return np.maximum(self.twice, self.LEAST) / self.T
+
+        T = given("s", "sampling interval")
+
+    model = join("alone", WithProperty)
+    assert model.inputs == ()  # the sampling interval is no input
+    assert Evaluation(model, {"x": 3.0, "T": 2.0}).right_hand_sides("rate")["x"] == 3.0
+    assert Evaluation(model, {"x": 0.1, "T": 2.0}).right_hand_sides("rate")["x"] == 0.25
+
+
+def test_the_name_on_the_command_line() -> None:
+    class NomotoSecondOrderShip(Turning):
+        """A long name."""
+
+    assert slug(NomotoSecondOrderShip) == "nomoto-second-order-ship"
+    assert slug(Turning) == "turning"
+
+
+def test_components_are_not_instantiated() -> None:
+    with pytest.raises(DeclarationError, match=r"Turning is a declaration .* pass the class to shipid.join"):
+        Turning()
+
+
+def _missing_rate() -> None:
+    class Bad(Component):
+        x = state("m", "position")
+
+
+def _missing_equals() -> None:
+    class Bad(Component):
+        v = derived("m/s", "speed")
+
+
+def _missing_output() -> None:
+    class Bad(Component):
+        z = output("m/s", "log")
+
+
+def _rate_of_derived() -> None:
+    class Bad(Component):
+        v = derived("m/s", "speed")
+
+        @v.rate
+        def change(self):
+            return 0.0
+
+
+def _equation_of_constant() -> None:
+    class Bad(Component):
+        L = constant("m", "length")
+
+        @L.equals
+        def change(self):
+            return 0.0
+
+
+def _twice() -> None:
+    class Bad(Component):
+        x = state("m", "position")
+
+        @x.rate
+        def one(self):
+            return 0.0
+
+        @x.next
+        def other(self):
+            return self.x
+
+
+def _reserved() -> None:
+    class Bad(Component):
+        t = given("s", "time")
+
+
+def _underscore() -> None:
+    class Bad(Component):
+        _hidden = given("s", "time")
+
+
+def _own_interval() -> None:
+    class Bad(Component):
+        T = parameter("s", "time constant", start=1.0)
+
+
+def _no_meaning() -> None:
+    class Bad(Component):
+        x = given("m", "  ")
+
+
+@pytest.mark.parametrize(
+    ("build", "words"),
+    [
+        (_missing_rate, r"state 'x' of Bad has no equation: add a method under @x\.rate"),
+        (_missing_equals, r"derived 'v' of Bad has no equation: add a method under @v\.equals"),
+        (_missing_output, r"output 'z' of Bad has no equation"),
+        (_rate_of_derived, r"a derived takes @equals, and 'change' \(.*test_components\.py:\d+\) gives it @rate"),
+        (_equation_of_constant, r"a constant takes no equation"),
+        (_twice, r"Bad defines 'x' twice: in 'one' \(.*:\d+\) and in 'other' \(.*:\d+\)"),
+        (_reserved, r"may not name a quantity 't': the name is reserved"),
+        (_underscore, r"may not name a quantity '_hidden'"),
+        (_own_interval, r"'T', which is the sampling interval: declare it as given"),
+        (_no_meaning, r"'x' of Bad says no meaning"),
+    ],
+)
+def test_a_component_that_is_not_well_formed_says_why(build: Callable[[], None], words: str) -> None:
+    with pytest.raises(DeclarationError, match=words):
+        build()
+
+
+def test_a_declaration_is_data() -> None:
+    quantity = Turning._quantities["K"]
+    with pytest.raises(AttributeError):
+        quantity.start = 3.0
+    with pytest.raises(AttributeError):
+        Turning._equations["r"].kind = "next"
+    assert isinstance(quantity, Quantity)

@@ -1,0 +1,103 @@
+"""Units at the border: a value without one, with a wrong one, or with no angle, is refused."""
+
+from math import pi
+
+import pytest
+from hypothesis import given as given_values
+from hypothesis import strategies as st
+
+from shipid.declaration import units
+from shipid.declaration.errors import UnitError
+
+
+@pytest.mark.parametrize(
+    ("value", "wanted", "si"),
+    [
+        ("9 kn", "m/s", 9 * 1852 / 3600),
+        ("180 deg", "rad", pi),
+        ("30 deg/min", "rad/s", pi / 360),
+        ("0.4 s^2/deg^2", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
+        ("0.4 s²/deg²", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
+        ("0.4 s**2/deg**2", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
+        ("20 °", "rad", pi / 9),
+        ("60 rpm", "rad/s", 2 * pi),
+        ("1 rps", "rad/s", 2 * pi),
+        ("-1.5e3 m", "km", -1.5),
+        ((2.0, "km"), "m", 2000.0),
+        ("3", "1", 3.0),
+        (3, "1", 3.0),
+        ("1.7 -", "1", 1.7),
+    ],
+)
+def test_values_come_in_with_a_unit(value: object, wanted: str, si: float) -> None:
+    assert units.to_si(value, wanted) == pytest.approx(si, rel=1e-12)
+
+
+def test_the_published_cubic_coefficient_is_three_thousand_times_itself() -> None:
+    ratio = units.to_si("0.4 s^2/deg^2", "s^2/rad^2") / units.to_si("0.4 s^2/rad^2", "s^2/rad^2")
+    assert ratio == pytest.approx(3282.8, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("value", "wanted", "words"),
+    [
+        (9.0, "m/s", r"the speed is the bare number 9, with no unit, where the unit m/s is needed\. Write 9 m/s"),
+        ("9", "rad", r"bare number 9.*Write 9 rad or 9 deg: shipid does not guess"),
+        ("9 kg", "m/s", r"the speed needs the unit m/s, and kg does not fit it"),
+        ("0.4 s^2", "s^2/rad^2", r"s² does not say which angle it counts in\. .*s²/rad² or s²/deg²"),
+        ("5 1/s", "rad/s", r"1/s does not say which angle"),
+        ("nan m", "m", r"does not start with a number"),
+        ("kn", "m/s", r"'kn' does not start with a number"),
+        ("1 floz_per_league_", "m", r"is not a unit"),
+        ("1 2 m", "m", r"contains a number|is not a unit"),
+        ("20 degC", "K", r"has an offset"),
+        (float("inf"), "1", r"not a finite number"),
+        ("1e999 m", "m", r"not a finite number"),
+    ],
+)
+def test_what_does_not_fit_says_what_was_needed(value: object, wanted: str, words: str) -> None:
+    with pytest.raises(UnitError, match=words):
+        units.to_si(value, wanted, "the speed")
+
+
+@pytest.mark.parametrize("text", ["", "1", "-", "rad", "1/s", "m*s/rad^2", "s^2/rad^2", "m/rad"])
+def test_coherent_units(text: str) -> None:
+    assert units.is_coherent_si(text)
+
+
+@pytest.mark.parametrize("text", ["deg", "kn", "s^2/deg^2", "km", "h", "rpm"])
+def test_units_that_need_a_factor(text: str) -> None:
+    assert not units.is_coherent_si(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "exponents"),
+    [("1/s", (0, -1)), ("s", (0, 1)), ("m", (1, 0)), ("s^2/rad^2", (0, 2)), ("m/s", (1, -1)), ("1", (0, 0))],
+)
+def test_the_prime_system(text: str, exponents: tuple[float, float]) -> None:
+    assert units.prime_exponents(text) == exponents
+
+
+def test_the_prime_system_scales_with_length_and_speed() -> None:
+    assert units.prime_factor("1/s", 45.0, 5.0) == pytest.approx(5.0 / 45.0)
+    assert units.prime_factor("s^2/rad^2", 45.0, 5.0) == pytest.approx(81.0)
+    assert units.prime_factor("m/rad", 45.0, 5.0) == pytest.approx(45.0)
+    with pytest.raises(UnitError, match="kg is not made of lengths and times"):
+        units.prime_exponents("kg")
+
+
+@given_values(
+    st.floats(-1e6, 1e6, allow_subnormal=False), st.sampled_from(["deg", "rad", "kn", "m/s", "km", "s^2/deg^2"])
+)
+def test_there_and_back(number: float, unit: str) -> None:
+    si = {"deg": "rad", "rad": "rad", "kn": "m/s", "m/s": "m/s", "km": "m", "s^2/deg^2": "s^2/rad^2"}[unit]
+    there = units.to_si((number, unit), si)
+    assert units.to_si((there, si), unit) == pytest.approx(number, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"), [("s^2/deg^2", "s²/deg²"), ("1", "1"), ("-", "1"), ("m*s", "m·s"), ("1/s^2", "1/s²")]
+)
+def test_units_as_they_are_printed(text: str, shown: str) -> None:
+    assert units.pretty(text) == shown
+    assert units.same_dimension(shown, text)
