@@ -63,8 +63,13 @@ COLUMNS: dict[str, Column] = {
     )
 }
 
-# What loggers write and pint reads as something else, or not at all: Nm is a nano-metre-ish, rev is unknown to it.
-_SPELLINGS = ((re.compile(r"\brev\b"), "revolution"), (re.compile(r"\b([kM]?)Nm\b"), r"\1N*m"))
+# What loggers write and pint does not know, or reads as something else (Nm).
+_SPELLINGS = (
+    (re.compile(r"\brev\b"), "revolution"),
+    (re.compile(r"\b([kM]?)Nm\b"), r"\1N*m"),
+    (re.compile(r"\b(RPM|Rpm)\b"), "rpm"),
+    (re.compile(r"\b(DEG|Deg)\b"), "deg"),
+)
 _BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^)]*)\))\s*$")
 
 

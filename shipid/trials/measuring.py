@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from math import pi
 
+import numpy as np
+
 from shipid.declaration import units
 from shipid.declaration.errors import UnknownNameError
 from shipid.trials import rudder as helm
@@ -80,12 +82,25 @@ def detect(trial: Trial) -> str:
     turning = turning_plate(trial, rudder)
     if turning is not None and turning.side * (psi[turning.last - 1] - psi[turning.first]) > pi:
         return KINDS[1]
-    if len(helm.regular(found)) >= 2:
+    held = helm.regular(found)
+    if len(held) >= 2 and _reversed_by_heading(trial, held):
         return KINDS[0]
     if turning is not None:
         return KINDS[1]
     raise NotAManoeuvreError(
         f"trial '{trial.name}' is neither a zig-zag nor a turning circle: the rudder does not go from one held angle to "
-        "the opposite one, and the heading does not change by 90 deg on one rudder angle. Choose the window of the "
-        "manoeuvre (FILE@start:end)."
+        "the opposite one at two regular headings, and the heading does not change by 90 deg on one rudder angle. "
+        "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
     )
+
+
+def _reversed_by_heading(trial: Trial, held: list[helm.Plate]) -> bool:
+    """Whether the rudder is reversed at two headings in turn, as in a zig-zag, and not at any heading by a clock."""
+    psi = trial["psi"]
+    at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in held[:-1]]) * held[0].side
+    out, back = at[0::2], at[1::2]
+    if not back.size:
+        return True
+    apart = float(np.median(out) - np.median(back))
+    spread = max(float(np.ptp(out)), float(np.ptp(back)))
+    return apart > 0 and spread < 0.6 * apart

@@ -203,7 +203,7 @@ class Trial:
             raise WindowError(f"the window {a:g}:{b:g} s holds fewer than two samples. {span} Widen it.")
         stem = self.name.rpartition("@")[0] if _is_window(self.name) else self.name
         table = self.table.iloc[first:last].reset_index(drop=True)
-        return replace(self, name=f"{stem}@{a:g}:{b:g}", table=table)
+        return replace(self, name=f"{stem}@{a:.10g}:{b:.10g}", table=table)
 
     def to_frame(self, units: Mapping[str, str] | str | None = None) -> pd.DataFrame:
         """Return the table with units in the headers, such as ``psi [deg]``.

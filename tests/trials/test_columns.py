@@ -47,6 +47,8 @@ def test_vocabulary_units_are_units_and_fit_their_display(column):
         ("n", "rpm", 1 / 60),
         ("n", "rev/s", 1.0),
         ("n", "rps", 1.0),
+        ("n", "RPM", 1 / 60),
+        ("psi", "Deg", math.pi / 180),
         ("torque", "Nm", 1.0),
         ("torque", "kNm", 1000.0),
         ("t", "min", 60.0),

@@ -218,3 +218,18 @@ class TestSeries:
         noise = np.random.default_rng(0).normal(0, 1, len(t))
         assert value_at(t, 3 * t + noise, 5.0, 2.0, 1) == pytest.approx(15, abs=0.2)  # 4 sigma of 400 samples
         assert value_at(t, t**2, 5.0, 0.001) == pytest.approx(25, abs=1e-3)
+
+
+def test_rudder_reversed_by_a_clock_is_no_zigzag():
+    rng = np.random.default_rng(5)
+    t = np.arange(0, 900, 0.5)
+    flips = np.cumsum(rng.integers(10, 90, 40))
+    side = (-1.0) ** np.searchsorted(flips, t)
+    r = np.zeros_like(t)
+    for k in range(len(t) - 1):
+        r[k + 1] = r[k] + 0.5 * (0.1 * 10 * side[k] - r[k]) / 10
+    psi = np.cumsum(r) * 0.5
+    trial = Trial.from_frame(pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta [deg]": 10 * side}))
+    with pytest.raises(e.NotAManoeuvreError, match="regular headings"):
+        measure(trial)
+    assert measure(trial, "zig-zag").kind == "zig-zag"
