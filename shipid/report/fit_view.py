@@ -143,12 +143,11 @@ def _warnings(fit: Fit, views: Sequence[TrialView]) -> list[str]:
     found = []
     if not fit.converged:
         found.append(f"The search did not converge. It said: {fit.message}")
-    for v in views:
-        if v.runaway is not None:
-            found.append(
-                f"The prediction of {v.name} runs away at t = {number(v.runaway)} s; its curves stop there, and it has no "
-                "rms error."
-            )
+    found += [
+        f"The prediction of {v.name} runs away at t = {number(v.runaway)} s; its curves stop there, and it has no rms error."
+        for v in views
+        if v.runaway is not None
+    ]
     return found
 
 

@@ -7,19 +7,21 @@ import re
 from markupsafe import Markup, escape
 
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}_^]|\s+|.", re.DOTALL)
-_GREEK = dict(
-    zip(
-        "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
-        "omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega varphi varepsilon".split(),
-        "αβγδεζηθικλμνξπρστυφχψωΓΔΘΛΞΠΣΦΨΩφε",
-    )
-)
+# fmt: off
+_GREEK = {
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
+    "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π", "rho": "ρ", "sigma":
+    "σ", "tau": "τ", "upsilon": "υ", "phi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ",
+    "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
+    "varphi": "φ", "varepsilon": "ε",
+}
+# fmt: on
 _MARKS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "hat": "\u0302", "tilde": "\u0303"}
 _SIGNS = {"infty": "∞", "prime": "′", "circ": "°", "cdot": "·"}
 _UPRIGHT = ("mathrm", "text", "operatorname")
 
 
-class _Unknown(ValueError):
+class _UnknownError(ValueError):
     """Something this small converter does not know."""
 
 
@@ -37,8 +39,8 @@ def html_symbol(latex: str, name: str) -> Markup:
     try:
         result = _sequence(tokens, upright=False)
         if tokens:
-            raise _Unknown(tokens[0])
-    except (_Unknown, IndexError):
+            raise _UnknownError(tokens[0])
+    except (_UnknownError, IndexError):
         return Markup("<i>{}</i>").format(name)
     return result
 
@@ -61,12 +63,12 @@ def _atom(tokens: list[str], upright: bool) -> Markup:
     if token == "{":
         inside = _sequence(tokens, upright)
         if tokens.pop(0) != "}":
-            raise _Unknown("{")
+            raise _UnknownError("{")
         return inside
     if token.startswith("\\"):
         return _command(token[1:], tokens, upright)
     if token in "_^}":
-        raise _Unknown(token)
+        raise _UnknownError(token)
     if token == "'":
         return Markup("′")
     return Markup("<i>{}</i>").format(token) if token.isalpha() and not upright else escape(token)
@@ -83,5 +85,5 @@ def _command(command: str, tokens: list[str], upright: bool) -> Markup:
         under = _atom(tokens, upright)
         # The mark follows its letter, inside the element that makes it italic.
         text = str(under)
-        return Markup(text[:-4] + _MARKS[command] + "</i>" if text.endswith("</i>") else text + _MARKS[command])  # noqa: S704
-    raise _Unknown(command)
+        return Markup(text[:-4] + _MARKS[command] + "</i>" if text.endswith("</i>") else text + _MARKS[command])
+    raise _UnknownError(command)

@@ -277,13 +277,13 @@ def _overshoots(comparison: Comparison) -> list[dict[str, str]]:
     foreseen = comparison.predicted_overshoots
     for k, measured in enumerate(comparison.overshoots):
         predicted = foreseen[k] if k < len(foreseen) else None
-        both = predicted is not None and np.isfinite(predicted) and np.isfinite(measured)
+        error = np.nan if predicted is None else float(np.rad2deg(predicted - measured))
         rows.append(
             {
                 "number": str(k + 1),
                 "measured": _degrees(measured),
                 "predicted": _degrees(predicted),
-                "difference": fixed(np.rad2deg(predicted - measured), 2, sign=True) if both else "–",  # type: ignore[operator]
+                "difference": fixed(error, 2, sign=True) if np.isfinite(error) else "–",
             }
         )
     return rows
@@ -311,7 +311,6 @@ def _turn(comparison: Comparison, count: int, length: float | None) -> tuple[str
         predicted = foreseen.get(name)
         if value is None and predicted is None:
             continue
-        both = value is not None and predicted is not None
         ratio = name.endswith("_ratio")
         rows.append(
             {
@@ -320,7 +319,7 @@ def _turn(comparison: Comparison, count: int, length: float | None) -> tuple[str
                 "unit": pretty(unit),
                 "measured": _reached(value),
                 "predicted": _reached(predicted),
-                "difference": _percent(value, predicted) if both else "–",
+                "difference": _percent(value, predicted),
             }
         )
     return measured.title, rows
@@ -344,5 +343,5 @@ def _reached(value: float | None) -> str:
     return "not reached" if value is None else number(value, 3)
 
 
-def _percent(value: float, predicted: float) -> str:
-    return "–" if not value else fixed(100 * (predicted - value) / abs(value), 0, sign=True) + " %"
+def _percent(value: float | None, predicted: float | None) -> str:
+    return "–" if not value or predicted is None else fixed(100 * (predicted - value) / abs(value), 0, sign=True) + " %"
