@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from shipid.models.kinematics import PlanarMotion
 
-from shipid import Component, constant, given, join, parameter, state
+from shipid import Component, constant, derived, given, join, parameter, state
 
 
 class DavidsonSchiff(Component):
@@ -76,6 +76,9 @@ class DavidsonSchiff(Component):
         latex=r"N_{\dot r}'",
     )
 
+    Y = derived("1", "sway force, the centrifugal force taken to its side", latex="Y'")
+    N = derived("1", "yaw moment, the centrifugal moment taken to its side", latex="N'")
+
     @property
     def mass_matrix(self):
         """The four entries of the mass matrix, rows sway and yaw."""
@@ -83,26 +86,33 @@ class DavidsonSchiff(Component):
         return self.m - self.Y_vdot, coupling - self.Y_rdot, coupling - self.N_vdot, self.I_z - self.N_rdot
 
     @property
-    def forces(self):
-        """The sway force and the yaw moment, the centrifugal terms taken to their side."""
-        v, r, rudder = self.v / self.u, self.r * self.L / self.u, -self.delta
-        sway = self.Y_v * v + (self.Y_r - self.m) * r + self.Y_delta * rudder
-        yaw = self.N_v * v + (self.N_r - self.m * self.x_G) * r + self.N_delta * rudder
-        return sway, yaw
+    def motion(self):
+        """The sway speed, the rate of turn and the rudder angle of the derivatives, in the prime system."""
+        return self.v / self.u, self.r * self.L / self.u, -self.delta
+
+    @Y.equals
+    def sway_force(self):
+        """Passenier (1989), eq. (2.20), the right side less m u r, with (2.23)."""
+        v, r, rudder = self.motion
+        return self.Y_v * v + (self.Y_r - self.m) * r + self.Y_delta * rudder
+
+    @N.equals
+    def yaw_moment(self):
+        """Passenier (1989), eq. (2.21), the right side less m x_G u r, with (2.23)."""
+        v, r, rudder = self.motion
+        return self.N_v * v + (self.N_r - self.m * self.x_G) * r + self.N_delta * rudder
 
     @v.rate
     def sway(self):
         """Passenier (1989), eq. (2.20) and (2.21) solved for the acceleration, in prime form."""
         vv, vr, rv, rr = self.mass_matrix
-        force, moment = self.forces
-        return self.u**2 / self.L * (rr * force - vr * moment) / (vv * rr - vr * rv)
+        return self.u**2 / self.L * (rr * self.Y - vr * self.N) / (vv * rr - vr * rv)
 
     @r.rate
     def yaw(self):
         """Passenier (1989), eq. (2.20) and (2.21) solved for the acceleration, in prime form."""
         vv, vr, rv, rr = self.mass_matrix
-        force, moment = self.forces
-        turning = (vv * moment - rv * force) / (vv * rr - vr * rv)
+        turning = (vv * self.N - rv * self.Y) / (vv * rr - vr * rv)
         return (self.u / self.L) ** 2 * turning + self.r_disturbance
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.van_leeuwen import CubicSway, VanLeeuwenSway
 
-from shipid import given, join, parameter, state
+from shipid import derived, given, join, parameter, state
 
 
 class DeKeizerMinimal(SpeedScaled):
@@ -40,14 +40,17 @@ class DeKeizerMinimal(SpeedScaled):
         "1", "time constant of the speed", start=2.5, low=0.05, high=50.0, dimensional="s", latex=r"\tau_u^*"
     )
 
-    @property
-    def r_star(self):
-        """The rate of turn made dimensionless, Passenier (1989), eq. (2.40)."""
+    r_star = derived("1", "rate of turn, made dimensionless: r L/u", latex="r^*")
+    u_star = derived("1", "share of the cruising speed that is lost", latex="u^*")
+
+    @r_star.equals
+    def dimensionless_rate(self):
+        """Passenier (1989), eq. (2.40)."""
         return self.r * self.L / self.way
 
-    @property
-    def u_star(self):
-        """The share of the cruising speed that is lost, Passenier (1989), eq. (2.41)."""
+    @u_star.equals
+    def dimensionless_loss(self):
+        """Passenier (1989), eq. (2.41)."""
         return (self.cruise - self.u) / self.cruise
 
     def yaw_feedback(self):

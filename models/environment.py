@@ -16,8 +16,8 @@ class UniformCurrent(Component):
 
     current_speed = given("m/s", "speed of the current", default=0.0, latex="U_c")
     current_direction = given("rad", "direction the current flows to", default=0.0, wraps=True, latex=r"\psi_c")
-    current_north = derived("m/s", "current, its part that flows to the north")
-    current_east = derived("m/s", "current, its part that flows to the east")
+    current_north = derived("m/s", "current, its part that flows to the north", latex="U_{c,N}")
+    current_east = derived("m/s", "current, its part that flows to the east", latex="U_{c,E}")
 
     @current_north.equals
     def north(self):
@@ -61,8 +61,8 @@ class Wind(Component):
         prime=True,
         latex="F_w'",
     )
-    wind_ahead = derived("m/s", "relative wind, its part from aft to ahead")
-    wind_aside = derived("m/s", "relative wind, its part from port to starboard")
+    wind_ahead = derived("m/s", "relative wind, its part from aft to ahead", latex="V_{wr,x}")
+    wind_aside = derived("m/s", "relative wind, its part from port to starboard", latex="V_{wr,y}")
     wind_relative = derived("m/s", "speed of the relative wind", latex="V_{wr}")
     wind_angle = derived("rad", "direction the relative wind blows to, from the bow", wraps=True, latex=r"\gamma_r")
     r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")
@@ -113,7 +113,7 @@ class Waves(Component):
     psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", latex=r"\psi_v")
     r_wave = state("rad/s", "rate of turn by the waves", nominal="0.2 deg/s", latex="r_v")
     wave_noise = given("rad/s^2", "white noise that drives the waves", default=0.0, latex="w")
-    wave_direction = given("rad", "direction the waves run to", default=0.0, wraps=True)
+    wave_direction = given("rad", "direction the waves run to", default=0.0, wraps=True, latex=r"\psi_g")
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
     u = given("m/s", "forward speed through the water")
     wave_frequency = constant("rad/s", "frequency of the waves", default="0.6 rad/s", latex=r"\omega_0")

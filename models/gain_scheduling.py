@@ -14,7 +14,6 @@ from shipid import Component, derived, given, join, parameter, state
 class GainSchedule(SpeedScaled):
     """The dimensional coefficients that belong to the present speed."""
 
-    u = given("m/s", "forward speed through the water")
     K_star = parameter("1", "yaw gain K*", start=1.0, low=0.05, high=50.0, dimensional="1/s", latex="K^*")
     tau_star = parameter(
         "1", "yaw time constant tau*", start=1.5, low=0.05, high=50.0, dimensional="s", latex=r"\tau^*"
@@ -81,7 +80,9 @@ class ScheduledShip(Component):
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
-    u_disturbance = given("m/s^2", "forward acceleration by wind or another disturbance", default=0.0)
+    u_disturbance = given(
+        "m/s^2", "forward acceleration by wind or another disturbance", default=0.0, latex=r"\dot u_d"
+    )
     K = given("1/s", "rate of turn per rudder angle")
     tau = given("s", "time constant of yaw", latex=r"\tau")
     K_u = given("s^2/rad^2", "share of the speed lost per rate of turn squared")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import Component, constant, given, state
+from shipid import Component, constant, derived, given, state
 
 #: Below this share of the cruising speed, the equations that divide by the speed use the share instead, and turning
 #: slows the ship in proportion to the way she still has. A model that is scaled with the speed says nothing about a
@@ -46,14 +46,16 @@ class PlanarMotion(Component):
 
 
 class SpeedScaled(Component):
-    """What the models scaled by length and instantaneous speed have in common; it states nothing itself."""
+    """What the models scaled by length and instantaneous speed have in common; those that state the speed declare it anew."""
 
+    u = given("m/s", "forward speed through the water")
     cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")
     L = constant("m", "length between perpendiculars")
+    way = derived("m/s", "forward speed to scale with: u, not less than a twentieth of the cruise", latex="u^+")
 
-    @property
-    def way(self):
-        """The forward speed, not less than `LEAST_WAY` of the cruising speed."""
+    @way.equals
+    def speed_to_scale_with(self):
+        """U in Passenier (1989), eq. (2.40) and (2.42), with the floor `LEAST_WAY`."""
         return np.maximum(self.u, LEAST_WAY * self.cruise)
 
     @property

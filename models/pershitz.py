@@ -108,6 +108,7 @@ class PershitzDiscrete(PershitzCoefficients):
         latex=r"\delta_0",
     )
     beta0 = derived("rad", "drift angle of the steady turn at this rudder angle", latex=r"\beta_0")
+    beta_settling = derived("rad", "the same, at `delta_midships` while the rudder is amidships", latex=r"\beta_0'")
     Omega_U = derived("rad/m", "heading change per metre in the steady turn", latex=r"\Omega_U")
     decay = derived("1/m", "rate at which the turn settles, per metre (tau in the paper)", latex=r"\tau")
     V = derived("m/s", "speed through the water")
@@ -125,6 +126,11 @@ class PershitzDiscrete(PershitzCoefficients):
         """Semerdjiev and Mihaylova (2000), below eq. (6)."""
         return self.steady_drift(self.delta)
 
+    @beta_settling.equals
+    def settling_drift(self):
+        """Semerdjiev and Mihaylova (2000), below eq. (6); amidships the paper leaves the angle to choose."""
+        return self.steady_drift(np.where(self.delta == 0, self.delta_midships, self.delta))
+
     @Omega_U.equals
     def steady_turn(self):
         """Semerdjiev and Mihaylova (2000), below eq. (11)."""
@@ -138,8 +144,7 @@ class PershitzDiscrete(PershitzCoefficients):
         The print has 0.5 p and 0.25 p^2, with p already halved: eliminating the drift angle from (4) and (5) gives
         s^2 + 2 p s + q* = 0. Where the two roots are complex their real part is taken.
         """
-        delta = np.where(self.delta == 0, self.delta_midships, self.delta)
-        q21 = self.q21 + self.h1 * self.steady_drift(delta)
+        q21 = self.q21 + self.h1 * self.beta_settling
         p = 0.5 * (q21 + self.r31)
         product = q21 * self.r31 - self.q31 * self.r21
         return (-p + np.sqrt(np.maximum(p**2 - product, 0.0))) / self.L

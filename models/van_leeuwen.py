@@ -109,11 +109,11 @@ class VanLeeuwenSway(Component):
         return -self.gamma * self.L * self.r
 
 
-class CubicSway(SpeedScaled):
+class CubicSway(Component):
     """The sway speed with a cubic term, for hard turns."""
 
     v = derived("m/s", "sway speed through the water, positive to starboard")
-    r = given("rad/s", "rate of turn, positive to starboard")
+    r_star = given("1", "rate of turn, made dimensionless: r L/u", latex="r^*")
     u = given("m/s", "forward speed through the water")
     gamma = parameter(
         "1", "linear sway constant gamma1*", start=0.45, low=-2.0, high=5.0, dimensional="m/rad", latex=r"\gamma_1^*"
@@ -123,8 +123,7 @@ class CubicSway(SpeedScaled):
     @v.equals
     def sway(self):
         """Passenier (1989), eq. (2.47)-(2.49)."""
-        r_star = self.r * self.L / self.way
-        return -self.way * (self.gamma3 * r_star**3 + self.gamma * r_star)
+        return -self.u * (self.gamma3 * self.r_star**3 + self.gamma * self.r_star)
 
 
 class LossOfSpeed(Component):

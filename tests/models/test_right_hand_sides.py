@@ -72,7 +72,8 @@ def _de_keizer(n: Numbers, cubic: float, linear: float, loss_cubic: float, sway_
     loss = (0.9 * rs**2 - us - loss_cubic * us**3) / (2.5 * length / u)
     v = -(sway_cubic * rs**3 + 0.573 * rs) * u
     n["v"] = v
-    return {"r": yaw + n["r_disturbance"], "u": -u0 * loss + n["u_disturbance"], "v": v, **planar(n)}
+    side = {"way": u, "r_star": rs, "u_star": us, "v": v}
+    return {"r": yaw + n["r_disturbance"], "u": -u0 * loss + n["u_disturbance"], **side, **planar(n)}
 
 
 def de_keizer_minimal(n: Numbers) -> Numbers:
@@ -94,7 +95,7 @@ def gain_scheduled(n: Numbers) -> Numbers:
     t = n["L"] / n["u"]
     schedule = {"K": 1.6 / t, "tau": 1.7 * t, "K_u": 0.9 * t * t, "tau_u": 2.5 * t, "gamma": 0.573 * n["L"]}
     motion = _de_keizer(dict(n), 0.0, 1.0, 0.0, 0.0)
-    return motion | schedule
+    return {q: v for q, v in motion.items() if q not in ("r_star", "u_star")} | schedule
 
 
 def van_leeuwen(n: Numbers) -> Numbers:
@@ -107,7 +108,7 @@ def van_leeuwen(n: Numbers) -> Numbers:
     return {
         "r_star": pace * (1.6 * n["delta"] - 2.4 * 0.37**3 + 0.6 * 0.37) / 1.7 + n["r_disturbance"] / pace,
         "u_star": pace * (0.9 * 0.37**2 - 0.17) / 2.5 - n["u_disturbance"] / 8.9,
-        "s_star": pace, "u": u, "r": n["r"], "v": n["v"], **planar(n),
+        "s_star": pace, "way": u, "u": u, "r": n["r"], "v": n["v"], **planar(n),
     }  # fmt: skip
 
 
@@ -142,7 +143,7 @@ def pershitz_discrete(n: Numbers) -> Numbers:
     v = 8.9 / (1 + 1.9 * 0.0021**2 * 99.0**2)
     left = exp(3.0 * v * tau)
     return {
-        "beta0": beta0, "Omega_U": omega_u, "decay": tau, "V": v, "r": 0.0021 * v,
+        "beta0": beta0, "beta_settling": beta0, "Omega_U": omega_u, "decay": tau, "V": v, "r": 0.0021 * v,
         "x": 120.0 + 3.0 * v * cos(0.83),
         "y": -35.0 + 3.0 * v * sin(0.83),
         "psi": 0.83 + 3.0 * v * (0.0021 + 0.5 * 3.0 * tau * v * (0.0021 - omega_u) * left),
@@ -176,13 +177,16 @@ def davidson_schiff(n: Numbers) -> Numbers:
     determinant = a * d - b * c
     sway = (d * force - b * moment) / determinant * 6.7**2 / 161.0
     yaw = (a * moment - c * force) / determinant * (6.7 / 161.0) ** 2
-    return {"v": sway, "r": yaw + n["r_disturbance"], **planar(n)}
+    return {"v": sway, "r": yaw + n["r_disturbance"], "Y": force, "N": moment, **planar(n)}
 
 
 def cubic_sway(n: Numbers) -> Numbers:
-    n |= {"gamma": 0.5, "gamma3": 0.31}
-    rs = n["r"] * n["L"] / n["u"]
-    return {"v": -n["u"] * (0.31 * rs**3 + 0.5 * rs)}
+    n |= {"gamma": 0.5, "gamma3": 0.31, "r_star": 0.37}
+    return {"v": -n["u"] * (0.31 * 0.37**3 + 0.5 * 0.37)}
+
+
+def speed_scaled(n: Numbers) -> Numbers:
+    return {"way": n["u"]}
 
 
 def loss_of_speed(n: Numbers) -> Numbers:
@@ -254,6 +258,7 @@ MODELS: dict[str, Case] = {
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
+    "SpeedScaled": speed_scaled,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
     "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
