@@ -180,7 +180,9 @@ def leaves(t: np.ndarray, rudder: np.ndarray, plate: Plate, execute: str) -> flo
     -------
     float
     """
-    return _put_over(t, plate.side * rudder, plate.last, abs(plate.angle), 0.0, execute)
+    # The plate and the ramp after it; a long record has hundreds of plates.
+    near = slice(plate.first, min(len(t), 2 * plate.last - plate.first + 1))
+    return _put_over(t[near], plate.side * rudder[near], plate.last - plate.first, abs(plate.angle), 0.0, execute)
 
 
 def _put_over(t: np.ndarray, y: np.ndarray, end: int, held: float, towards: float, execute: str) -> float:
