@@ -1,8 +1,11 @@
 """What every declaration has to say of itself, and every ship of its numbers."""
 
 import importlib
+import math
 import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -183,3 +186,32 @@ def test_declared_names_are_imported_from_the_package() -> None:
 
 def test_particulars_are_not_taken_for_a_model() -> None:
     assert all(PARTICULARS not in find_ship(s).models for s in SHIPS)
+
+
+@pytest.mark.parametrize(("name", "section"), [(n, s) for n, s in SECTIONS if s in MODELS and "track" not in s])
+@pytest.mark.parametrize("side", [1, -1], ids=["starboard", "port"])
+def test_every_ship_turns_to_the_side_of_its_rudder(
+    name: str, section: str, side: int, evaluate: Callable[..., dict[str, float]], integrate: Callable[..., Any]
+) -> None:
+    """Ten degrees of rudder for twenty ship lengths: to the right side, and not faster than a ship can turn."""
+    ship, model = find_ship(name), find_model(section)
+    length, speed = ship.particular("L", "m"), ship.particular("speed", "m/s")
+    values = ship.values(model, speed) | {"delta": side * math.radians(10), "T": length / speed / 10}
+    values |= {n: speed for n in ("u", "cruise") if n in model.inputs}
+    start = {"u": speed} if "u" in model.states else {}
+    pace = length / speed
+    if model.is_sampled:
+        state = dict.fromkeys(model.states, 0.0)
+        for _ in range(200):
+            sides = evaluate(model, values | state)
+            state = {n: sides[n] for n in model.states}
+    else:
+        run = integrate(model, start, values, seconds=20 * pace, step=pace / 10)
+        state = {n: float(record[-1]) for n, record in run.items()}
+        sides = evaluate(model, values | state)
+    r = state.get("r", sides.get("r", math.nan))
+    assert 0.05 < side * r * pace < 1.5
+    assert side * state["psi"] > 1.0
+    if "v" in sides and "v" in model.derived + model.states:
+        v = state.get("v", sides["v"])
+        assert side * v < 0  # a ship that turns to starboard sways to port
