@@ -45,6 +45,7 @@ class _Variadic(click.Command):
 @click.option("--starts", default=5, show_default=True, help="Number of starting points.")
 @click.option("--seed", default=0, show_default=True, help="Of the random starting points.")
 @click.option("--out", metavar="DIR", help="Folder for result.json, ship.toml and report.html.")
+@click.option("--open", "open_report", is_flag=True, help="Open the report in the browser.")
 @overwrite_option
 @json_option
 def identify(
@@ -62,6 +63,7 @@ def identify(
     starts: int,
     seed: int,
     out: str | None,
+    open_report: bool,
     overwrite: bool,
     as_json: bool,
 ) -> int:
@@ -108,6 +110,8 @@ def identify(
         click.echo(repr(fit))
         if folder is not None:
             click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
+    if open_report and folder is not None:
+        click.launch(str(folder / _FILES[2]))
     if not fit.converged:
         say(f"the search did not converge: {fit.message} What it knows is above; do not use it as a ship.")
         return 4

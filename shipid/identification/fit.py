@@ -129,8 +129,8 @@ class Fit:
         Fitted coefficients, then published ones that follow from them.
     fixed : mapping of str to float
         Coefficients that were not estimated, SI.
-    correlation : ndarray, shape (estimated, estimated)
-        Of the fitted coefficients, in order.
+    covariance, correlation : ndarray, shape (estimated, estimated)
+        Of the fitted coefficients, in order; an infinite variance where the trials hold no information.
     condition_number : float or None
         Of that matrix; None where a coefficient has no finite variance.
     noise : mapping of str to float
@@ -152,6 +152,7 @@ class Fit:
     message: str
     parameters: Mapping[str, Estimate]
     fixed: Mapping[str, float]
+    covariance: np.ndarray
     correlation: np.ndarray
     condition_number: float | None
     noise: Mapping[str, float]

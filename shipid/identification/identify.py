@@ -280,6 +280,7 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,
         fixed=dict(problem.fixed),
+        covariance=block,
         correlation=correlation_of(block),
         condition_number=condition,
         noise=dict(zip(problem.signals, problem.sigma.tolist())),

@@ -24,7 +24,9 @@ TRACK = ("x", "y")
 #: Rudder movement in rad at which a manoeuvre has begun.
 _MOVED = np.deg2rad(3.0)
 #: Weighted residual of a sample at which the model has run away.
-_RUNAWAY = 1e3
+RUNAWAY = 1e6
+#: Slope beyond which squares would overflow.
+_STEEP = 1e30
 
 
 @dataclass(frozen=True, eq=False)
@@ -252,8 +254,9 @@ class Problem:
             with np.errstate(over="ignore", invalid="ignore"):
                 residual = (y - s.measured) / self.sigma[:, None]
                 slope = dy / self.sigma[:, None, None]
-            good = np.isfinite(residual) & np.isfinite(slope).all(axis=1) & (np.abs(residual) < 1e6)
-            residual = np.where(good, residual, _RUNAWAY)
+                # NaN compares as false, so what is not finite is not good either.
+                good = (np.abs(residual) < RUNAWAY) & (np.abs(slope) < _STEEP).all(axis=1)
+            residual = np.where(good, residual, RUNAWAY)
             slope = np.where(good[:, None, :], slope, 0.0)
             flat = slope.transpose(0, 2, 1).reshape(-1, slope.shape[1])
             block = np.zeros((flat.shape[0], self.size))

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.identification.problem import Problem
+from shipid.identification.problem import RUNAWAY, Problem
 
 #: Samples of a trial that are enough to tell a good start from a bad one.
 _THIN = 400
@@ -142,7 +142,7 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
     )
     q = to_q(found.x)
     residual, jacobian = problem.residuals(q)
-    finite = bool((np.abs(residual) < 999).mean() > 0.999)
+    finite = bool((np.abs(residual) < RUNAWAY).all())
     message = found.message if finite else "the model runs away in every neighbourhood of the best point"
     return Solution(problem, q, residual, jacobian, found.status > 0 and finite, message, found.nfev)
 

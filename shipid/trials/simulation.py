@@ -27,7 +27,7 @@ RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 
 
-_ROLES = {"given": "input", "state": "state", "output": "sensor"}
+_ROLES = {"given": "an input", "state": "a state", "output": "a sensor"}
 
 
 class SimulationDivergedError(ShipidError):
@@ -176,7 +176,7 @@ def simulate(
     replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in (values or {}).items()}
     for n in replaced:
         if whole[n].quantity.kind not in ("parameter", "constant", "derived"):
-            raise UsageError(f"'{n}' is a {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
+            raise UsageError(f"'{n}' is {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
     published = [n for n in replaced if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
     known = ship.values(whole, speed=u0) | replaced | sailed.constants
