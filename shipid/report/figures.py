@@ -21,7 +21,7 @@ _STYLES: dict[str, dict[str, Any]] = {
     "predicted": {"color": "#d9700a", "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
     "residual": {"color": "#2f7fc4", "linestyle": "-", "linewidth": 0.8},
     "rudder": {"color": "black", "linestyle": "-", "linewidth": 1.1},
-    "rudder ordered": {"color": _MUTED, "linestyle": ":", "linewidth": 1.2},
+    "order": {"color": _MUTED, "linestyle": ":", "linewidth": 1.2},
 }
 _SETTINGS = {
     "svg.fonttype": "none",
@@ -49,7 +49,7 @@ class Curve:
     Attributes
     ----------
     kind : str
-        measured, predicted, residual, rudder or rudder ordered: its style and its name in the legend.
+        measured, predicted, residual, rudder or order: its style and its name in the legend.
     x, y : ndarray, shape (n,)
         Its points, finite, in the units shown.
     """

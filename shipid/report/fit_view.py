@@ -15,7 +15,7 @@ from shipid.declaration.units import pretty
 from shipid.generation.typesetting import symbol, typeset
 from shipid.identification.fit import Estimate, Fit
 from shipid.identification.uncertainty import autocorrelation_time
-from shipid.report.numbers import fixed, interval, number, uncertain
+from shipid.report.numbers import fixed, given, interval, number, uncertain
 from shipid.report.symbols import html_symbol
 from shipid.report.trial_view import TrialView, good_samples, label_of, shown_unit, view_of
 from shipid.trials.trial import Trial
@@ -124,19 +124,31 @@ def _answer(fit: Fit, views: Sequence[TrialView]) -> list[str]:
             if not found:
                 continue
             errors = [
-                f"{number(e * scale, 2)} {unit} rms ({v.name})" if e is not None and v.runaway is None
-                else f"not at all, it runs away ({v.name})"
-                for v, e in found
-            ]  # fmt: skip
-            where = "of the trials it was fitted to" if role == "fitted" else "of trials that were not fitted"
-            sentences.append(f"It {words} the {what} {where} to within {_listed(errors)}.")
+                f"{number(e * scale, 2)} {unit} rms ({v.name})" for v, e in found if e is not None and v.runaway is None
+            ]
+            where = "of the fitted trials" if role == "fitted" else "of trials that were not fitted"
+            if errors:
+                sentences.append(f"It {words} the {what} {where} to within {_listed(errors)}.")
+            lost = [v.name for v, _ in found if v.runaway is not None]
+            if lost:
+                sentences.append(f"Its prediction of {_listed(lost)} runs away.")
     if not fit.validation:
         sentences.append("No trial was kept apart to test its prediction.")
     if fit.unidentifiable:
         sentences.append(f"Not determined by these trials: {_listed(fit.unidentifiable)}.")
     else:
         sentences.append("The trials determine all fitted coefficients.")
+    open_signs = [n for n in fit.estimated if fit.parameters[n].identifiable and _sign_is_open(fit.parameters[n])]
+    if open_signs:
+        sentences.append(f"Even the sign is open of {_listed(open_signs)}.")
+    following = [n for n, e in fit.parameters.items() if e.follows and not e.identifiable]
+    if following:
+        sentences.append(f"The published coefficients that follow leave open: {_listed(following)}.")
     return sentences
+
+
+def _sign_is_open(e: Estimate) -> bool:
+    return e.ci95 is not None and e.ci95[0] < 0 < e.ci95[1]
 
 
 def _warnings(fit: Fit, views: Sequence[TrialView]) -> list[str]:
@@ -153,20 +165,20 @@ def _warnings(fit: Fit, views: Sequence[TrialView]) -> list[str]:
 
 def _cautions(fit: Fit) -> list[str]:
     """Where a validation trial leaves the range of the fitted ones."""
-    found = []
+    beyond: dict[int, list[str]] = {}
     for name, what in (("delta", "rudder angle"), ("r", "rate of turn")):
         sizes = [float(np.abs(c.trial[name]).max()) for c in fit.fitted if c.trial.has(name)]
-        if not sizes:
-            continue
         unit, scale = shown_unit(fit.model, name)
-        for c in fit.validation:
-            size = float(np.abs(c.trial[name]).max()) if c.trial.has(name) else 0.0
-            if size > _BEYOND * max(sizes):
-                found.append(
-                    f"{c.trial.name} goes beyond the fitted trials: {what} up to {number(size * scale, 3)} {unit}, "
-                    f"fitted up to {number(max(sizes) * scale, 3)} {unit}. Its prediction is an extrapolation."
+        for i, c in enumerate(fit.validation):
+            size = float(np.abs(c.trial[name]).max()) if sizes and c.trial.has(name) else 0.0
+            if sizes and size > _BEYOND * max(sizes):
+                beyond.setdefault(i, []).append(
+                    f"{what} up to {number(size * scale, 3)} {unit} (fitted up to {number(max(sizes) * scale, 3)} {unit})"
                 )
-    return found
+    return [
+        f"{fit.validation[i].trial.name} goes beyond the fitted trials: {_listed(words)}. Its prediction is an extrapolation."
+        for i, words in beyond.items()
+    ]
 
 
 def _coefficient(fit: Fit, e: Estimate) -> dict[str, Any]:
@@ -186,6 +198,7 @@ def _coefficient(fit: Fit, e: Estimate) -> dict[str, Any]:
         "other_kind": "dimensional" if e.unit in ("", "1") else "normalised",
         "determined": e.identifiable,
         "why": e.why,
+        "sign": "The interval holds zero, so even its sign is open." if _sign_is_open(e) and e.identifiable else "",
     }
 
 
@@ -198,7 +211,7 @@ def _fixed(fit: Fit) -> list[dict[str, Any]]:
                 "symbol": _symbol(fit, name),
                 "name": name,
                 "meaning": fit.model[name].quantity.meaning,
-                "value": number(value, 5),
+                "value": given(value),
                 "unit": pretty(fit.model[name].unit),
                 "source": held.source if held is not None else "",
             }
@@ -208,7 +221,7 @@ def _fixed(fit: Fit) -> list[dict[str, Any]]:
 
 def _particulars(fit: Fit) -> list[dict[str, str]]:
     return [
-        {"name": n, "value": number(v.value, 6), "unit": pretty(v.unit), "source": v.source}
+        {"name": n, "value": given(v.value), "unit": pretty(v.unit), "source": v.source}
         for n, v in fit.ship.sections.get(PARTICULARS, {}).items()
         if isinstance(v.value, (int, float))
     ]

@@ -8,6 +8,8 @@ from math import floor, isfinite, log10
 NO_NUMBER = "no number"
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _DIGITS = 4
+#: Beyond these powers a double is no measured number: 0 below, none above.
+_LARGEST = 1e290
 _MOST_DIGITS = 7
 
 
@@ -21,12 +23,19 @@ def number(value: float | None, digits: int = _DIGITS) -> str:
     digits : int
         Significant digits.
     """
-    if value is None or not isfinite(value):
+    if value is None or not _is_number(value):
         return NO_NUMBER
-    if value == 0:
+    if abs(value) < 1 / _LARGEST:
         return "0"
     power = _power(abs(value))
     return _join(_fixed(value, power, digits - 1 - floor(log10(abs(value)))), power)
+
+
+def given(value: float | None) -> str:
+    """Return a number that somebody wrote down, without zeros that were not there."""
+    text = number(value, 6)
+    mantissa, times, power = text.partition(" × ")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
 
 
 def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
@@ -57,9 +66,9 @@ def uncertain(value: float | None, std: float | None) -> str:
     value, std : float or None
         The value and its standard deviation.
     """
-    if value is None or not isfinite(value):
+    if value is None or not _is_number(value):
         return NO_NUMBER
-    if std is None or not isfinite(std) or std <= 0:
+    if std is None or not _is_number(std) or std < 1 / _LARGEST:
         return number(value)
     power, place = _place(value, std)
     if place is None:
@@ -78,13 +87,17 @@ def interval(ends: tuple[float, float] | None, std: float | None) -> str:
     std : float or None
         The standard deviation.
     """
-    if ends is None or std is None or not all(isfinite(e) for e in (*ends, std)) or std <= 0:
+    if ends is None or std is None or not all(_is_number(e) for e in (*ends, std)) or std < 1 / _LARGEST:
         return "none"
     power, place = _place(0.5 * (ends[0] + ends[1]), std)
     if place is None:
         return " to ".join(number(e, _MOST_DIGITS) for e in ends)
     low, high = (_fixed(e, power, place) for e in ends)
     return f"({low} to {high}) × 10{str(power).translate(_SUPERSCRIPT)}" if power else f"{low} to {high}"
+
+
+def _is_number(value: float) -> bool:
+    return isfinite(value) and abs(value) <= _LARGEST
 
 
 def _power(size: float) -> int:

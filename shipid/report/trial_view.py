@@ -36,7 +36,7 @@ LABELS = {
 #: A prediction this many spans of the measured signal away from it has run away.
 _FAR = 10.0
 _SHOWN = ("psi", "r", "u", "v")
-_TURN = ("advance", "transfer", "tactical_diameter", "steady_diameter", "steady_rate", "steady_speed", "speed_loss")
+_TURN = ("advance", "transfer", "tactical_diameter", "steady_diameter", "steady_rate", "steady_speed")
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +69,8 @@ class TrialView:
         One row a quantity of a turning circle.
     runaway : float or None
         Time in s at which the prediction ran away.
-    recorded : list of str
-        Inputs of the model that were read from the record.
+    inputs : list of str
+        Where the inputs of the model came from, a sentence an entry.
     """
 
     key: str
@@ -88,7 +88,7 @@ class TrialView:
     turn_title: str
     turn: list[dict[str, str]]
     runaway: float | None
-    recorded: list[str]
+    inputs: list[str]
 
 
 def label_of(model: Model, name: str) -> str:
@@ -156,7 +156,7 @@ def view_of(comparison: Comparison, model: Model, key: str, role: str, length: f
     count = good_samples(comparison)
     runaway = float(trial["t"][count]) if count < len(trial) else None
     own = {n: p for n, p in comparison.predicted.items() if n not in model or model[n].quantity.kind != "given"}
-    turn_title, turn = _turn(comparison, count, length)
+    turn_title, turn = _turn(comparison, "u" in own, count, length)
     drawn, note = _track(comparison, count, key, role)
     return TrialView(
         key=key,
@@ -174,8 +174,26 @@ def view_of(comparison: Comparison, model: Model, key: str, role: str, length: f
         turn_title=turn_title,
         turn=turn,
         runaway=runaway,
-        recorded=[label_of(model, n).lower() for n in model.inputs if trial.has(n)],
+        inputs=_inputs(comparison, model),
     )
+
+
+def _inputs(comparison: Comparison, model: Model) -> list[str]:
+    """Say which inputs were read from the record, and which were held although the record shows them."""
+    trial, read, held = comparison.trial, [], []
+    for name in (n for n in model.inputs if trial.has(n)):
+        used = comparison.predicted.get(name)
+        if used is None or np.allclose(used, trial[name], equal_nan=True):
+            read.append(label_of(model, name).lower())
+        elif np.ptp(used) < 1e-9 * max(1.0, float(np.abs(used).max())):
+            unit, scale = shown_unit(model, name)
+            held.append(
+                f"{label_of(model, name)} is an input of this model, held at {number(used[0] * scale, 3)} {unit}."
+            )
+    words = [f"Read from the record: {', '.join(read)}."] if read else []
+    if held and "x" in comparison.predicted:
+        held.append("The predicted track is sailed at that speed, so compare its shape and not its size.")
+    return words + held
 
 
 def _summary(trial: Trial) -> str:
@@ -203,7 +221,7 @@ def _histories(trial: Trial, own: Mapping[str, np.ndarray], model: Model, count:
             panels.append(Panel(label_of(model, name), unit, curves))
     rudder = [
         Curve(kind, t, np.rad2deg(trial[n]))
-        for n, kind in (("delta", "rudder"), ("delta_order", "rudder ordered"))
+        for n, kind in (("delta", "rudder"), ("delta_order", "order"))
         if trial.has(n)
     ]
     if rudder:
@@ -293,7 +311,7 @@ def _degrees(angle: float | None) -> str:
     return "not reached" if angle is None or not np.isfinite(angle) else fixed(float(np.rad2deg(angle)), 2)
 
 
-def _turn(comparison: Comparison, count: int, length: float | None) -> tuple[str, list[dict[str, str]]]:
+def _turn(comparison: Comparison, speed: bool, count: int, length: float | None) -> tuple[str, list[dict[str, str]]]:
     """Measure a turning circle, and the predicted one with the recorded rudder."""
     trial = comparison.trial
     metres = None if not length else f"{length!r} m"
@@ -307,6 +325,8 @@ def _turn(comparison: Comparison, count: int, length: float | None) -> tuple[str
     foreseen = _predicted_turn(comparison, count, metres)
     rows = []
     for name in (n for base in _TURN for n in (base, f"{base}_ratio")):
+        if name == "steady_speed" and not speed:
+            continue  # the model reads the speed from the record, so it predicts none
         value, unit, meaning = found.get(name, (None, "", ""))
         predicted = foreseen.get(name)
         if value is None and predicted is None:

@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import shipid
+
+
+def simulate(manoeuvre: str, seed: int, name: str):
+    trial = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", manoeuvre, noise="standard", seed=seed)
+    return dataclasses.replace(trial, name=name)
+
+
+@pytest.fixture(scope="session")
+def fit():
+    """A simulated ship identified from one trial, with another kept apart."""
+    return shipid.identify(
+        "de-keizer",
+        [simulate("zigzag:20/20", 1, "first")],
+        ship="soesterberg",
+        validate=[simulate("zigzag:10/10", 2, "second")],
+        starts=1,
+    )
+
+
+@pytest.fixture(scope="session")
+def diverged(fit):
+    """The same, not converged, with a prediction that runs to infinity and a coefficient that does."""
+    kept = fit.validation[0]
+    bad = {n: p.copy() for n, p in kept.predicted.items()}
+    n = len(kept.trial)
+    bad["psi"][n // 2 :] *= np.exp(np.minimum(np.arange(n - n // 2), 600.0))
+    bad["r"][-50:] = np.inf
+    bad["u"][-50:] = np.nan
+    lost = dataclasses.replace(
+        kept,
+        predicted=bad,
+        rmse=dict.fromkeys(kept.rmse, float("inf")),
+        refitted=dict.fromkeys(kept.rmse, float("nan")),
+        refitted_bias=float("nan"),
+        predicted_overshoots=(None, float("nan"), float("inf")),
+    )
+    parameters = dict(fit.parameters)
+    parameters["tau"] = dataclasses.replace(
+        parameters["tau"], value=None, std=None, ci95=None, identifiable=False, why="it runs away.", prime=None
+    )
+    return dataclasses.replace(
+        fit,
+        converged=False,
+        message="the search gave up.",
+        parameters=parameters,
+        validation=(lost,),
+        condition_number=None,
+        chi_square=float("inf"),
+        noise=dict.fromkeys(fit.noise, float("nan")),
+        correlation=np.full_like(fit.correlation, np.nan),
+    )
