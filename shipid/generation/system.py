@@ -122,15 +122,33 @@ class System:
         names : sequence of str
             Quantities of the model.
         """
-        moves = self.rates + 0
-        for index, expression in self.nexts.items():
-            moves[index] = expression
-        reads = np.array(ca.DM(ca.jacobian(moves, self.x).sparsity(), 1).full(), dtype=bool)
-        shown = np.array(ca.DM(ca.jacobian(self.expression(names), self.x).sparsity(), 1).full(), dtype=bool)
-        behind = np.asarray(shown.any(axis=0))
+        moves, shown = self._moves, self.expression(names)
+        reads = _dependence(moves, self.x)
+        behind = _dependence(shown, self.x).any(axis=0)
         for _ in self.states:
             behind = behind | reads[behind].any(axis=0)
         return tuple(s for s, needed in zip(self.states, behind.tolist()) if needed)
+
+    def inputs_behind(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the inputs that can have an influence on the named quantities, in order.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Quantities of the model.
+        """
+        moving = [self.states.index(s) for s in self.states_behind(names)]
+        needed = _dependence(self._moves, self.u)[moving].any(axis=0)
+        needed = needed | _dependence(self.expression(names), self.u).any(axis=0)
+        return tuple(n for n, used in zip(self.inputs, needed.tolist()) if used)
+
+    @property
+    def _moves(self) -> Any:
+        """What moves each state: its rate, or its next sample."""
+        moves = self.rates + 0
+        for index, expression in self.nexts.items():
+            moves[index] = expression
+        return moves
 
     def vector(self, names: Sequence[str], values: Mapping[str, float], default: float | None = None) -> np.ndarray:
         """Return named numbers in the order of `names`, shape (len(names),).
@@ -160,8 +178,15 @@ class System:
         everything = ca.vertcat(self.rates, *self.nexts.values(), *(self.values[n] for n in shown))
         program = ca.Function("all", [self.x, self.u, self.p, self.T], [everything])
         instructions = range(program.n_instructions())
-        text += repr([program.instruction_constant(k) for k in instructions if program.instruction_id(k) == ca.OP_CONST])
+        text += repr(
+            [program.instruction_constant(k) for k in instructions if program.instruction_id(k) == ca.OP_CONST]
+        )
         return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _dependence(of: Any, by: Any) -> np.ndarray:
+    """Which entries of a column can depend on which symbols, shape (of, by)."""
+    return np.asarray(ca.DM(ca.jacobian(of, by).sparsity(), 1).full(), dtype=bool)
 
 
 @functools.lru_cache(maxsize=64)

@@ -1,0 +1,197 @@
+"""Compile once, keep; and do without a compiler."""
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from shipid.generation import compiling
+from shipid.generation.compiling import CompilerNotice, compile_function
+from shipid.generation.record import make_record
+
+
+def make_function(number: float = 1.0) -> Any:
+    x = ca.SX.sym("x", 3)
+    return ca.Function("step", [x], [number * ca.sin(x) + x[0] ** 2])
+
+
+@pytest.fixture(autouse=True)
+def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A cache folder of this test's own, and nothing remembered of the compiler or of notices."""
+    monkeypatch.setenv("SHIPID_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("SHIPID_COMPILE", raising=False)
+    for remembered in (compiling._compiler, compiling._notice, make_record):
+        remembered.cache_clear()
+    yield tmp_path / "cache"
+    for remembered in (compiling._compiler, compiling._notice, make_record):
+        remembered.cache_clear()
+
+
+@pytest.fixture
+def compiler() -> None:
+    if compiling._compiler() is None:
+        pytest.skip("there is no C compiler on this machine")
+
+
+def libraries(folder: Path) -> dict[str, int]:
+    return {p.name: p.stat().st_mtime_ns for p in folder.iterdir()}
+
+
+@pytest.mark.usefixtures("compiler")
+@pytest.mark.parametrize("name", ["de-keizer", "pershitz", "pershitz-discrete", "bech"])
+def test_compiled_and_interpreted_give_the_same_numbers(
+    name: str, fresh: Path, sail: Any, named: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Over a record with sensitivities, to round-off: the compiler may contract a multiplication and an addition."""
+    pair = named[name]
+    x0, u, intervals = sail(pair, 80, 0.2 * pair.unit_time)
+    names = pair.model.parameters + pair.model.constants
+    results = []
+    for switch in ("1", "0"):
+        monkeypatch.setenv("SHIPID_COMPILE", switch)
+        make_record.cache_clear()
+        record = make_record(pair.model, pair.model.states, names, pair.model.states)
+        results.append(record(x0, u, intervals, record.system.vector(names, pair.coefficients)))
+        assert record.step.class_name() == ("External" if switch == "1" else "SXFunction")
+    assert len(libraries(fresh)) == 1
+    for compiled, interpreted in zip(*results):
+        scale = np.abs(interpreted).max(axis=-1, keepdims=True)
+        assert (np.abs(compiled - interpreted) <= 1e-11 * scale).all()
+
+
+@pytest.mark.usefixtures("compiler")
+def test_the_second_call_compiles_nothing(fresh: Path) -> None:
+    first = compile_function(make_function())
+    before = libraries(fresh)
+    assert len(before) == 1
+    assert next(iter(before)).endswith(".so")
+    second = compile_function(make_function())
+    assert libraries(fresh) == before
+    assert np.array_equal(first([1, 2, 3]).full(), second([1, 2, 3]).full())
+    np.testing.assert_allclose(first([1, 2, 3]).full(), make_function()([1, 2, 3]).full(), rtol=1e-15)
+
+
+@pytest.mark.usefixtures("compiler")
+def test_another_function_is_another_library(fresh: Path) -> None:
+    """Both have the same name and both stay usable."""
+    one, other = compile_function(make_function(1.0)), compile_function(make_function(1.0000000001))
+    assert len(libraries(fresh)) == 2
+    assert float(other([0.5, 0, 0])[0] - one([0.5, 0, 0])[0]) == pytest.approx(1e-10 * np.sin(0.5), rel=1e-4)
+
+
+def without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CC", "/nowhere/cc")
+    monkeypatch.setenv("PATH", "")
+    compiling._compiler.cache_clear()
+
+
+def test_without_a_compiler_there_is_one_notice(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    without_compiler(monkeypatch)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        results = [compile_function(make_function(k)) for k in (1.0, 2.0)]
+    assert [w.category for w in caught] == [CompilerNotice]
+    assert "no C compiler found; install gcc or clang, or set CC" in str(caught[0].message)
+    for k, function in zip((1.0, 2.0), results):
+        assert np.array_equal(function([1, 2, 3]).full(), make_function(k)([1, 2, 3]).full())
+    assert not fresh.exists()
+
+
+def fake_compiler(path: Path, script: str) -> str:
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def test_a_broken_compiler_falls_back_with_one_notice(
+    tmp_path: Path, fresh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    script = 'case "$1" in --version) echo broken 1.0;; *) echo "no space in $(ls)" >&2; exit 1;; esac'
+    monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", script))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        functions = [compile_function(make_function(k)) for k in (1.0, 2.0)]
+    assert [w.category for w in caught] == [CompilerNotice]
+    assert "compiling failed: no space in code.c" in str(caught[0].message)
+    assert np.array_equal(functions[1]([1, 2, 3]).full(), make_function(2.0)([1, 2, 3]).full())
+    assert libraries(fresh) == {}  # nothing half-made is left behind
+
+
+def test_a_compiler_that_makes_rubbish_falls_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = 'case "$1" in --version) echo rubbish 1.0;; *) echo rubbish > code.so;; esac'
+    monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", script))
+    with pytest.warns(CompilerNotice, match="compiling failed"):
+        function = compile_function(make_function())
+    assert np.array_equal(function([1, 2, 3]).full(), make_function()([1, 2, 3]).full())
+
+
+def test_a_compiler_that_does_not_say_its_version_is_passed_over(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", "exit 1"))
+    assert compiling._compiler() is None
+
+
+def test_a_cache_that_cannot_be_made_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("SHIPID_CACHE", str(tmp_path / "file" / "cache"))
+    monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", "echo any 1.0"))
+    with pytest.warns(CompilerNotice, match="Not a directory"):
+        function = compile_function(make_function())
+    assert function.class_name() == "SXFunction"
+
+
+def test_compiling_can_be_switched_off(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SHIPID_COMPILE", "0")
+    function = make_function()
+    assert compile_function(function) is function
+    assert not fresh.exists()
+
+
+RACER = """
+import sys, time, casadi as ca
+from pathlib import Path
+from shipid.generation.compiling import compile_function
+x = ca.SX.sym("x", 3)
+function = ca.Function("step", [x], [ca.sin(x) + x[0] ** 2])
+Path(sys.argv[1], sys.argv[2]).touch()
+while len(list(Path(sys.argv[1]).iterdir())) < 4:
+    time.sleep(0.001)
+print(compile_function(function).class_name(), float(compile_function(function)([1, 2, 3])[2]))
+"""
+
+
+@pytest.mark.usefixtures("compiler")
+def test_four_processes_race_for_one_library(tmp_path: Path, fresh: Path) -> None:
+    """They start together, once all four are ready; nobody sees half a file, and one library is left."""
+    gate = tmp_path / "gate"
+    gate.mkdir()
+    command = [sys.executable, "-W", "error", "-c", RACER, str(gate)]
+    racers = [subprocess.Popen([*command, str(i)], stdout=subprocess.PIPE, text=True, env=os.environ) for i in range(4)]
+    printed = [r.communicate(timeout=60)[0].split() for r in racers]
+    assert [r.returncode for r in racers] == [0] * 4
+    assert {p[0] for p in printed} == {"External"}
+    # sin(3) + 1, which a machine may round by one unit in the last place
+    assert all(float(p[1]) == pytest.approx(np.sin(3) + 1, rel=1e-15) for p in printed)
+    assert len(libraries(fresh)) == 1
+    assert [p.suffix for p in fresh.iterdir()] == [".so"]
+
+
+def test_where_the_cache_lies(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.delenv("SHIPID_CACHE")
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert compiling.cache_folder() == tmp_path / "shipid"
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert compiling.cache_folder() == Path.home() / "Library" / "Caches" / "shipid"
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
+    assert compiling.cache_folder() == tmp_path / "local" / "shipid"
