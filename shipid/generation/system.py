@@ -124,7 +124,7 @@ class System:
         """
         moves, shown = self._moves, self.expression(names)
         reads = _dependence(moves, self.x)
-        behind = _dependence(shown, self.x).any(axis=0)
+        behind = np.asarray(_dependence(shown, self.x).any(axis=0))
         for _ in self.states:
             behind = behind | reads[behind].any(axis=0)
         return tuple(s for s, needed in zip(self.states, behind.tolist()) if needed)
@@ -138,8 +138,8 @@ class System:
             Quantities of the model.
         """
         moving = [self.states.index(s) for s in self.states_behind(names)]
-        needed = _dependence(self._moves, self.u)[moving].any(axis=0)
-        needed = needed | _dependence(self.expression(names), self.u).any(axis=0)
+        moved, shown = _dependence(self._moves, self.u)[moving], _dependence(self.expression(names), self.u)
+        needed = np.asarray(moved.any(axis=0) | shown.any(axis=0))
         return tuple(n for n, used in zip(self.inputs, needed.tolist()) if used)
 
     @property

@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from shipid.models import PlanarMotion
 
 from shipid import Component, augment, constant, find_model, find_ship, given, join, linearise, state
 from shipid.declaration.catalogue import known_component
 from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.generation.linearisation import NoSteadyStateError, find_steady_state
 from shipid.generation.system import generate
+from shipid.models import PlanarMotion
 
 
 def container(model: str = "de-keizer", **changed: float) -> dict[str, float]:

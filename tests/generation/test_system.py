@@ -128,6 +128,14 @@ def test_states_behind_a_quantity() -> None:
     assert set(with_helm.states_behind(["r"])) == set(with_helm.states) - {"x", "y"}
 
 
+def test_inputs_behind_a_quantity() -> None:
+    system = generate(find_model("nomoto"))
+    assert system.inputs_behind(["r"]) == ("delta", "r_disturbance")
+    assert system.inputs_behind(["u"]) == ("u",)
+    assert system.inputs_behind(["y"]) == ("delta", "r_disturbance", "u", "v", "current_east")
+    assert system.inputs_behind([]) == ()
+
+
 class _RudderFromOrder(Component):
     delta = state("rad", "rudder angle")
     delta_order = given("rad", "rudder order")
