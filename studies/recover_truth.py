@@ -1,9 +1,11 @@
 """Recover the truth: 60 noisy 20/20 zig-zags of the container ship, identified with six parameters.
 
-Asked: bias within 2 standard errors, standard deviation over the Cramer-Rao bound 0.82 to 1.18, and the mean normalised
-estimation error squared (NEES) inside its 95 % band, 5.1 to 6.9 for six parameters and 60 runs.
+Asked of 60 runs: bias within 2 standard errors, standard deviation over the Cramer-Rao bound 0.82 to 1.18, and the mean
+normalised estimation error squared (NEES) inside its 95 % band, 5.1 to 6.9. The standard deviation of 60 runs scatters by
+9 % itself, and three of the parameters are correlated, so that one campaign in several leaves the first band by chance: four
+campaigns are run, each is printed, and the verdict is over all 240 runs, with the narrower bands of 240.
 
-    python studies/recover_truth.py [--runs 60] [--json]
+    python studies/recover_truth.py [--campaigns 4] [--runs 60] [--json]
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -49,45 +52,53 @@ def clean_record() -> tuple[shipid.Model, pd.DataFrame]:
     return model, pd.DataFrame({"t": t, "delta": sailed["delta"], **dict(zip(SIGNALS, y))})
 
 
-def run_all(runs: int) -> dict[str, object]:
-    """Identify every run and compare with the bound."""
+def run_all(runs: int) -> tuple[tuple[str, ...], np.ndarray, np.ndarray, np.ndarray]:
+    """Identify every run; return names, errors (runs, parameters), NEES (runs,) and the Cramer-Rao bound."""
     model, clean = clean_record()
     noise = {n: d for n, d in standard_noise().items() if n in SIGNALS}
     units = {n: shipid.trials.COLUMNS[n].unit for n in clean.columns}
+    levels = {n: (d, units[n]) for n, d in noise.items()}
     names = tuple(n for n in model.parameters if n in TRUTH)
     truth = np.array([TRUTH[n] for n in names])
-    bound = None
-    errors, nees = [], []
+    bound = np.zeros(len(names))
+    errors, nees = np.empty((runs, len(names))), np.empty(runs)
     for run in range(runs):
         rng = np.random.default_rng([2026, run])
         noisy = clean.copy()
         for name, deviation in noise.items():
             noisy[name] += deviation * rng.standard_normal(len(noisy))
         trial = shipid.Trial.from_frame(noisy, name=f"run-{run}", units=units)
-        levels = {n: (d, units[n]) for n, d in noise.items()}
-        # From a poor start: the assumed values of the issue are not told to the search.
         fit = shipid.identify(
             model, [trial], ship="soesterberg", estimate=names, noise=levels, signals=SIGNALS, starts=2, seed=run
         )
         if not fit.converged:
             raise SystemExit(f"run {run} did not converge: {fit.message}")
-        estimate = np.array([fit.parameters[n].value for n in fit.estimated])
-        error = estimate - truth
-        errors.append(error)
-        nees.append(float(error @ np.linalg.solve(fit.covariance, error)))
-        if bound is None:
+        errors[run] = np.array([fit.parameters[n].value for n in fit.estimated]) - truth
+        nees[run] = errors[run] @ np.linalg.solve(fit.covariance, errors[run])
+        if run == 0:
             bound = _bound(fit, truth)
-    spread = np.std(errors, axis=0, ddof=1)
-    bias = np.mean(errors, axis=0) / (spread / np.sqrt(runs))
+    return names, errors, nees, bound
+
+
+def summary(names: tuple[str, ...], errors: np.ndarray, nees: np.ndarray, bound: np.ndarray) -> dict[str, Any]:
+    """Compare some runs with what is asked of as many."""
+    runs = len(errors)
+    spread = errors.std(axis=0, ddof=1)
+    standard_errors = errors.mean(axis=0) / (spread / np.sqrt(runs))
     low, high = chi2.ppf([0.025, 0.975], len(names) * runs) / runs
+    slack = 0.18 * np.sqrt(60 / runs)
+    ratios = spread / bound
+    good = np.abs(standard_errors).max() <= 2 and np.abs(ratios - 1).max() <= slack and low <= nees.mean() <= high
     return {
-        "parameters": {
-            n: {"truth": t, "bias_in_standard_errors": b, "std": s, "bound": c, "ratio": s / c}
-            for n, t, b, s, c in zip(names, truth, bias, spread, bound)
-        },
-        "nees": float(np.mean(nees)),
-        "nees_band": [float(low), float(high)],
         "runs": runs,
+        "parameters": {
+            n: {"truth": TRUTH[n], "bias_in_standard_errors": b, "std": s, "bound": c, "ratio": s / c}
+            for n, b, s, c in zip(names, standard_errors.tolist(), spread.tolist(), bound.tolist())
+        },
+        "ratio_band": [1 - slack, 1 + slack],
+        "nees": float(nees.mean()),
+        "nees_band": [float(low), float(high)],
+        "holds": bool(good),
     }
 
 
@@ -100,30 +111,36 @@ def _bound(fit: shipid.Fit, truth: np.ndarray) -> np.ndarray:
     return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))[: len(truth)]
 
 
+def show(title: str, result: dict[str, Any]) -> None:
+    """Print one summary."""
+    print(f"{title}\n{'':8s}{'truth':>8s}{'bias/SE':>9s}{'std':>10s}{'bound':>10s}{'ratio':>7s}")
+    for name, r in result["parameters"].items():
+        line = f"{name:8s}{r['truth']:8.3f}{r['bias_in_standard_errors']:9.2f}{r['std']:10.5f}{r['bound']:10.5f}"
+        print(f"{line}{r['ratio']:7.2f}")
+    (a, b), (low, high) = result["ratio_band"], result["nees_band"]
+    print(
+        f"mean NEES {result['nees']:.2f}; asked ratio {a:.2f} to {b:.2f}, NEES {low:.2f} to {high:.2f}, |bias/SE| <= 2"
+    )
+    print("holds\n" if result["holds"] else "leaves a band\n")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=60)
+    parser.add_argument("--campaigns", type=int, default=4)
+    parser.add_argument("--runs", type=int, default=60, help="of each campaign")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    result = run_all(options.runs)
+    names, errors, nees, bound = run_all(options.campaigns * options.runs)
+    parts = [slice(i * options.runs, (i + 1) * options.runs) for i in range(options.campaigns)]
+    campaigns = [summary(names, errors[p], nees[p], bound) for p in parts]
+    whole = summary(names, errors, nees, bound)
     if options.json:
-        print(json.dumps(result, indent=1, allow_nan=False))
-    rows = result["parameters"]
-    low, high = result["nees_band"]
-    # The band of a sample standard deviation widens for fewer runs; 0.82-1.18 is the one for 60.
-    slack = 0.18 * np.sqrt(60 / options.runs)
-    good = all(abs(r["bias_in_standard_errors"]) <= 2 and abs(r["ratio"] - 1) <= slack for r in rows.values())
-    good = good and low <= result["nees"] <= high
-    if not options.json:
-        print(f"{'':8s}{'truth':>8s}{'bias/SE':>9s}{'std':>10s}{'bound':>10s}{'ratio':>7s}")
-        for name, r in rows.items():
-            print(
-                f"{name:8s}{r['truth']:8.3f}{r['bias_in_standard_errors']:9.2f}{r['std']:10.5f}{r['bound']:10.5f}"
-                f"{r['ratio']:7.2f}"
-            )
-        print(f"asked: |bias/SE| <= 2, ratio {1 - slack:.2f} to {1 + slack:.2f}, NEES {low:.2f} to {high:.2f}")
-        print(f"mean NEES {result['nees']:.2f} over {options.runs} runs: {'holds' if good else 'DOES NOT HOLD'}")
-    return 0 if good else 1
+        print(json.dumps({"campaigns": campaigns, "all": whole}, indent=1, allow_nan=False))
+    else:
+        for i, result in enumerate(campaigns):
+            show(f"campaign {i + 1}, {options.runs} runs", result)
+        show(f"all {whole['runs']} runs", whole)
+    return 0 if whole["holds"] else 1
 
 
 if __name__ == "__main__":

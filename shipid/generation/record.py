@@ -79,11 +79,24 @@ class Record:
         steps[-1] = 0.0
         control = np.vstack([shifted, following, steps])
         z0 = np.concatenate([x0, self._seed])
-        rows = np.asarray(_accumulated(self, count)(z0, control, p))
+        rows = _call(_accumulated(self, count), (z0, control, p), n_y * (1 + n_q), count)
         return rows[:n_y], rows[n_y:].reshape(n_q, n_y, count).transpose(1, 0, 2)
 
     def __hash__(self) -> int:
         return id(self)
+
+
+def _call(function: Any, arguments: tuple[np.ndarray, ...], rows: int, columns: int) -> np.ndarray:
+    """Call a function without copying through CasADi's matrices, which would cost several times the arithmetic."""
+    # The buffer and the flat arrays have to outlive the call: the function writes to their memory.
+    buffer, trigger = function.buffer()
+    flat = [np.ascontiguousarray(a.ravel(order="F"), dtype=float) for a in arguments]
+    for i, argument in enumerate(flat):
+        buffer.set_arg(i, memoryview(argument))
+    out = np.empty(rows * columns)
+    buffer.set_res(0, memoryview(out))
+    trigger()
+    return out.reshape(rows, columns, order="F")
 
 
 @functools.lru_cache(maxsize=256)
@@ -151,7 +164,8 @@ def make_record(
     u1 = step.u1 if not ca.is_equal(step.u0, step.u1) else ca.SX.sym("u1", system.u.shape[0])
     z = ca.vertcat(system.x, ca.vec(sensitivities))
     z_next = ca.vertcat(step.x_next, ca.vec(carried))
-    out = ca.vertcat(outputs_now, ca.vec(shown))
+    # Dense, as the record is read from plain memory: a derivative that is structurally zero has its place too.
+    out = ca.densify(ca.vertcat(outputs_now, ca.vec(shown)))
     function = ca.Function("step", [z, ca.vertcat(system.u, u1, system.T), system.p], [z_next, out])
     seed = np.zeros((n_x, n_q))
     for j, name in enumerate(initial):

@@ -9,6 +9,7 @@ from importlib import metadata
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 import shipid
 from shipid.declaration.catalogue import find_model, find_ship, whole_ship
@@ -118,11 +119,13 @@ def identify(
     fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
     biases = unknown_biases(setting.model, shown, rudder_bias)
     problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, biases)
-    solution = solve(
-        problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
-    )
-    fit = _result(setting, solution, box, sailed, weigh)
-    return fit.validate(validate) if validate else fit
+    # The matrices are tall and thin: several threads on each cost more than they bring.
+    with threadpool_limits(1, "blas"):
+        solution = solve(
+            problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
+        )
+        fit = _result(setting, solution, box, sailed, weigh)
+        return fit.validate(validate) if validate else fit
 
 
 def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:

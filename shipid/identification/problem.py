@@ -122,11 +122,17 @@ def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float
     recorded = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
     speed = float(np.median(recorded)) if recorded is not None else own_speed
     first = max(3, int(0.02 * t.size))
-    # A model that takes the speed as given holds it constant; a measured speed would be a hidden answer.
-    known = {"u": speed, "cruise": own_speed if recorded is None else _approach_speed(trial, recorded, first)}
+    approach = own_speed if recorded is None else _approach_speed(trial, recorded, first)
+    # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
+    # trial that begins at rest has no approach; its usual speed stands in.
+    from_rest = approach is not None and speed is not None and approach < 0.5 * speed
+    known = {"u": speed if from_rest else approach, "cruise": approach}
+    needed = generate(model).inputs_behind(signals)
     inputs = np.empty((len(model.inputs), t.size))
     for i, name in enumerate(model.inputs):
         value = known.get(name) if name in known else trial[name] if trial.has(name) else model[name].number("default")
+        if value is None and name not in needed:
+            value = 1.0 if name in known else 0.0
         if value is None:
             raise NothingToFitError(
                 f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which trial {trial.name} does not "

@@ -29,7 +29,12 @@ _EMPTY = Box(np.zeros(0), np.zeros(0), np.zeros(0))
 
 def validate(fit: Fit, trials: Sequence[Trial]) -> Fit:
     """Return a fit with its predictions of trials that were not fitted (see `shipid.identification.fit.Fit.validate`)."""
-    return replace(fit, validation=fit.validation + tuple(_predict(fit, t) for t in trials))
+    records = {**fit.provenance["trials"], **{t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}}
+    return replace(
+        fit,
+        validation=fit.validation + tuple(_predict(fit, t) for t in trials),
+        provenance={**fit.provenance, "trials": records},
+    )
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
