@@ -8,9 +8,9 @@ rudder whose coefficients stay finite when a pole crosses zero; the published on
 from __future__ import annotations
 
 import numpy as np
-from shipid.models.kinematics import PlanarMotion
 
 from shipid import Component, derived, given, join, parameter, state
+from shipid.models.kinematics import PlanarMotion
 
 
 class Bech(Component):

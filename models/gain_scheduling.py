@@ -6,9 +6,8 @@ schedule, or with coefficients that come from elsewhere. With the schedule the m
 
 from __future__ import annotations
 
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
-
 from shipid import Component, derived, given, join, parameter, state
+from shipid.models.kinematics import PlanarMotion, SpeedScaled
 
 
 class GainSchedule(SpeedScaled):

@@ -7,9 +7,8 @@ fit such a ship with `norrbin` or `bech`, whose coefficients pass through zero.
 
 from __future__ import annotations
 
-from shipid.models.kinematics import PlanarMotion
-
 from shipid import Component, given, join, parameter, state
+from shipid.models.kinematics import PlanarMotion
 
 
 class Nomoto(Component):
@@ -38,8 +37,8 @@ class NomotoSecondOrder(Component):
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     K = parameter("1/s", "rate of turn per rudder angle", start=1.0, low=0.02, high=50.0, prime=True)
-    tau1 = parameter("s", "slow time constant", start=2.0, low=0.02, high=50.0, prime=True, latex=r"\tau_1")
-    tau2 = parameter("s", "fast time constant", start=0.4, low=0.01, high=10.0, prime=True, latex=r"\tau_2")
+    tau1 = parameter("s", "slow time constant", start=2.0, low=0.3, high=50.0, prime=True, latex=r"\tau_1")
+    tau2 = parameter("s", "fast time constant", start=0.4, low=0.01, high=1.0, prime=True, latex=r"\tau_2")
     tau3 = parameter("s", "lead time constant", start=0.8, low=0.0, high=10.0, prime=True, latex=r"\tau_3")
 
     @r.rate

@@ -9,9 +9,9 @@ here, as everywhere, x is north and y is east.
 from __future__ import annotations
 
 import numpy as np
-from shipid.models.kinematics import PlanarMotion
 
 from shipid import Component, constant, derived, given, join, parameter, state
+from shipid.models.kinematics import PlanarMotion
 
 
 class PershitzCoefficients(Component):

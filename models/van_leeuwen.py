@@ -7,9 +7,8 @@ time by ds* = (u/L) dt.
 
 from __future__ import annotations
 
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
-
 from shipid import Component, constant, derived, given, join, parameter, state
+from shipid.models.kinematics import PlanarMotion, SpeedScaled
 
 
 class VanLeeuwen(SpeedScaled):

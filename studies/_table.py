@@ -67,7 +67,11 @@ def show(title: str, rows: list[Row], notes: str = "") -> None:
     parser = argparse.ArgumentParser(description=title)
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     if parser.parse_args().json:
-        print(json.dumps([asdict(r) | {"holds": bool(r.holds), "verdict": r.verdict} for r in rows], indent=1, ensure_ascii=False))
+        print(
+            json.dumps(
+                [asdict(r) | {"holds": bool(r.holds), "verdict": r.verdict} for r in rows], indent=1, ensure_ascii=False
+            )
+        )
     else:
         heads = ("", "asked", "measured", "verdict")
         lines = [heads, *((r.what, r.asked, r.measured, r.verdict) for r in rows)]

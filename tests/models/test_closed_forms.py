@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shipid.models as declared
 from scipy.optimize import fsolve, minimize_scalar
 
+import shipid.models as declared
 from shipid import Model, find_model, find_ship, join
 from shipid.declaration.parameters import resolve
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 from math import atan2, cos, exp, hypot, pi, sin, sqrt
 
 import pytest
-import shipid.models as declared
 
+import shipid.models as declared
 from shipid import Component
 from shipid.declaration.catalogue import known_models, modules
 from shipid.declaration.model import Evaluation
