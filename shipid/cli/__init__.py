@@ -9,6 +9,7 @@ from __future__ import annotations
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -79,21 +80,24 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     given = None if arguments is None else list(arguments)
     try:
-        code = main.main(args=given, prog_name="shipid", standalone_mode=False)
+        with warnings.catch_warnings():
+            warnings.showwarning = _warn
+            code = main.main(args=given, prog_name="shipid", standalone_mode=False)
     except click.ClickException as error:
-        error.show()
-        return error.exit_code
+        return _refuse(error)
     except (click.Abort, KeyboardInterrupt):
         say("interrupted; nothing more was written.")
         return 130
     except ShipidError as error:
         say(str(error))
         return error.exit_code
-    except BrokenPipeError:
-        sys.stdout = None  # nobody reads on; say nothing more
+    except SystemExit:  # click's answer to a closed pipe: nobody reads on
         return 0
     except OSError as error:
-        say(f"{error.filename or 'a file'}: {error.strerror or error}.")
+        say(f"{error.filename or 'the output'}: {error.strerror or error}.")
+        return 3
+    except MemoryError as error:
+        say(f"the memory does not hold it: {error}. Ask for fewer samples: a shorter time, or a longer interval.")
         return 3
     except Exception as error:  # the last line of defence: a fault of ours is said in one paragraph too
         if os.environ.get("SHIPID_DEBUG"):
@@ -103,6 +107,23 @@ def run(arguments: Sequence[str] | None = None) -> int:
         )
         return 70
     return code if isinstance(code, int) else 0
+
+
+def _refuse(error: click.ClickException) -> int:
+    """Say in one paragraph what click refused; called with nothing, it hands over the help instead."""
+    message = error.format_message()
+    context: click.Context | None = getattr(error, "ctx", None)
+    if context is None or message.startswith("Usage:"):
+        click.echo(message, err=True)
+    else:
+        say(f"{message} See {context.command_path} --help.")
+    return error.exit_code
+
+
+def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+    """Say shipid's own notices; the warnings of the libraries below are for developers."""
+    if category.__module__.startswith("shipid.") or os.environ.get("SHIPID_DEBUG"):
+        say(str(message))
 
 
 def entry() -> None:

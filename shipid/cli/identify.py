@@ -2,14 +2,25 @@
 
 from __future__ import annotations
 
-import sys
+import os
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
-from shipid.cli.shared import assignments, format_option, json_option, overwrite_option, print_json, say, window_of
+from shipid.cli.shared import (
+    assignments,
+    format_option,
+    json_option,
+    names_of,
+    overwrite_option,
+    print_json,
+    read,
+    say,
+    watched,
+    window_of,
+)
 
 
 class _Variadic(click.Command):
@@ -18,13 +29,16 @@ class _Variadic(click.Command):
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Repeat the option before each of its values, which is the form click knows."""
         spread: list[str] = []
-        taking = False
+        taking = bare = False
         for arg in args:
             if arg == "--validate":
-                taking = True
+                taking = bare = True
                 continue
             taking = taking and not (arg.startswith("-") and arg != "-")
             spread += ["--validate", arg] if taking else [arg]
+            bare = bare and not taking
+        if bare and not ctx.resilient_parsing:
+            raise click.UsageError("--validate names no trial.", ctx)
         return super().parse_args(ctx, spread)
 
 
@@ -42,8 +56,8 @@ class _Variadic(click.Command):
 @click.option("--signals", metavar="a,b,..", help="Signals to fit: psi, r, u, v, x, y. By default what is measured.")
 @click.option("--noise", metavar="LIST", help="Noise levels, 'psi=0.2 deg,r=0.02 deg/s'; estimated by default.")
 @click.option("--no-rudder-bias", is_flag=True, help="Believe the rudder: no bias of its own in each trial.")
-@click.option("--starts", default=5, show_default=True, help="Number of starting points.")
-@click.option("--seed", default=0, show_default=True, help="Of the random starting points.")
+@click.option("--starts", default=5, type=click.IntRange(1), show_default=True, help="Number of starting points.")
+@click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the random starting points.")
 @click.option("--out", metavar="DIR", help="Folder for result.json, ship.toml and report.html.")
 @click.option("--open", "open_report", is_flag=True, help="Open the report in the browser.")
 @overwrite_option
@@ -72,30 +86,21 @@ def identify(
     Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
     """
     from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.declaration.errors import UsageError
     from shipid.identification.identify import identify as run_identify
-    from shipid.trials.reading import read_trial
-    from shipid.trials.simulation import parse_noise
 
-    if starts < 1:
-        raise UsageError(f"{starts} starting points are too few: give at least one.")
     folder = _folder(out, overwrite)
     span = window_of(window)
     found, known = find_model(model), find_ship(ship) if ship else None
-
-    def read(name: str) -> Any:
-        return read_trial(name, format=format_, window=span)
-
     with _progress(as_json) as tell:
         fit = run_identify(
             found,
-            [read(t) for t in trials],
+            [read(t, format_, span) for t in trials],
             ship=known,
-            estimate=_names(estimate),
+            estimate=names_of(estimate),
             fixed=assignments(fix),
-            signals=_names(signals),
-            noise=parse_noise(noise) if noise else None,
-            validate=[read(t) for t in validate],
+            signals=names_of(signals),
+            noise=None if noise is None else assignments(noise.split(",")),
+            validate=[read(t, format_, span) for t in validate],
             rudder_bias=not no_rudder_bias,
             starts=starts,
             seed=seed,
@@ -121,10 +126,6 @@ def identify(
 _FILES = ("result.json", "ship.toml", "report.html")
 
 
-def _names(text: str | None) -> list[str] | None:
-    return [n.strip() for n in text.split(",") if n.strip()] if text else None
-
-
 def _folder(out: str | None, overwrite: bool) -> Path | None:
     from shipid.declaration.errors import UsageError
 
@@ -134,8 +135,12 @@ def _folder(out: str | None, overwrite: bool) -> Path | None:
     there = [n for n in _FILES if (folder / n).exists()]
     if there and not overwrite:
         raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
-    if folder.exists() and not folder.is_dir():
-        raise UsageError(f"{folder} is a file; --out wants a folder.")
+    # Found out before the work is done, not after.
+    nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not nearest.is_dir():
+        raise UsageError(f"{nearest} is a file; --out wants a folder.")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise UsageError(f"{nearest} cannot be written to. Choose another --out, or ask for its permissions.")
     return folder
 
 
@@ -161,7 +166,7 @@ def _write(fit: Any, folder: Path) -> None:
 @contextmanager
 def _progress(quiet: bool) -> Any:
     """Show what is being done, on stderr, where somebody is looking."""
-    if quiet or not sys.stderr.isatty():
+    if quiet or not watched():
         yield lambda _: None
         return
     from rich.console import Console

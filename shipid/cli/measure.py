@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from shipid.cli.shared import format_option, json_option, print_json, window_of
+from shipid.cli.shared import format_option, json_option, print_json, read, window_of
 
 
 @click.command()
@@ -20,10 +20,13 @@ def measure(
     trial: str, format_: str | None, window: str | None, kind: str | None, length: str | None, as_json: bool
 ) -> None:
     """Measure a zig-zag or a turning circle in the terms of ITTC and IMO."""
+    from shipid.declaration.errors import UsageError
+    from shipid.declaration.units import to_si
     from shipid.trials.measuring import measure as run_measure
-    from shipid.trials.reading import read_trial
 
-    measured = run_measure(read_trial(trial, format=format_, window=window_of(window)), kind, length=length)
+    if length is not None and not to_si(length, "m", "the ship length") > 0:
+        raise UsageError(f"a ship length of {length} has no ratios to it: give one greater than zero.")
+    measured = run_measure(read(trial, format_, window_of(window)), kind, length=length)
     if not as_json:
         click.echo(repr(measured))
         return

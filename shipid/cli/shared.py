@@ -17,9 +17,14 @@ format_option = click.option(
 )
 
 
+def watched() -> bool:
+    """Whether stderr is a terminal; it may also be closed."""
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
 def say(message: str) -> None:
     """Print one paragraph on stderr."""
-    width = os.get_terminal_size(sys.stderr.fileno()).columns if sys.stderr.isatty() else 100
+    width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
     filled = textwrap.fill(
         f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
     )
@@ -37,17 +42,33 @@ def assignments(texts: Sequence[str]) -> dict[str, str]:
     """Read options of the form NAME=VALUE UNIT."""
     from shipid.declaration.errors import UsageError
 
-    result = {}
+    result: dict[str, str] = {}
     for text in texts:
         name, sign, value = text.partition("=")
         if not sign or not name.strip() or not value.strip():
             raise UsageError(f"'{text}' does not say NAME=VALUE with a unit, as in n3='0.4 s^2/deg^2'.")
+        if name.strip() in result:
+            raise UsageError(
+                f"'{name.strip()}' is given twice, {result[name.strip()]} and {value.strip()}; choose one."
+            )
         result[name.strip()] = value.strip()
     return result
 
 
-def window_of(text: str | None) -> tuple[float, float] | None:
-    """Read a window A:B in seconds."""
+def names_of(text: str | None) -> list[str] | None:
+    """Read a list of names separated by commas."""
+    from shipid.declaration.errors import UsageError
+
+    if text is None:
+        return None
+    names = [n.strip() for n in text.split(",")]
+    if not all(names):
+        raise UsageError(f"'{text}' is not a list of names separated by commas, as in K,tau.")
+    return names
+
+
+def window_of(text: str | None) -> tuple[float | None, float | None] | None:
+    """Read a window A:B in seconds; an end left out is the record's own."""
     from shipid.declaration.errors import UsageError
 
     if text is None:
@@ -56,6 +77,17 @@ def window_of(text: str | None) -> tuple[float, float] | None:
     try:
         if not sign:
             raise ValueError
-        return float(first), float(second)
+        return float(first) if first.strip() else None, float(second) if second.strip() else None
     except ValueError:
         raise UsageError(f"the window '{text}' is not A:B in seconds of the trial's clock, as in 1622:1712.") from None
+
+
+def read(name: str, format_: str | None, window: tuple[float | None, float | None] | None) -> Any:
+    """Read a trial, and pass on what its reading warned of."""
+    from shipid.trials.reading import read_trial
+
+    trial = read_trial(name, format=format_, window=window)
+    for note in trial.source.notes:
+        if note.startswith("WARNING"):
+            say(f"trial {trial.name}: {note}")
+    return trial

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import click
 
@@ -17,14 +18,16 @@ from shipid.cli.shared import assignments, overwrite_option, say
 @click.option(
     "--noise", default="none", show_default=True, help="none, standard, or a list: 'psi=0.2 deg,r=0.02 deg/s'."
 )
-@click.option("--seed", default=0, show_default=True, help="Of the noise and the random telegraph.")
+@click.option(
+    "--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the noise and the random telegraph."
+)
 @click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
 @click.option("--sampling", metavar="T", help="Sampling interval, as in '1 s'.")
 @click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
 @click.option(
-    "--set", "values", multiple=True, metavar="NAME=VALUE", help="Replace a value of the ship, with its unit."
+    "--set", "--fix", "values", multiple=True, metavar="NAME=VALUE", help="Replace a value of the ship, with its unit."
 )
 @click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
 @overwrite_option
@@ -54,9 +57,12 @@ def simulate(
     telegraph:10        random telegraph
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.declaration.catalogue import find_model, find_ship
+    from shipid.declaration.errors import UsageError
     from shipid.trials.simulation import simulate as run_simulation
     from shipid.trials.writing import write_trial
 
+    if output is not None and Path(output).is_file() and not overwrite:
+        raise UsageError(f"{output} exists already. Choose another --output, or add --overwrite.")
     trial = run_simulation(
         find_model(model),
         find_ship(ship),
