@@ -6,6 +6,7 @@ file that lies in it is found without being listed anywhere.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import importlib
 import importlib.util
@@ -86,9 +87,10 @@ def _from_file(name: str) -> Model:
     path = Path(text)
     module = _load(path)
     things = {n: t for n, t in vars(module).items() if isinstance(t, Model) or _is_own_component(t, module)}
+    if not things:
+        raise DeclarationError(f"{path} declares no model: it holds neither a class of Component nor a join(...).")
     if not attribute:
-        hint = f"{nearest('', things)}" if things else "It declares no component. "
-        raise DeclarationError(f"say which model of {path}: {path}:NAME. {hint}".strip())
+        raise DeclarationError(f"say which model of {path}: {path}:NAME. {nearest('', things)}".strip())
     if attribute not in things:
         raise UnknownNameError(f"model in {path} called", attribute, things)
     thing: Any = things[attribute]
@@ -106,20 +108,23 @@ def whole_ship(component: type[Component]) -> Model:
 
 def _load(path: Path) -> ModuleType:
     if not path.is_file():
-        raise DeclarationError(f"there is no model file {path}.")
+        raise DeclarationError(f"there is no model file {path}. Check the path.")
     spec = importlib.util.spec_from_file_location(f"shipid_model_{path.stem}", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     try:
-        spec.loader.exec_module(module)
+        # What a model file prints is no result of ours.
+        with contextlib.redirect_stdout(sys.stderr):
+            spec.loader.exec_module(module)
     except ShipidError as error:
-        raise type(error)(f"{path}: {error}") if type(error) is DeclarationError else error from None
-    except Exception as error:
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(path)]
+        error.args = (f"{path}: {error}",)
+        raise
+    except (Exception, SystemExit) as error:
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == spec.origin]
         line = getattr(error, "lineno", None) or (frames[-1].lineno if frames else 1)
         raise DeclarationError(
-            f"the model file {path} fails in line {line}: {type(error).__name__}: {error}."
+            f"the model file {path} fails in line {line}: {type(error).__name__}: {error}. Correct it there."
         ) from None
     return module
 
