@@ -13,5 +13,9 @@ class TrialTooShortError(IdentificationError):
     """A trial that ends before the model's slowest motion could show."""
 
 
+class NoAnswerError(IdentificationError):
+    """A fitted heading or rate of turn that never changes, although the rudder moves."""
+
+
 class NothingToFitError(IdentificationError):
     """The trials measure nothing that the model predicts."""

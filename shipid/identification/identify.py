@@ -21,7 +21,7 @@ from shipid.generation.system import generate
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
-from shipid.identification.problem import Sailed, fitted_signals, make_problem, prepare, unknown_biases
+from shipid.identification.problem import Sailed, check_answer, fitted_signals, make_problem, prepare, unknown_biases
 from shipid.identification.solve import Box, Progress, Solution, box_of, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare
@@ -108,11 +108,15 @@ def identify(
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
     setting = _settle(model, trials, ship, estimate, dict(fixed or {}))
-    for trial in trials:
+    for trial in (*trials, *validate):
         check_regular(trial)
-        check_identifiable_input(trial)
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
-    sailed = [prepare(setting.model, t, shown, setting.ship.particular("speed", "m/s")) for t in trials]
+    for trial in trials:
+        check_identifiable_input(trial)
+        check_answer(trial, shown)
+    own_speed = setting.ship.particular("speed", "m/s")
+    # The trials to predict as well: what they lack is found before the search, not after it.
+    sailed = [prepare(setting.model, t, shown, own_speed) for t in (*trials, *validate)][: len(trials)]
     _check_length(setting, trials)
     sigma, weigh = _weights(shown, noise, setting.unit_time)
     box = _box(setting)
@@ -153,7 +157,8 @@ def _settle(
     held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
     for name in held:
         if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
-            raise UsageError(f"'{name}' is a {whole[name].quantity.kind} of model {whole.name}; it cannot be fixed.")
+            kind = "input" if whole[name].quantity.kind == "given" else whole[name].quantity.kind
+            raise UsageError(f"'{name}' is no coefficient of model {whole.name} but its {kind}; it cannot be fixed.")
     published = [n for n in held if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.declaration.errors import UnknownNameError
 from shipid.declaration.model import Model
 from shipid.generation.record import Record, make_record
 from shipid.generation.system import generate
-from shipid.identification.errors import NothingToFitError
+from shipid.identification.errors import NoAnswerError, NothingToFitError
 from shipid.trials.trial import Trial
 
 #: Signals that are fitted where the trial measures them and the model predicts them.
@@ -78,16 +79,22 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
 
     Raises
     ------
+    UnknownNameError
+        If a signal asked for is none the model predicts.
     NothingToFitError
-        If there is none, or a signal asked for is missing.
+        If there is none, or a trial does not measure a signal asked for.
     """
     predicted = [n for n in model.entries if model[n].quantity.kind in ("state", "derived", "output")]
     for name in wanted or ():
-        lacking = next((t.name for t in trials if not t.has(name)), None)
-        if name not in predicted or lacking:
-            where = f"trial {lacking}" if name in predicted else f"model {model.name}"
-            raise NothingToFitError(f"the signal '{name}' is to be fitted, and {where} does not have it.")
-    found = tuple(n for n in (wanted or SIGNALS) if n in predicted and all(t.has(n) for t in trials))
+        if name not in predicted:
+            raise UnknownNameError(f"signal that model {model.name} predicts called", name, predicted)
+        for trial in trials:
+            if not trial.has(name):
+                raise NothingToFitError(
+                    f"the signal '{name}' is to be fitted, and trial {trial.name} does not have it. Its columns: "
+                    f"{', '.join(trial.table.columns)}."
+                )
+    found = tuple(n for n in dict.fromkeys(wanted or SIGNALS) if n in predicted and all(t.has(n) for t in trials))
     if wanted is None and "v" in predicted and "v" not in found and all(t.has("x", "y") for t in trials):
         # Nothing else shows the drift: fit the track, with a constant current of its own in each trial.
         found += tuple(n for n in TRACK if n in predicted)
@@ -97,6 +104,22 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
             f"{', '.join(trials[0].table.columns)}."
         )
     return found
+
+
+def check_answer(trial: Trial, signals: Sequence[str]) -> None:
+    """Refuse a trial whose heading or rate of turn never changes: the ship did not answer, or the sensor stood still.
+
+    Raises
+    ------
+    NoAnswerError
+        With the column and the value it keeps.
+    """
+    for name in ("psi", "r"):
+        if name in signals and np.ptp(trial[name]) == 0:
+            raise NoAnswerError(
+                f"trial {trial.name}, column '{name}': it stays at {trial[name][0]:.6g} {trial.unit(name)} throughout, "
+                "while the rudder moves. Check the sensor and the column, or fit other signals (--signals)."
+            )
 
 
 def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None) -> Sailed:

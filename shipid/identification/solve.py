@@ -145,7 +145,7 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
     q = to_q(found.x)
     residual, jacobian = problem.residuals(q)
     finite = bool((np.abs(residual) < RUNAWAY).all())
-    message = found.message if finite else "the model runs away in every neighbourhood of the best point"
+    message = found.message if finite else "the model runs away in every neighbourhood of the best point."
     return Solution(problem, q, residual, jacobian, found.status > 0 and finite, message, found.nfev)
 
 

@@ -16,6 +16,7 @@ from shipid.generation.record import make_record
 from shipid.identification.fit import Comparison, Fit
 from shipid.identification.problem import Problem, Sailed, make_problem, prepare
 from shipid.identification.solve import Box, minimise
+from shipid.trials.checks import check_regular
 from shipid.trials.errors import TrialError
 from shipid.trials.measures import ZigZag
 from shipid.trials.measuring import measure
@@ -29,6 +30,8 @@ _EMPTY = Box(np.zeros(0), np.zeros(0), np.zeros(0))
 
 def validate(fit: Fit, trials: Sequence[Trial]) -> Fit:
     """Return a fit with its predictions of trials that were not fitted (see `shipid.identification.fit.Fit.validate`)."""
+    for trial in trials:
+        check_regular(trial)
     records = {**fit.provenance["trials"], **{t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}}
     return replace(
         fit,

@@ -19,6 +19,8 @@ from shipid.trials.errors import (
 from shipid.trials.trial import Trial
 
 FEWEST_SAMPLES = 10
+LARGEST = 1e30
+"""No sensor reads more than this in any unit; a logger writes it where a sample is missing."""
 GAP = 5.0
 """An interval this many times the median one is a gap."""
 
@@ -55,7 +57,7 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
 
 
 def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[int], int]) -> None:
-    """Refuse samples that are empty, NaN or infinite.
+    """Refuse samples that are empty, NaN, infinite, or so large that they stand for a missing one.
 
     Parameters
     ----------
@@ -69,13 +71,13 @@ def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[
     NonFiniteError
         With columns, rows, and whether they stand at the end of the record.
     """
-    bad = {name: ~np.isfinite(values) for name, values in columns.items()}
+    bad = {name: ~(np.abs(values) <= LARGEST) for name, values in columns.items()}
     bad = {name: mask for name, mask in bad.items() if mask.any()}
     if not bad:
         return
     rows = np.flatnonzero(np.any(list(bad.values()), axis=0))
     n = len(next(iter(columns.values())))
-    trailing = rows[-1] == n - 1 and rows[0] == n - len(rows)
+    trailing = rows[-1] == n - 1 and rows[0] == n - len(rows) > 0
     first = ", ".join(str(line(int(k))) for k in rows[:3]) + (", ..." if len(rows) > 3 else "")
     remedy = (
         "They all stand at the end of the record: remove them, or state [repairs] trailing = 'drop' in a format file."
@@ -83,7 +85,7 @@ def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[
         else "Remove the rows or fill them from neighbours you trust, or read a window without them (FILE@start:end)."
     )
     raise NonFiniteError(
-        f"{where}: {len(rows)} samples are empty or not finite, in rows {first}, "
+        f"{where}: {len(rows)} samples are empty, not finite or beyond {LARGEST:g}, in rows {first}, "
         f"column {', '.join(repr(name) for name in bad)}. {remedy}"
     )
 
