@@ -92,9 +92,9 @@ def _call(function: Any, arguments: tuple[np.ndarray, ...], rows: int, columns: 
     buffer, trigger = function.buffer()
     flat = [np.ascontiguousarray(a.ravel(order="F"), dtype=float) for a in arguments]
     for i, argument in enumerate(flat):
-        buffer.set_arg(i, memoryview(argument))
+        buffer.set_arg(i, argument.data)
     out = np.empty(rows * columns)
-    buffer.set_res(0, memoryview(out))
+    buffer.set_res(0, out.data)
     trigger()
     return out.reshape(rows, columns, order="F")
 

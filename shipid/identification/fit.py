@@ -10,7 +10,8 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet
-from shipid.declaration.units import pretty
+from shipid.declaration.units import factor, pretty
+from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
 
 
@@ -245,15 +246,45 @@ class Fit:
     def __repr__(self) -> str:
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         lines = [f"{self.model.name} fitted to {', '.join(c.trial.name for c in self.fitted)} ({self.method}; {state})"]
-        for e in self.parameters.values():
-            value = "runs to infinity" if e.value is None else f"{e.value:.5g} {pretty(e.unit)}"
-            spread = "" if e.std is None else f" +- {e.std:.2g}"
-            lines.append(f"  {e.name:<10s} {value}{spread}" + ("" if e.identifiable else f"   not determined: {e.why}"))
+        lines += [
+            f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
+            for e in self.parameters.values()
+        ]
         for c in (*self.fitted, *self.validation):
             role = "fitted   " if c in self.fitted else "predicted"
-            errors = ", ".join(f"{s} {v:.3g} {pretty(self.model[s].unit)}" for s, v in c.rmse.items())
-            lines.append(f"  {role} {c.trial.name}: rms error {errors}")
+            lines.append(
+                f"  {role}  {c.trial.name}: rms error {', '.join(_error_text(s, v) for s, v in c.rmse.items())}"
+            )
+            if c.refitted:
+                again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
+                lines.append(f"             with rudder bias and initial state refitted: {again}")
+            if c.overshoots:
+                pairs = zip(c.overshoots, c.predicted_overshoots)
+                shown = ", ".join(
+                    f"{np.rad2deg(m):.1f} / {'-' if p is None else f'{np.rad2deg(p):.1f}'}" for m, p in pairs
+                )
+                lines.append(f"             overshoots measured / predicted: {shown} deg")
         return "\n".join(lines)
+
+
+def _value_text(e: Estimate) -> str:
+    """A value with two digits of its standard deviation, and its unit."""
+    if e.value is None:
+        return "runs to infinity"
+    unit = "" if pretty(e.unit) == "1" else f" {pretty(e.unit)}"
+    if not e.std:
+        return f"{e.value:.6g}{unit}"
+    digits = max(1, min(12, int(np.floor(np.log10(max(abs(e.value), e.std)))) - int(np.floor(np.log10(e.std))) + 2))
+    return f"{e.value:.{digits}g} ± {e.std:.2g}{unit}"
+
+
+def _error_text(signal: str, error: float) -> str:
+    """An error of a signal in the unit people read it in."""
+    if not np.isfinite(error):
+        return f"{signal} runs away"
+    shown = COLUMNS[signal].display if signal in COLUMNS else ""
+    inside = COLUMNS[signal].unit if signal in COLUMNS else ""
+    return f"{signal} {error * (factor(inside, shown) if shown else 1.0):.3g} {pretty(shown)}"
 
 
 def _plain(value: float | None) -> float | None:

@@ -155,7 +155,7 @@ def _condensed(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, 
     With [J r] = Q R the triangle holds all that the search reads of thousands of samples, and its singular value
     decomposition at every step costs next to nothing.
     """
-    triangle = np.linalg.qr(np.column_stack([jacobian, residual]), mode="r")
+    triangle = np.asarray(np.linalg.qr(np.column_stack([jacobian, residual]), mode="r"))
     return triangle[:, -1], triangle[:, :-1]
 
 

@@ -140,7 +140,7 @@ def _answer(fit: Fit, views: Sequence[TrialView]) -> list[str]:
         sentences.append("The trials determine all fitted coefficients.")
     open_signs = [n for n in fit.estimated if fit.parameters[n].identifiable and _sign_is_open(fit.parameters[n])]
     if open_signs:
-        sentences.append(f"Even the sign is open of {_listed(open_signs)}.")
+        sentences.append(f"The interval of {_listed(open_signs)} holds zero: even the sign is open.")
     following = [n for n, e in fit.parameters.items() if e.follows and not e.identifiable]
     if following:
         sentences.append(f"The published coefficients that follow leave open: {_listed(following)}.")
