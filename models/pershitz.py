@@ -20,20 +20,19 @@ class PershitzCoefficients(Component):
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     cruise = given("m/s", "speed on a straight course at the same power", latex="V_U")
     L = constant("m", "length between perpendiculars")
-    q21 = parameter("1", "drift force per drift angle", start=0.3, low=-2.0, high=5.0, latex="q_{21}")
-    r21 = parameter("1", "drift force per rate of turn", start=-0.6, low=-5.0, high=2.0, latex="r_{21}")
-    s21 = parameter("1", "drift force per rudder angle", start=-0.1, low=-3.0, high=3.0, latex="s_{21}")
+    q21 = parameter("1", "drift force per drift angle", start=0.3, low=0.0, high=5.0, latex="q_{21}")
+    r21 = parameter("1", "drift force per rate of turn", start=-0.6, low=-5.0, high=0.0, latex="r_{21}")
+    s21 = parameter("1", "drift force per rudder angle", start=-0.1, low=-3.0, high=0.5, latex="s_{21}")
     h1 = parameter("1", "drift force per drift angle squared", start=3.5, low=0.0, high=50.0, latex="h_1")
-    q31 = parameter("1", "yaw moment per drift angle", start=-4.0, low=-20.0, high=5.0, latex="q_{31}")
+    q31 = parameter("1", "yaw moment per drift angle", start=-4.0, low=-20.0, high=0.0, latex="q_{31}")
     r31 = parameter("1", "yaw damping", start=3.5, low=0.01, high=20.0, latex="r_{31}")
-    s31 = parameter("1", "yaw moment per rudder angle", start=-1.0, low=-10.0, high=1.0, latex="s_{31}")
+    s31 = parameter("1", "yaw moment per rudder angle", start=-1.0, low=-10.0, high=0.0, latex="s_{31}")
     k_v = parameter(
         "1",
         "loss of speed per dimensionless rate of turn squared",
         start=1.9,
         low=0.0,
         high=20.0,
-        estimated=False,
         latex="k_V",
     )
 

@@ -274,8 +274,12 @@ def _value_text(e: Estimate) -> str:
     unit = "" if pretty(e.unit) == "1" else f" {pretty(e.unit)}"
     if not e.std:
         return f"{e.value:.6g}{unit}"
-    digits = max(1, min(12, int(np.floor(np.log10(max(abs(e.value), e.std)))) - int(np.floor(np.log10(e.std))) + 2))
-    return f"{e.value:.{digits}g} ± {e.std:.2g}{unit}"
+    decimals = 1 - int(np.floor(np.log10(e.std)))
+    # Past six decimals or six figures before the point, powers of ten read better.
+    if 0 <= decimals <= 6 and abs(e.value) < 1e6:
+        return f"{e.value:.{decimals}f} ± {e.std:.{decimals}f}{unit}"
+    figures = max(1, int(np.floor(np.log10(max(abs(e.value), e.std)))) + decimals + 1)
+    return f"{e.value:.{min(figures, 12)}g} ± {e.std:.2g}{unit}"
 
 
 def _error_text(signal: str, error: float) -> str:

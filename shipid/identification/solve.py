@@ -223,12 +223,12 @@ def solve(
             tell(f"weights, turn {turn + 1}: cost {best.cost:.4g}")
             if change < 0.05:
                 break
-    best = minimise(replace(problem, sigma=best.problem.sigma), best.q, box, most=60)
+    best = minimise(replace(problem, sigma=best.problem.sigma), best.q, box, most=200)
     evaluations += best.evaluations
     tell(f"all samples: cost {best.cost:.4g}")
     if weigh:
         final = replace(problem, sigma=noise_levels(best))
-        best = minimise(final, best.q, box, most=30)
+        best = minimise(final, best.q, box, most=100)
         evaluations += best.evaluations
     return replace(best, evaluations=evaluations, start_costs=tuple(s.cost for s in tried))
 
