@@ -28,7 +28,7 @@ def test_model_file_that_fails(refused, own_model, text, words):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        (GAIN, '"1/s", 3', ("fails in line 10", "AttributeError")),
+        (GAIN, '"1/s", 3', ("fails in line", "AttributeError")),
         ("@r.rate", "@r.rat", ("fails in line 13", "'rat'")),
         ("    @r.rate\n", "", ("state 'r' of Yaw has no equation", "@r.rate")),
         (GAIN, '"m", "gain"', ("Yaw.yaw", "own_model.py:16", "units do not match", "m·rad", "rad/s")),

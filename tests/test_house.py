@@ -1,0 +1,175 @@
+"""Rules of the house: floors, the toolbox that knows no ship, short files, documented names, a tidy top level."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import shipid
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCES = sorted([*(ROOT / "shipid").rglob("*.py"), *(ROOT / "models").rglob("*.py")])
+TOP_LEVEL = {"pyproject.toml", "shipid", "models", "tests", "studies", "README.md"}
+BESIDES = {"LICENSE", "CHANGELOG.md", "CITATION.cff"}
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def relative(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def dotted(path: Path) -> str:
+    """The name a source file is imported by."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = ("shipid", *parts) if parts[0] == "models" else parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imported_by(path: Path) -> set[str]:
+    """Every module an import statement of a file names."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            module = node.module or ""
+            names |= {module, *(f"{module}.{alias.name}" for alias in node.names)}
+    return names
+
+
+def test_contracts_hold():
+    program = shutil.which("lint-imports", path=sysconfig.get_path("scripts")) or shutil.which("lint-imports")
+    if program is None:
+        pytest.skip("import-linter is not installed: install shipid[test]")
+    done = subprocess.run([program, "--no-cache"], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    contracts = len(PROJECT["tool"]["importlinter"]["contracts"])
+    assert f"{contracts} kept, 0 broken" in done.stdout
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if p.parts[-2] != "models"], ids=relative)
+def test_the_toolbox_imports_no_ship(path):
+    assert not {n for n in imported_by(path) if n == "models" or n.startswith(("shipid.models", "models."))}
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=relative)
+def test_a_file_is_one_idea(path):
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 400
+
+
+def public_things() -> list[tuple[str, object]]:
+    """Every public function and class of shipid, where it is defined; the commands of click document themselves."""
+    found = []
+    for path in SOURCES:
+        name = dotted(path)
+        if name.startswith("shipid.models") or name == "shipid.__main__":
+            continue
+        module = importlib.import_module(name)
+        for key, thing in vars(module).items():
+            own = getattr(thing, "__module__", None) == name
+            if own and not key.startswith("_") and (inspect.isfunction(thing) or inspect.isclass(thing)):
+                found.append((f"{name}.{key}", thing))
+    return found
+
+
+THINGS = public_things()
+
+
+def documented(doc: str, section: str) -> set[str]:
+    """Names that a numpydoc section of a docstring describes."""
+    match = re.search(rf"^{section}\n-+\n(.*?)(?=^\S[^\n]*\n-+\n|\Z)", inspect.cleandoc(doc), re.MULTILINE | re.DOTALL)
+    if not match:
+        return set()
+    heads = [line.partition(":")[0] for line in match.group(1).splitlines() if line[:1].strip()]
+    return {name.strip().lstrip("*") for head in heads for name in head.split(",")}
+
+
+def arguments_of(function: object) -> set[str]:
+    return {n for n in inspect.signature(function).parameters if n not in ("self", "cls")}  # type: ignore[arg-type]
+
+
+def undocumented(function: object) -> set[str]:
+    """Arguments that a docstring with a Parameters section leaves out, or all of them where there is none."""
+    return arguments_of(function) - documented(inspect.getdoc(function) or "", "Parameters")
+
+
+@pytest.mark.parametrize(("name", "thing"), THINGS, ids=[name for name, _ in THINGS])
+def test_public_names_are_documented(name, thing):
+    doc = thing.__doc__ or ""
+    # What a dataclass writes for itself is its signature, not a docstring.
+    assert len(doc.split()) >= 3 and not doc.startswith(f"{thing.__name__}("), name
+    if inspect.isclass(thing):
+        for key, member in vars(thing).items():
+            function = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
+            if not key.startswith("_") and inspect.isfunction(function) and function.__name__ == key:
+                assert function.__doc__, f"{name}.{key}"
+
+
+@pytest.mark.parametrize(("name", "thing"), THINGS, ids=[name for name, _ in THINGS])
+def test_a_list_of_parameters_is_complete(name, thing):
+    """Where a docstring lists parameters it lists all of them, and none that is not there."""
+    functions = [thing] if inspect.isfunction(thing) else []
+    if inspect.isclass(thing):
+        members = [getattr(m, "__func__", m) for k, m in vars(thing).items() if not k.startswith("_")]
+        functions = [m for m in members if inspect.isfunction(m)]
+    for function in functions:
+        listed = documented(function.__doc__ or "", "Parameters")
+        assert not listed or listed == arguments_of(function), f"{name}: {function.__name__}"
+
+
+#: Results are made by the toolbox; their attributes are documented, and nobody calls them.
+CALLED = [n for n in shipid.__all__ if inspect.isfunction(getattr(shipid, n))]
+
+
+@pytest.mark.parametrize("name", CALLED)
+def test_every_argument_of_the_top_is_documented(name):
+    assert undocumented(getattr(shipid, name)) == set()
+
+
+def test_the_top_is_what_it_says():
+    assert len(shipid.__all__) == len(set(shipid.__all__))
+    assert {"Component", "state", "given", "derived", "constant", "parameter", "join"} <= set(shipid.__all__)
+    assert {"read_trial", "simulate", "measure", "identify", "write_report"} <= set(shipid.__all__)
+    for name in shipid.__all__:
+        assert getattr(shipid, name) is not None
+    assert set(shipid.__all__) <= set(dir(shipid))
+    with pytest.raises(AttributeError, match="idenfity"):
+        shipid.idenfity  # noqa: B018
+
+
+def test_importing_the_package_costs_nothing():
+    code = "import sys, shipid; sys.exit(any(m in sys.modules for m in ('numpy', 'casadi', 'pandas', 'pint', 'click')))"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_every_folder_is_packaged():
+    folders = {dotted(path) for path in SOURCES if path.name == "__init__.py"}
+    assert set(PROJECT["tool"]["setuptools"]["packages"]) == folders
+    lost = {relative(p) for p in SOURCES if dotted(p.parent / "__init__.py") not in folders}
+    assert lost == set()
+
+
+def test_the_version_is_one():
+    assert PROJECT["project"]["version"] == shipid.__version__
+
+
+def test_tidy_top_level():
+    """The six names, licence, changelog, citation and dot files; a checkout's own tracked files are asked for."""
+    listed = (
+        subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True) if shutil.which("git") else None
+    )
+    if listed is None or listed.returncode != 0 or not listed.stdout:
+        pytest.skip("not a git checkout: what else lies here is not the project's")
+    tracked = {line.partition("/")[0] for line in listed.stdout.splitlines()}
+    assert {n for n in tracked if not n.startswith(".")} <= TOP_LEVEL | BESIDES
+    assert {"pyproject.toml", "shipid", "models", "tests", "studies"} <= tracked
