@@ -44,6 +44,11 @@ def known_models() -> dict[str, Model]:
 def known_component(name: str) -> type[Component]:
     """Return a component of the installation by its class name.
 
+    Parameters
+    ----------
+    name : str
+        ``"PlanarMotion"``.
+
     Raises
     ------
     UnknownNameError
@@ -155,6 +160,11 @@ def _read_known(name: str) -> ParameterSet:
 
 def find_ship(name: str | Path) -> ParameterSet:
     """Return a ship by name, or from the path of a parameter set.
+
+    Parameters
+    ----------
+    name : str or Path
+        ``"zeefakkel"``, or the path of a TOML file (`shipid.declaration.parameters.read_parameter_set`).
 
     Raises
     ------
