@@ -55,6 +55,12 @@ class _Variadic(click.Command):
 @click.option("--validate", multiple=True, metavar="TRIAL...", help="Trials to predict that are not fitted.")
 @click.option("--signals", metavar="a,b,..", help="Signals to fit: psi, r, u, v, x, y. By default what is measured.")
 @click.option("--noise", metavar="LIST", help="Noise levels, 'psi=0.2 deg,r=0.02 deg/s'; estimated by default.")
+@click.option(
+    "--for",
+    "purpose",
+    type=click.Choice(["prediction"]),
+    help="For prediction, rudder biases are pooled over the trials; by default each trial has its own.",
+)
 @click.option("--no-rudder-bias", is_flag=True, help="Believe the rudder: no bias of its own in each trial.")
 @click.option("--starts", default=5, type=click.IntRange(1), show_default=True, help="Number of starting points.")
 @click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the random starting points.")
@@ -73,6 +79,7 @@ def identify(
     validate: tuple[str, ...],
     signals: str | None,
     noise: str | None,
+    purpose: str | None,
     no_rudder_bias: bool,
     starts: int,
     seed: int,
@@ -101,6 +108,7 @@ def identify(
             signals=names_of(signals),
             noise=None if noise is None else assignments(noise.split(",")),
             validate=[read(t, format_, span) for t in validate],
+            purpose=purpose,
             rudder_bias=not no_rudder_bias,
             starts=starts,
             seed=seed,

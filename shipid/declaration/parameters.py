@@ -238,6 +238,9 @@ def read_parameter_set(path: str | Path) -> ParameterSet:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterSetError(f"the parameter set {path} is not valid TOML: {error}.") from None
     head = {k: raw.pop(k) for k in list(raw) if k in _HEAD_KEYS}
+    for key, text in head.items():
+        if key != "schema" and not isinstance(text, str):
+            raise ParameterSetError(f"{path}: '{key}' is {text!r}, and has to be text in quotes.")
     sections: dict[str, dict[str, Value]] = {}
     for section, content in raw.items():
         if not isinstance(content, dict):
@@ -268,7 +271,12 @@ def _value(path: Path, section: str, name: str, raw: Any) -> Value:
     numbers = raw["value"] if table else [raw["value"]]
     if not numbers or not all(_is_finite(n) for n in numbers):
         raise ParameterSetError(f"{where} is {raw['value']}, which is not a finite number.")
+    std = raw.get("std")
+    if std is not None and not (_is_finite(std) and std >= 0):
+        raise ParameterSetError(f"{where} has the standard deviation {std!r}, which is not a number of zero or more.")
     speed = tuple(raw.get("speed", ()))
+    if not all(_is_finite(v) for v in speed):
+        raise ParameterSetError(f"{where} has a speed that is not a finite number: {list(speed)}.")
     if table and (len(speed) != len(numbers) or list(speed) != sorted(set(speed))):
         raise ParameterSetError(f"{where} needs one speed for each of its {len(numbers)} values, rising.")
     value: float | tuple[float, ...] = tuple(float(n) for n in numbers) if table else float(raw["value"])
@@ -277,7 +285,7 @@ def _value(path: Path, section: str, name: str, raw: Any) -> Value:
         value,
         str(raw["unit"]),
         str(raw["source"]),
-        std=float(raw["std"]) if "std" in raw else None,
+        std=None if std is None else float(std),
         speed=speed,
         speed_unit=raw.get("speed_unit", "m/s"),
         note=raw.get("note", ""),

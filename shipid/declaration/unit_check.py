@@ -62,14 +62,25 @@ class _Checked(Evaluation):
         wanted = f"({entry.unit})/s" if equation.kind == "rate" else entry.unit
         try:
             result = super().equation(entry)
-        except ShipidError:
+        except UnitError:
             raise
+        except ShipidError as error:
+            raise _named(error, where, _line(error, equation.function.__code__)) from None
         except Exception as error:
             place = _line(error, equation.function.__code__)
             if type(error).__module__.startswith("pint"):
                 raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
-            raise DeclarationError(f"{where} ({place}) raises {type(error).__name__}: {error}") from error
+            raise DeclarationError(
+                f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: mend the "
+                "line, with NumPy's functions where the model is in doubt."
+            ) from error
         return _checked(result, wanted, where, equation.place, entry)
+
+
+def _named(error: ShipidError, where: str, place: str) -> ShipidError:
+    """The same error with the equation and its line before it, once."""
+    text = str(error)
+    return error if text.startswith("model ") else DeclarationError(f"{where} ({place}): {text}")
 
 
 def _checked(result: Any, wanted: str, where: str, place: str, entry: Entry) -> Any:

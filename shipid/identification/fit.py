@@ -84,6 +84,9 @@ class Comparison:
         Root-mean-square error of each signal, SI.
     refitted : mapping of str to float
         The same with rudder bias and initial state refitted on this record; empty for a fitted trial.
+    warm : mapping of str to float
+        The same with rudder bias and initial state fitted to the record up to the first reversal of the rudder, and the
+        error counted on the rest; empty for a fitted trial and where the rudder is never reversed.
     biases : mapping of str to float
         Bias of each input that was used, SI: the rudder, the cruising speed, the current.
     refitted_bias : float or None
@@ -98,6 +101,7 @@ class Comparison:
     predicted: Mapping[str, np.ndarray]
     rmse: Mapping[str, float]
     refitted: Mapping[str, float] = field(default_factory=dict)
+    warm: Mapping[str, float] = field(default_factory=dict)
     biases: Mapping[str, float] = field(default_factory=dict)
     refitted_bias: float | None = None
     overshoots: tuple[float, ...] = ()
@@ -212,7 +216,12 @@ class Fit:
             },
             "validation": {
                 c.trial.name: {
-                    s: {"rmse": _plain(v), "rmse_refitted_bias": _plain(c.refitted.get(s)), "unit": units[s]}
+                    s: {
+                        "rmse": _plain(v),
+                        "rmse_warm": _plain(c.warm.get(s)),
+                        "rmse_refitted_bias": _plain(c.refitted.get(s)),
+                        "unit": units[s],
+                    }
                     for s, v in c.rmse.items()
                 }
                 for c in self.validation

@@ -18,11 +18,12 @@ from shipid.declaration.model import Model
 from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value, missing_values
 from shipid.declaration.units import prime_factor, to_si
 from shipid.generation.system import generate
+from shipid.identification.beliefs import prior_of, scales_of
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
 from shipid.identification.problem import Sailed, check_answer, fitted_signals, make_problem, prepare, unknown_biases
-from shipid.identification.solve import Box, Progress, Solution, box_of, solve
+from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare
 from shipid.trials.checks import check_identifiable_input, check_regular
@@ -60,6 +61,7 @@ def identify(
     signals: Sequence[str] | None = None,
     noise: Mapping[str, str | float] | None = None,
     validate: Sequence[Trial] = (),
+    purpose: str | None = None,
     rudder_bias: bool = True,
     starts: int = 5,
     seed: int = 0,
@@ -86,6 +88,9 @@ def identify(
         Standard deviation of each signal, with units; estimated from the residuals when not given.
     validate : sequence of Trial, optional
         Trials to predict.
+    purpose : {"prediction"}, optional
+        For prediction, rudder biases are pooled: the trials share one, about which each may be off by a tenth of a degree,
+        and initial states stay near what was measured. By default both are free in each trial.
     rudder_bias : bool
         Whether each trial has a rudder bias of its own.
     starts : int
@@ -104,6 +109,8 @@ def identify(
     ShipidError
         For trials, names and values that do not fit; a search that fails is a result, with ``converged`` False.
     """
+    if purpose not in (None, "prediction"):
+        raise UnknownNameError("purpose", purpose, ("prediction",))
     if not trials:
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
@@ -119,15 +126,21 @@ def identify(
     sailed = [prepare(setting.model, t, shown, own_speed) for t in (*trials, *validate)][: len(trials)]
     _check_length(setting, trials)
     sigma, weigh = _weights(shown, noise, setting.unit_time)
+    if purpose == "prediction" and noise is None:
+        sigma, weigh = scales_of(shown, sailed[0], setting.unit_time), False
     box = _box(setting)
     fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
     biases = unknown_biases(setting.model, shown, rudder_bias)
     problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, biases)
+    if purpose == "prediction":
+        problem = replace(problem, prior=prior_of(setting.model, problem.initial, biases, sailed[0], setting.unit_time))
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
         solution = solve(
             problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
         )
+        if purpose == "prediction" and noise is None:
+            solution = seen_with_own_noise(solution)
         fit = _result(setting, solution, box, sailed, weigh)
         return fit.validate(validate) if validate else fit
 
@@ -279,11 +292,12 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
     fitted = tuple(compare(problem, solution.q, i) for i in range(len(sailed)))
     dof = max(1, solution.residual.size - problem.size)
     levels = "noise levels estimated" if weigh else "noise levels given"
+    pooled = ", rudder biases pooled" if problem.prior is not None else ""
     condition = covariance.condition_number if np.isfinite(covariance.condition_number) else None
     return Fit(
         model=setting.model,
         ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed]),
-        method=f"output error on {', '.join(problem.signals)}, exact sensitivities, {levels}",
+        method=f"output error on {', '.join(problem.signals)}, exact sensitivities, {levels}{pooled}",
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,

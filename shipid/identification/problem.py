@@ -122,7 +122,9 @@ def check_answer(trial: Trial, signals: Sequence[str]) -> None:
             )
 
 
-def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None) -> Sailed:
+def prepare(
+    model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, first: int | None = None
+) -> Sailed:
     """Return a trial as the model sees it.
 
     Parameters
@@ -135,6 +137,8 @@ def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float
         What is fitted.
     own_speed : float or None
         Speed of the ship in m/s, for trials that do not record it.
+    first : int, optional
+        How many samples the first guess of the initial state may use; by default 2 % of the record.
 
     Raises
     ------
@@ -144,7 +148,7 @@ def prepare(model: Model, trial: Trial, signals: Sequence[str], own_speed: float
     t = trial["t"]
     recorded = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
     speed = float(np.median(recorded)) if recorded is not None else own_speed
-    first = max(3, int(0.02 * t.size))
+    first = first or max(3, int(0.02 * t.size))
     approach = own_speed if recorded is None else _approach_speed(trial, recorded, first)
     # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
     # trial that begins at rest has no approach; its usual speed stands in.
@@ -185,6 +189,29 @@ def _initial(model: Model, trial: Trial, name: str, known: Mapping[str, float | 
     return model[name].number("start") or 0.0
 
 
+@dataclass(frozen=True)
+class Prior:
+    """What is believed of the unknowns of each trial before it is fitted.
+
+    Attributes
+    ----------
+    biases : mapping of str to float
+        Standard deviation of a trial's bias about the mean of all trials, SI, by input.
+    mean_biases : mapping of str to float
+        Standard deviation of that mean about zero.
+    initial : mapping of str to float
+        Standard deviation of an initial state about its first guess, SI, by state.
+    strength : float
+        How many samples of the record one belief is worth: residuals are correlated, so that a belief would be
+        outvoted by samples that repeat each other.
+    """
+
+    biases: Mapping[str, float]
+    mean_biases: Mapping[str, float]
+    initial: Mapping[str, float]
+    strength: float = 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Residuals and Jacobian of trials under a model.
@@ -207,6 +234,8 @@ class Problem:
         Standard deviation by which each signal is weighted.
     bias_offset : mapping of str to float
         Biases that are known beforehand, by input.
+    prior : Prior or None
+        What is believed of biases and initial states; None where they are free.
     """
 
     model: Model
@@ -218,6 +247,7 @@ class Problem:
     fixed: Mapping[str, float]
     sigma: np.ndarray
     bias_offset: Mapping[str, float]
+    prior: Prior | None = None
 
     @property
     def record(self) -> Record:
@@ -293,10 +323,42 @@ class Problem:
             block[:, self.own(i)] = flat[:, shared:]
             rows.append(residual.ravel())
             blocks.append(block)
+        if self.prior is not None:
+            believed, slope = self._beliefs(q, self.prior)
+            rows.append(believed)
+            blocks.append(slope)
         return np.concatenate(rows), np.concatenate(blocks)
 
+    def _beliefs(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
+        """Residuals of the prior and their Jacobian: biases about their mean, the mean about zero, initial states."""
+        count, states = len(self.sailed), self.record.system.states
+        slopes, offsets = [], []
+
+        def add(weights: Mapping[int, float], target: float, deviation: float) -> None:
+            row = np.zeros(self.size)
+            for column, weight in weights.items():
+                row[column] = weight / deviation
+            slopes.append(row)
+            offsets.append(target / deviation)
+
+        for k, name in enumerate(self.biases, start=len(self.initial)):
+            columns = [self.own(i).start + k for i in range(count)]
+            if name in prior.mean_biases:
+                add(dict.fromkeys(columns, 1 / count), 0.0, prior.mean_biases[name])
+            if name in prior.biases and count > 1:
+                for i in columns:
+                    add({c: float(c == i) - 1 / count for c in columns}, 0.0, prior.biases[name])
+        for k, name in enumerate(self.initial):
+            if name in prior.initial:
+                for i, sailed in enumerate(self.sailed):
+                    add({self.own(i).start + k: 1.0}, sailed.x0[states.index(name)], prior.initial[name])
+        if not slopes:
+            return np.zeros(0), np.zeros((0, self.size))
+        slope = np.array(slopes) * np.sqrt(prior.strength)
+        return slope @ q - np.array(offsets) * np.sqrt(prior.strength), slope
+
     def by_signal(self, residual: np.ndarray) -> list[list[np.ndarray]]:
-        """Split a residual vector: for each trial, for each signal."""
+        """Split a residual vector: for each trial, for each signal; the beliefs at its end are left out."""
         out, at = [], 0
         for s in self.sailed:
             n = s.intervals.size

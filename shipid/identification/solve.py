@@ -207,7 +207,7 @@ def solve(
     """
     tell = progress or (lambda _: None)
     samples = [_thin(s.trial.duration, unit_time) for s in problem.sailed]
-    thin = replace(problem, sailed=tuple(s.thinned(n) for s, n in zip(problem.sailed, samples)))
+    thin = _thinned(problem, samples)
     tried = []
     for i, start in enumerate(make_starts(box, starts, seed)):
         tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=1e-4))
@@ -233,6 +233,14 @@ def solve(
     return replace(best, evaluations=evaluations, start_costs=tuple(s.cost for s in tried))
 
 
+def _thinned(problem: Problem, samples: list[int]) -> Problem:
+    """The same problem on fewer samples, its beliefs weakened as much as its data."""
+    sailed = tuple(s.thinned(n) for s, n in zip(problem.sailed, samples))
+    kept = sum(s.intervals.size for s in sailed) / sum(s.intervals.size for s in problem.sailed)
+    prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))
+    return replace(problem, sailed=sailed, prior=prior)
+
+
 def _thin(duration: float, unit_time: float | None) -> int:
     return _THIN if not unit_time else max(_THIN, int(10 * duration / unit_time))
 
@@ -255,6 +263,19 @@ def noise_levels(solution: Solution) -> np.ndarray:
         scale = max(float(np.abs(s.measured[j]).max()) for s in problem.sailed)
         levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
     return levels
+
+
+def seen_with_own_noise(solution: Solution) -> Solution:
+    """Return the same unknowns with residuals in units of their own standard deviation, for the uncertainty.
+
+    Parameters
+    ----------
+    solution : Solution
+        Found under weights that are not the noise levels.
+    """
+    problem = replace(solution.problem, sigma=noise_levels(solution))
+    residual, jacobian = problem.residuals(solution.q)
+    return replace(solution, problem=problem, residual=residual, jacobian=jacobian)
 
 
 def box_of(bounds: Mapping[str, tuple[float, float, float]]) -> Box:

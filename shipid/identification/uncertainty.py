@@ -81,6 +81,8 @@ def covariance_of(solution: Solution) -> Covariance:
         for j in range(len(problem.signals)):
             jacobian[at : at + n] /= np.sqrt(times[i, j])
             at += n
+    if problem.prior is not None:
+        jacobian[at:] /= np.sqrt(problem.prior.strength)
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, 1 / times)
     norms = np.linalg.norm(jacobian, axis=0)

@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from shipid.generation.record import make_record
+from shipid.identification.beliefs import prior_of
 from shipid.identification.fit import Comparison, Fit
-from shipid.identification.problem import Problem, Sailed, make_problem, prepare
+from shipid.identification.problem import Prior, Problem, Sailed, make_problem, prepare
 from shipid.identification.solve import Box, minimise
 from shipid.trials.checks import check_regular
 from shipid.trials.errors import TrialError
@@ -45,10 +46,10 @@ def warm_up_samples(trial: Trial, unit_time: float) -> int:
     return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
 
 
-def _problem_of(fit: Fit, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float]) -> Problem:
+def _problem_of(fit: Fit, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], first: int) -> Problem:
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
     known: Problem = fit._problem
-    sailed = prepare(known.model, trial, known.signals, fit.ship.particular("speed", "m/s"))
+    sailed = prepare(known.model, trial, known.signals, fit.ship.particular("speed", "m/s"), first)
     values = {**known.fixed, **dict(zip(known.estimated, fit._solution.q))}
     return make_problem(known.model, [sailed], known.signals, (), values, known.sigma, biases, offset)
 
@@ -62,19 +63,41 @@ def mean_biases(fit: Fit) -> dict[str, float]:
 def _predict(fit: Fit, trial: Trial) -> Comparison:
     from shipid.identification.identify import unit_time_of
 
-    biases = fit._problem.biases
-    ahead = _problem_of(fit, trial, (), mean_biases(fit))
-    count = warm_up_samples(trial, unit_time_of(fit.ship, [trial]))
-    head = replace(ahead, sailed=(ahead.sailed[0].head(count),))
+    biases, unit_time = fit._problem.biases, unit_time_of(fit.ship, [trial])
+    count = warm_up_samples(trial, unit_time)
+    ahead = _problem_of(fit, trial, (), mean_biases(fit), count)
+    # What the first seconds do not show of the state stays near its first guess.
+    belief = prior_of(ahead.model, ahead.initial, (), ahead.sailed[0], unit_time)
+    head = replace(ahead, sailed=(ahead.sailed[0].head(count),), prior=belief)
     start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50).q
     predicted = compare(ahead, start, 0)
     if "delta" not in biases:
         return predicted
-    free = _problem_of(fit, trial, biases, {})
+    free = _problem_of(fit, trial, biases, {}, count)
     q0 = free.first_guess(np.zeros(0))
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
     again = compare(free, minimise(free, q0, _EMPTY, most=50).q, 0)
-    return replace(predicted, refitted=again.rmse, refitted_bias=again.bias)
+    warm = _warmed_up(free, q0, prior_of(free.model, free.initial, biases, free.sailed[0], unit_time))
+    return replace(predicted, refitted=again.rmse, refitted_bias=again.bias, warm=warm)
+
+
+def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior) -> dict[str, float]:
+    """Errors after the first reversal of the rudder, with bias and initial state from the record before it."""
+    sailed = free.sailed[0]
+    reversal = _first_reversal(sailed.trial)
+    count = int(np.searchsorted(sailed.trial["t"], reversal)) if reversal is not None else 0
+    if count < 10 or count > sailed.intervals.size - 10:
+        return {}
+    before = replace(free, sailed=(sailed.head(count),), prior=prior)
+    q = minimise(before, q0, _EMPTY, most=50).q
+    y, _ = free.run(q, 0)
+    rest = slice(count, None)
+    return {s: _rms(y[j, rest] - sailed.measured[j, rest]) for j, s in enumerate(free.signals)}
+
+
+def _first_reversal(trial: Trial) -> float | None:
+    measured = _zigzag(trial)
+    return measured.executes[0] if measured is not None and measured.executes else None
 
 
 def _x0(problem: Problem, q: np.ndarray, sailed: Sailed) -> np.ndarray:
@@ -141,12 +164,20 @@ def _overshoots(trial: Trial, psi: np.ndarray | None) -> tuple[tuple[float, ...]
     """Overshoots measured, and of the predicted heading at the same executes; empty where it is no zig-zag."""
     if psi is None or not trial.has("psi") or not np.isfinite(psi).all():
         return (), ()
-    try:
-        measured = measure(trial, kind="zig-zag")
-    except TrialError:
+    measured = _zigzag(trial)
+    if measured is None:
         return (), ()
-    assert isinstance(measured, ZigZag)
     executes = tuple(e for e in measured.executes or () if e is not None)
     side = 1 if measured.first_side == "starboard" else -1
     kept = tuple(o for o in measured.overshoots or () if o is not None)
     return kept, overshoots_of(trial["t"], psi, executes, side=side)[: len(kept)]
+
+
+def _zigzag(trial: Trial) -> ZigZag | None:
+    """The trial measured as a zig-zag, or None where it is none."""
+    try:
+        measured = measure(trial, kind="zig-zag")
+    except TrialError:
+        return None
+    assert isinstance(measured, ZigZag)
+    return measured

@@ -24,6 +24,8 @@ from shipid.trials.trial import Source, Trial
 
 #: What a simulated trial records, where the model has it.
 RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
+#: Steps that still fit into memory, with room to spare.
+_MOST_STEPS = 1e7
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 
 
@@ -184,9 +186,14 @@ def simulate(
     if lacking:
         raise lacking
 
-    count = round(sailed.duration / interval) + 1
     # The steering machine and the helmsman want a finer clock than the record.
     fine = max(1, int(np.ceil(interval / min(0.02 * length / u0, 0.25) - 1e-9)))
+    if sailed.duration / interval * fine > _MOST_STEPS:
+        raise UsageError(
+            f"{manoeuvre} for {sailed.duration:.3g} s at {interval:.3g} s takes more than {_MOST_STEPS:.0e} steps. "
+            "Ask for a shorter duration."
+        )
+    count = round(sailed.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
     inputs = _inputs(whole, u0, sailed, t, current, wind)
     x0 = {s: whole[s].number("start") or 0.0 for s in whole.states}

@@ -52,7 +52,7 @@ def test_manoeuvre(refused, manoeuvre, words):
         (2, ["--sampling", "0 s"], ("sampling interval",)),
         (2, ["--sampling", "5000 s"], ("sampling interval",)),
         (2, ["--duration", "-1 s"], ("-1 s",)),
-        (3, ["--duration", "1e12 s"], ("memory", "fewer samples")),
+        (2, ["--duration", "1e12 s"], ("steps", "shorter duration")),
         (2, ["--noise", "lots"], ("'lots'", "standard")),
         (3, ["--noise", "psi=0.2"], ("bare number 0.2", "0.2 deg")),
         (2, ["--noise", "psy=0.2 deg"], ("'psy'", "Did you mean psi")),

@@ -1,0 +1,95 @@
+"""What is believed of a trial before it is fitted: small rudder biases that trials share, and initial states as measured.
+
+A bias that is free in every trial takes up what the model cannot describe, and the coefficients are off by as much: in
+clean tank data the fitted biases of mirrored runs come out with opposite signs, which no rudder has. One scale serves all
+ships: angles in degrees, speeds in shares of the ship's own, and one independent sample in half of L/U.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.identification.problem import Prior, Sailed
+
+#: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
+RUDDER_BIAS = np.deg2rad(0.05)
+MEAN_RUDDER_BIAS = np.deg2rad(2.0)
+#: Standard deviation of a measured initial angle in rad; of a speed, in shares of the ship's.
+INITIAL_ANGLE = np.deg2rad(1.0)
+INITIAL_SPEED = 0.03
+#: Time between two independent samples of a residual, in L/U.
+INDEPENDENT = 0.5
+
+
+def prior_of(
+    model: Model, initial: tuple[str, ...], biases: tuple[str, ...], sailed: Sailed, unit_time: float
+) -> Prior:
+    """Return the prior of the trials of one ship.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    initial, biases : tuple of str
+        States and inputs with unknowns of their own in each trial.
+    sailed : Sailed
+        A trial, for speed and sampling.
+    unit_time : float
+        L/U in s.
+
+    Returns
+    -------
+    Prior
+    """
+    speed = abs(sailed.speed)
+    spread = {
+        "psi": INITIAL_ANGLE,
+        "r": INITIAL_ANGLE / unit_time,
+        "u": INITIAL_SPEED * speed,
+        "v": INITIAL_ANGLE * speed,
+    }
+    # A state nobody measures starts near zero, within its nominal size; a position without one stays free.
+    nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
+    wanted = {"delta": RUDDER_BIAS, "cruise": INITIAL_SPEED * speed}
+    means = {"delta": MEAN_RUDDER_BIAS, "cruise": INITIAL_SPEED * speed}
+    return Prior(
+        biases={n: wanted[n] for n in biases if n in wanted},
+        mean_biases={n: means[n] for n in biases if n in means},
+        initial={s: spread[s] for s in initial if s in spread} | nominal,
+        strength=strength_of(sailed, unit_time),
+    )
+
+
+def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.ndarray:
+    """Return the error of each signal at which a low-order model is as good as can be hoped, SI, shape (signals,).
+
+    What such a model leaves unexplained is its structure, not noise: weighting by the smallest residuals a fit can reach
+    would let it bend its coefficients to them.
+
+    Parameters
+    ----------
+    signals : tuple of str
+        Fitted signals.
+    sailed : Sailed
+        A trial, for its speed.
+    unit_time : float
+        L/U in s.
+    """
+    speed = abs(sailed.speed)
+    track = speed * unit_time * 0.05
+    scale = {
+        "psi": INITIAL_ANGLE,
+        "r": INITIAL_ANGLE / unit_time,
+        "u": INITIAL_SPEED * speed,
+        "v": INITIAL_ANGLE * speed,
+        "x": track,
+        "y": track,
+    }
+    return np.array([scale.get(s, 1.0) for s in signals])
+
+
+def strength_of(sailed: Sailed, unit_time: float) -> float:
+    """Return how many samples of a record make one independent one, at least one."""
+    interval = float(np.median(sailed.intervals[:-1])) if sailed.intervals.size > 1 else unit_time
+    return max(1.0, INDEPENDENT * unit_time / interval)
