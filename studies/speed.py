@@ -25,7 +25,8 @@ from scipy.optimize import least_squares
 
 import shipid
 from shipid.generation.record import make_record
-from shipid.identification.problem import make_problem, prepare
+from shipid.identification.problem import make_problem
+from shipid.identification.sailed import prepare
 from shipid.identification.solve import Box, minimise
 
 SIGNALS = ("psi", "r")

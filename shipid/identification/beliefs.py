@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.identification.problem import Prior, Sailed
+from shipid.identification.problem import Prior
+from shipid.identification.sailed import Sailed
 
 #: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
 RUDDER_BIAS = np.deg2rad(0.05)

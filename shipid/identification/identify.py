@@ -22,7 +22,8 @@ from shipid.identification.beliefs import prior_of, scales_of
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
-from shipid.identification.problem import Sailed, check_answer, fitted_signals, make_problem, prepare, unknown_biases
+from shipid.identification.problem import make_problem
+from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
 from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare

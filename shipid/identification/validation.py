@@ -15,7 +15,8 @@ import numpy as np
 from shipid.generation.record import make_record
 from shipid.identification.beliefs import prior_of
 from shipid.identification.fit import Comparison, Fit
-from shipid.identification.problem import Prior, Problem, Sailed, make_problem, prepare
+from shipid.identification.problem import Prior, Problem, make_problem
+from shipid.identification.sailed import Sailed, prepare
 from shipid.identification.solve import Box, minimise
 from shipid.trials.checks import check_regular
 from shipid.trials.errors import TrialError
