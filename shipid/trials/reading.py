@@ -1,4 +1,4 @@
-"""Read trial files: text with units in the header, text described by a format file, Parquet."""
+"""Read trial files: text with units in the header, text described by a format file, Parquet, NMEA 0183 logs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ from shipid.trials.errors import (
     UnknownColumnError,
     WindowError,
 )
-from shipid.trials.format import TrialFormat, read_format
+from shipid.trials.format import TrialFormat
+from shipid.trials.nmea.reading import read_nmea
+from shipid.trials.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.trial import Source, Trial
 
 Span = tuple[float | None, float | None]
@@ -44,7 +46,8 @@ def read_trial(
         A text file (CSV and relatives) or a Parquet file; ``FILE@A:B`` reads a window of it in seconds of its own
         clock, ``FILE@name`` a window the format file names.
     format : str, Path or TrialFormat, optional
-        A trial format file (`shipid.trials.format`), for records whose headers do not speak for themselves.
+        A trial format file (`shipid.trials.format`), for records whose headers do not speak for themselves;
+        ``"nmea"`` for an NMEA 0183 log, or a format file with ``[nmea]`` (`shipid.trials.nmea.settings`).
     window : str or tuple, optional
         ``(start, end)`` in seconds, ``"start:end"``, or a name from the format file.
 
@@ -57,13 +60,15 @@ def read_trial(
     TrialError
         One class a cause (`shipid.trials.errors`); the message names file, row and column and says what to do.
     """
-    fmt = format if isinstance(format, TrialFormat) or format is None else read_format(format)
+    fmt = chosen_format(format)
     file, tail = _split(path)
     if tail is not None and window is not None:
         raise WindowError(f"'{path}' names a window and so does the argument window. Give one of the two.")
     span = _span(window if tail is None else tail, fmt, file)
     _check_file(file)
-    if file.suffix.lower() in (".parquet", ".pq"):
+    if isinstance(fmt, NmeaFormat):
+        raw, comments = read_nmea(file, fmt)
+    elif file.suffix.lower() in (".parquet", ".pq"):
         raw, comments = _read_parquet(file, fmt)
     else:
         raw, comments = _read_text(file, fmt)
