@@ -35,6 +35,7 @@ _HOMES = {
     "measure": "shipid.trials.measuring",
     "simulate": "shipid.trials.simulation",
     "Fit": "shipid.identification.fit",
+    "compare_models": "shipid.identification.comparing",
     "identify": "shipid.identification.identify",
     "write_report": "shipid.report.report",
     "ShipidError": "shipid.declaration.errors",

@@ -23,6 +23,7 @@ _COMMANDS = {
     "show": ("shipid.cli.catalogue", "Show a model: quantities, units, equations, sources."),
     "simulate": ("shipid.cli.simulate", "Simulate a manoeuvre and write it as a trial."),
     "measure": ("shipid.cli.measure", "Measure a zig-zag or a turning circle."),
+    "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
 }
 

@@ -3,46 +3,27 @@
 from __future__ import annotations
 
 import os
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import click
 
 from shipid.cli.shared import (
+    Variadic,
     assignments,
     format_option,
     json_option,
     names_of,
     overwrite_option,
     print_json,
+    progress_on_stderr,
     read,
     say,
-    watched,
     window_of,
 )
 
 
-class _Variadic(click.Command):
-    """A command whose option ``--validate`` takes every following word up to the next option."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Repeat the option before each of its values, which is the form click knows."""
-        spread: list[str] = []
-        taking = bare = False
-        for arg in args:
-            if arg == "--validate":
-                taking = bare = True
-                continue
-            taking = taking and not (arg.startswith("-") and arg != "-")
-            spread += ["--validate", arg] if taking else [arg]
-            bare = bare and not taking
-        if bare and not ctx.resilient_parsing:
-            raise click.UsageError("--validate names no trial.", ctx)
-        return super().parse_args(ctx, spread)
-
-
-@click.command(cls=_Variadic)
+@click.command(cls=Variadic)
 @click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
 @click.option("--model", required=True, metavar="MODEL", help="A model's name, or path/to/file.py:Class.")
 @click.option("--ship", metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
@@ -98,7 +79,7 @@ def identify(
     folder = _folder(out, overwrite)
     span = window_of(window)
     found, known = find_model(model), find_ship(ship) if ship else None
-    with _progress(as_json) as tell:
+    with progress_on_stderr(as_json) as tell:
         fit = run_identify(
             found,
             [read(t, format_, span) for t in trials],
@@ -169,16 +150,3 @@ def _write(fit: Any, folder: Path) -> None:
         write_report(fit, parts[2])
         for part in parts:
             part.replace(folder / part.name)
-
-
-@contextmanager
-def _progress(quiet: bool) -> Any:
-    """Show what is being done, on stderr, where somebody is looking."""
-    if quiet or not watched():
-        yield lambda _: None
-        return
-    from rich.console import Console
-
-    console = Console(stderr=True)
-    with console.status("reading") as status:
-        yield lambda text: status.update(text)

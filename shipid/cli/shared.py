@@ -6,6 +6,7 @@ import os
 import sys
 import textwrap
 from collections.abc import Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import click
@@ -91,3 +92,35 @@ def read(name: str, format_: str | None, window: tuple[float | None, float | Non
         if note.startswith("WARNING"):
             say(f"trial {trial.name}: {note}")
     return trial
+
+
+class Variadic(click.Command):
+    """A command whose option ``--validate`` takes every following word up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat the option before each of its values, which is the form click knows."""
+        spread: list[str] = []
+        taking = bare = False
+        for arg in args:
+            if arg == "--validate":
+                taking = bare = True
+                continue
+            taking = taking and not (arg.startswith("-") and arg != "-")
+            spread += ["--validate", arg] if taking else [arg]
+            bare = bare and not taking
+        if bare and not ctx.resilient_parsing:
+            raise click.UsageError("--validate names no trial.", ctx)
+        return super().parse_args(ctx, spread)
+
+
+@contextmanager
+def progress_on_stderr(quiet: bool) -> Any:
+    """Show what is being done, on stderr, where somebody is looking."""
+    if quiet or not watched():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        yield lambda text: status.update(text)

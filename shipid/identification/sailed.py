@@ -142,9 +142,9 @@ def prepare(
     first = first or max(3, int(0.02 * t.size))
     approach = own_speed if recorded is None else _approach_speed(trial, recorded, first)
     # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
-    # trial that begins at rest has no approach; its usual speed stands in.
-    from_rest = approach is not None and speed is not None and approach < 0.5 * speed
-    known = {"u": speed if from_rest else approach, "cruise": approach}
+    # ship that still gathers speed has no approach; its usual speed stands in.
+    gathering = approach is not None and speed is not None and approach < 0.9 * speed
+    known = {"u": speed if gathering else approach, "cruise": speed if gathering else approach}
     needed = generate(model).inputs_behind(signals)
     inputs = np.empty((len(model.inputs), t.size))
     for i, name in enumerate(model.inputs):
