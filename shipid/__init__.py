@@ -32,6 +32,7 @@ _HOMES = {
     "Trial": "shipid.trials.trial",
     "read_trial": "shipid.trials.reading",
     "write_trial": "shipid.trials.writing",
+    "check_trial": "shipid.trials.doctor.examination",
     "measure": "shipid.trials.measuring",
     "simulate": "shipid.trials.simulation",
     "Fit": "shipid.identification.fit",

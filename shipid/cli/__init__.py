@@ -22,6 +22,7 @@ _COMMANDS = {
     "models": ("shipid.cli.catalogue", "List models and ships, one line each."),
     "show": ("shipid.cli.catalogue", "Show a model: quantities, units, equations, sources."),
     "simulate": ("shipid.cli.simulate", "Simulate a manoeuvre and write it as a trial."),
+    "check": ("shipid.cli.check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure", "Measure a zig-zag or a turning circle."),
     "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),

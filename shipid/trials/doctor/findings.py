@@ -1,0 +1,185 @@
+"""What the doctor says: findings, the manoeuvres of the record, and the diagnosis that holds both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+SURE = 0.8
+"""A finding at least this sure counts; below it is something to look at."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing the doctor found.
+
+    Attributes
+    ----------
+    kind : str
+        What it is, as in ``"rudder-sign"``.
+    channel : str
+        The column concerned, by its name inside a trial; several are joined by commas.
+    rows : tuple of int
+        First and last sample concerned, counted from 0.
+    seconds : tuple of float
+        Their times [s]; NaN-free: the row stands in where the clock is broken.
+    count : int
+        How many samples are concerned.
+    confidence : float
+        How sure the doctor is, from 0 to 1.
+    effect : str
+        What it does to an identification.
+    repair : str
+        What repairs it, in words.
+    message : str
+        What was seen, with its numbers.
+    fix : Mapping or None
+        The repair for a machine, where `shipid.trials.doctor.fix_trial` applies it; None where no repair is safe.
+    spoils : bool
+        Whether it would spoil an identification; otherwise it is a property of the trial to know about.
+    handled : bool
+        Whether the format file the trial is read with already repairs it.
+    """
+
+    kind: str
+    channel: str
+    rows: tuple[int, int]
+    seconds: tuple[float, float]
+    count: int
+    confidence: float
+    effect: str
+    repair: str
+    message: str
+    fix: Mapping[str, Any] | None = None
+    spoils: bool = True
+    handled: bool = False
+
+    @property
+    def serious(self) -> bool:
+        """Whether it is sure, would spoil an identification, and nobody has put it right yet."""
+        return self.spoils and not self.handled and self.confidence >= SURE
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the finding as plain values."""
+        return {
+            "kind": self.kind,
+            "channel": self.channel,
+            "where": {"rows": list(self.rows), "seconds": list(self.seconds), "count": self.count},
+            "confidence": round(self.confidence, 3),
+            "message": self.message,
+            "effect": self.effect,
+            "repair": self.repair,
+            "fix": None if self.fix is None else dict(self.fix),
+            "spoils": self.spoils,
+            "handled": self.handled,
+        }
+
+    def __str__(self) -> str:
+        state = ", put right by the format file" if self.handled else ""
+        head = f"{self.kind} ({self.channel}, {self.confidence:.0%}{state})"
+        where = f"rows {self.rows[0]}-{self.rows[1]}, {self.seconds[0]:.6g} to {self.seconds[1]:.6g} s"
+        return f"{head}: {self.message} [{where}]\n    effect: {self.effect}\n    repair: {self.repair}"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A manoeuvre, or a stretch without one.
+
+    Attributes
+    ----------
+    kind : {"zigzag", "turn", "pull-out", "steady", "irregular"}
+        What is sailed.
+    start, end : float
+        Times [s] of the record's clock.
+    rudder_deg, heading_deg : float or None
+        Nominal rudder angle, and the heading change of a zig-zag or a turn [deg]; positive to the side of the first
+        execute in ``side``.
+    side : {"starboard", "port"} or None
+        Side of the first execute.
+    regular : bool
+        Whether the rudder was held and reversed as the manoeuvre asks.
+    """
+
+    kind: str
+    start: float
+    end: float
+    rudder_deg: float | None = None
+    heading_deg: float | None = None
+    side: str | None = None
+    regular: bool = True
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the stretch as plain values."""
+        return {
+            "kind": self.kind,
+            "rudder_deg": self.rudder_deg,
+            "heading_deg": self.heading_deg,
+            "side": self.side,
+            "from": round(self.start, 3),
+            "to": round(self.end, 3),
+            "regular": self.regular,
+        }
+
+    def __str__(self) -> str:
+        angles = ""
+        if self.kind == "zigzag":
+            angles = f" {self.rudder_deg:g}/{self.heading_deg:g}, first to {self.side}"
+        elif self.kind == "turn":
+            angles = f" with {self.rudder_deg:g} deg of rudder through {self.heading_deg:.0f} deg to {self.side}"
+        return f"{self.start:.6g} to {self.end:.6g} s: {self.kind}{angles}{'' if self.regular else ' (not regular)'}"
+
+
+@dataclass(frozen=True, repr=False)
+class Diagnosis:
+    """What the doctor says of one record.
+
+    Attributes
+    ----------
+    trial : str
+        Name of the trial.
+    findings : tuple of Finding
+        The surest and worst first.
+    manoeuvres : tuple of Stretch
+        In order of time.
+    notes : tuple of str
+        How the record was read: columns guessed from their names, and so on.
+    path : str or None
+        The file.
+    """
+
+    trial: str
+    findings: tuple[Finding, ...] = ()
+    manoeuvres: tuple[Stretch, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+    path: str | None = None
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """The kinds found, each once."""
+        return tuple(dict.fromkeys(f.kind for f in self.findings))
+
+    @property
+    def serious(self) -> tuple[Finding, ...]:
+        """The findings that would spoil an identification."""
+        return tuple(f for f in self.findings if f.serious)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the diagnosis as plain values."""
+        return {
+            "trial": self.trial,
+            "path": self.path,
+            "serious": len(self.serious),
+            "findings": [f.to_dict() for f in self.findings],
+            "manoeuvres": [m.to_dict() for m in self.manoeuvres],
+            "notes": list(self.notes),
+        }
+
+    def __repr__(self) -> str:
+        count = len(self.findings)
+        head = "nothing found" if not count else f"{count} finding{'s' * (count > 1)}, {len(self.serious)} serious"
+        lines = [f"Diagnosis of '{self.trial}': {head}"]
+        lines += [f"  {f}" for f in self.findings]
+        if self.manoeuvres:
+            lines += ["  manoeuvres", *(f"    {m}" for m in self.manoeuvres)]
+        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])

@@ -1,0 +1,175 @@
+"""Robust statistics of a channel: noise, resolution, and regressions that a few bad samples do not turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+_MAD = 1.4826
+
+
+def spread(values: np.ndarray) -> float:
+    """Return the standard deviation of the bulk of some values: the median absolute deviation, scaled.
+
+    Parameters
+    ----------
+    values : ndarray
+        Any number of values.
+    """
+    return _MAD * float(np.median(np.abs(values - np.median(values)))) if values.size else 0.0
+
+
+def noise(values: np.ndarray) -> float:
+    """Return the standard deviation of white noise on a smooth channel, from its third differences.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The channel.
+    """
+    return spread(np.diff(values, 3)) / np.sqrt(20.0) if len(values) > 8 else 0.0
+
+
+def resolution(values: np.ndarray) -> tuple[float, float]:
+    """Return the step in which a channel changes, and the share of samples at which it does not change.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The channel.
+
+    Returns
+    -------
+    step : float
+        Median size of the changes that follow a sample without one; 0 where there is none.
+    still : float
+        Share of the samples, among those where the channel is under way, that repeat the one before.
+    """
+    d = np.diff(values)
+    same = d == 0
+    if same.all() or not same.any():
+        return 0.0, float(same.all())
+    # Under way: a change within the nearest 20 samples on both sides.
+    index = np.flatnonzero(~same)
+    gap = np.diff(index) - 1
+    inside = gap[gap <= 40]
+    still = float(inside.sum() / (inside.sum() + len(index)))
+    after = np.abs(d[1:][same[:-1] & ~same[1:]])
+    return (float(np.median(after)) if after.size else 0.0), still
+
+
+@dataclass(frozen=True)
+class Regression:
+    """Coefficients of a robust regression with their standard deviations.
+
+    Attributes
+    ----------
+    value, std : ndarray, shape (p,)
+        Coefficients and standard deviations.
+    sigma : float
+        Robust standard deviation of the residuals.
+    explained : float
+        Share of the target's variance (about zero) that is explained, over the rows that were believed.
+    """
+
+    value: np.ndarray
+    std: np.ndarray
+    sigma: float
+    explained: float
+
+
+def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> Regression | None:
+    """Fit a linear model by iteratively reweighted least squares (Tukey's biweight).
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        Regressors.
+    target : ndarray, shape (n,)
+        What they explain.
+    rounds : int
+        Number of reweightings.
+
+    Returns
+    -------
+    Regression or None
+        None where there are too few rows or the regressors cannot be told apart.
+    """
+    n, p = design.shape
+    size = np.sqrt(np.mean(design**2, axis=0))
+    if n < 3 * p + 3 or np.any(size == 0):
+        return None
+    scaled = design / size
+    if np.linalg.cond(scaled) > 1e8:
+        return None
+    weight = np.ones(n)
+    value = np.zeros(p)
+    sigma = 0.0
+    floor = 1e-12 * float(np.sqrt(np.mean(target**2)) or 1.0)
+    for _ in range(rounds):
+        root = np.sqrt(weight)
+        value = np.linalg.lstsq(scaled * root[:, None], target * root, rcond=None)[0]
+        rest = target - scaled @ value
+        sigma = max(_MAD * float(np.median(np.abs(rest))), floor)
+        weight = np.clip(1 - (rest / (6 * sigma)) ** 2, 0, None) ** 2 + 1e-12
+    rest = target - scaled @ value
+    believed = weight > 0.1
+    count = max(int(believed.sum()) - p, 1)
+    variance = max(float(np.sum(rest[believed] ** 2)) / count, floor**2)
+    covariance = variance * np.linalg.pinv(scaled[believed].T @ scaled[believed])
+    energy = float(np.sum(target[believed] ** 2))
+    explained = 1 - float(np.sum(rest[believed] ** 2)) / energy if energy > 0 else 0.0
+    return Regression(value / size, np.sqrt(np.diag(covariance)) / size, sigma, explained)
+
+
+def edges(n: int, count: int) -> np.ndarray:
+    """Return about `count` + 1 indices that cut `n` samples into equal blocks.
+
+    Parameters
+    ----------
+    n, count : int
+        Number of samples and of blocks.
+    """
+    return np.unique(np.linspace(0, n - 1, min(count, n - 1) + 1).astype(int))
+
+
+def integral(t: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return the integral of a channel from the first sample on, by the trapezoidal rule.
+
+    Parameters
+    ----------
+    t, y : ndarray, shape (n,)
+        Time [s] and channel.
+    """
+    return np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))))
+
+
+def runs(mask: np.ndarray) -> np.ndarray:
+    """Return first and one-past-last index of every run of True.
+
+    Parameters
+    ----------
+    mask : ndarray of bool, shape (n,)
+        The mask.
+
+    Returns
+    -------
+    ndarray of int, shape (m, 2)
+    """
+    padded = np.diff(np.concatenate(([0], mask.astype(np.int8), [0])))
+    return np.column_stack([np.flatnonzero(padded == 1), np.flatnonzero(padded == -1)])
+
+
+def sureness(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
+    """Turn the ratio of a statistic to its threshold into a confidence between 0.5 and 0.99.
+
+    Parameters
+    ----------
+    ratio : float
+        Statistic over threshold.
+    low, high : float
+        Ratios at which the confidence is 0.5 and 0.99.
+    """
+    share = (ratio - low) / (high - low)
+    return float(0.5 + 0.49 * min(max(share, 0.0), 1.0))

@@ -1,0 +1,236 @@
+"""Manoeuvres in an unsegmented log: zig-zags, turns, pull-outs, steady and irregular stretches, from rudder and heading."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.trials.doctor import robust
+from shipid.trials.doctor.findings import Stretch
+from shipid.trials.doctor.patient import Patient
+from shipid.trials.series import smoothed
+
+_LEAST = np.radians(1.5)
+"""Rudder angles below this are course keeping."""
+
+
+@dataclass(frozen=True)
+class _Held:
+    """A stretch of rudder on one side."""
+
+    first: int
+    last: int  # one past the last sample
+    angle: float
+    dwell: float
+
+    @property
+    def side(self) -> int:
+        return 1 if self.angle > 0 else -1
+
+
+def find_manoeuvres(p: Patient) -> list[Stretch]:
+    """Find the manoeuvres of a record.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, everything put right.
+
+    Returns
+    -------
+    list of Stretch
+        In order of time, without gaps.
+    """
+    name = "delta_order" if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p.rudder
+    if name is None or not p.has("psi") or len(p) < 30:
+        return []
+    held = _held(p.t, p[name])
+    taken: list[tuple[int, int, Stretch]] = []
+    for chain in _chains(held, p.t):
+        taken += _zigzags(p, p[name], chain)
+    used = [(a, b) for a, b, _ in taken]
+    for plate in held:
+        if any(a < plate.last and plate.first < b for a, b in used):
+            continue
+        turn = _turn(p, p[name], plate)
+        if turn is not None:
+            taken += turn
+    taken.sort(key=lambda item: item[0])
+    return _filled(p, p[name], taken)
+
+
+def _held(t: np.ndarray, delta: np.ndarray) -> list[_Held]:
+    """Split the rudder into stretches on one side, each with the angle it is held at."""
+    size = float(np.quantile(np.abs(delta), 0.98))
+    least = max(min(_LEAST, 0.3 * size), 5 * robust.noise(delta))
+    result: list[_Held] = []
+    for sign in (1, -1):
+        for a, b in robust.runs(sign * delta > least):
+            if b - a < 3:
+                continue
+            level = sign * delta[a:b]
+            angle = _mode(level[level >= 0.5 * level.max()])
+            # The stretch proper: where the rudder is at least half over.
+            over = np.flatnonzero(level >= 0.5 * angle)
+            first, last = int(a + over[0]), int(a + over[-1]) + 1
+            part = sign * delta[first:last]
+            dwell = float(np.mean(np.abs(part - angle) <= max(0.2 * angle, np.radians(0.7))))
+            result.append(_Held(first, last, sign * angle, dwell))
+    return sorted(result, key=lambda plate: plate.first)
+
+
+def _mode(values: np.ndarray) -> float:
+    """Middle of the narrowest interval that holds a third of the values."""
+    values = np.sort(values)
+    size = max(1, len(values) // 3)
+    width = values[size:] - values[: len(values) - size]
+    if not len(width):
+        return float(values[0])
+    k = int(np.argmin(width))
+    return float(np.median(values[k : k + size + 1]))
+
+
+def _chains(held: list[_Held], t: np.ndarray) -> list[list[_Held]]:
+    """Join stretches of alternating sides that follow one another without a pause."""
+    chains: list[list[_Held]] = []
+    for plate in held:
+        if chains:
+            before = chains[-1][-1]
+            pause = t[plate.first] - t[before.last - 1]
+            shorter = min(t[before.last - 1] - t[before.first], t[plate.last - 1] - t[plate.first])
+            alike = 0.6 < abs(plate.angle / before.angle) < 1.7
+            if plate.side != before.side and alike and pause <= max(0.5 * shorter, 3 * float(np.median(np.diff(t)))):
+                chains[-1].append(plate)
+                continue
+        chains.append([plate])
+    return [chain for chain in chains if len(chain) >= 2]
+
+
+def _zigzags(p: Patient, delta: np.ndarray, chain: list[_Held]) -> list[tuple[int, int, Stretch]]:
+    """Return the zig-zag in a chain of plates, if it is one, without the plates at its ends that do not belong."""
+    t, psi = p.t, p["psi"]
+    lengths = np.array([t[plate.last - 1] - t[plate.first] for plate in chain])
+    usual = float(np.median(lengths))
+    angle = float(np.median([abs(plate.angle) for plate in chain]))
+    good = [
+        plate.dwell > 0.3 and 0.25 * usual < length < 4 * usual and 0.75 < abs(plate.angle) / angle < 1.35
+        for plate, length in zip(chain, lengths)
+    ]
+    best = max(robust.runs(np.array(good)), key=lambda run: run[1] - run[0], default=None)
+    if best is None or best[1] - best[0] < 2:
+        return []
+    plates = chain[best[0] : best[1]]
+    at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in plates[:-1]]) * plates[0].side
+    out, back = at[0::2], at[1::2]
+    if len(plates) == 2:
+        # One reversal: the heading must go out and come back.
+        course = psi[plates[0].first] * plates[0].side
+        swing, spread = float(out[0] - course), 0.0
+        if not swing > 0 or p["psi"][-1] * plates[0].side > out[0] + swing:
+            return []
+    else:
+        swing = 0.5 * float(np.median(out) - np.median(back))
+        spread = max(float(np.ptp(out)), float(np.ptp(back)))
+    begin, end = _begin(delta, plates[0]), _end(delta, plates[-1])
+    regular = swing > 0 and spread < 1.2 * swing and all(plate.dwell > 0.4 for plate in plates)
+    if swing <= 0 or swing > np.pi / 2 or spread > 2.5 * swing:
+        return []
+    heading = _heading_change(p, plates, swing)
+    nominal = _nominal(max(abs(plate.angle) for plate in plates))
+    return [
+        (
+            begin, end,
+            Stretch(
+                "zigzag", float(t[begin]), float(t[end]), nominal, _nominal(heading),
+                "starboard" if plates[0].side > 0 else "port", bool(regular),
+            ),
+        )
+    ]  # fmt: skip
+
+
+def _heading_change(p: Patient, plates: list[_Held], swing: float) -> float:
+    """Heading change at the order: where the rudder begins to leave its plate, and not where it is half over."""
+    _t, psi = p.t, p["psi"]
+    first = np.array([_leaves(p, plate) for plate in plates[:-1]])
+    at = psi[first] * plates[0].side
+    if len(at) < 2:
+        return float(at[0] - psi[plates[0].first] * plates[0].side)
+    value = 0.5 * float(np.median(at[0::2]) - np.median(at[1::2]))
+    return value if value > 0.3 * swing else swing
+
+
+def _leaves(p: Patient, plate: _Held) -> int:
+    delta = p["delta_order"] if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p[p.rudder or "delta"]
+    near = plate.side * delta[plate.first : plate.last] >= 0.85 * abs(plate.angle)
+    return plate.first + int(np.flatnonzero(near)[-1]) if near.any() else plate.last - 1
+
+
+def _nominal(angle: float) -> float:
+    degrees = float(np.degrees(angle))
+    return float(max(5 * round(degrees / 5), 5)) if degrees >= 2.5 else float(round(degrees, 1))
+
+
+def _begin(delta: np.ndarray, plate: _Held) -> int:
+    """The sample at which the rudder sets out for its plate."""
+    before = plate.side * delta[: plate.first + 1]
+    calm = np.flatnonzero(before < 0.15 * abs(plate.angle))
+    return int(calm[-1]) if calm.size else 0
+
+
+def _end(delta: np.ndarray, plate: _Held) -> int:
+    return min(plate.last, len(delta) - 1)
+
+
+def _turn(p: Patient, delta: np.ndarray, plate: _Held) -> list[tuple[int, int, Stretch]] | None:
+    """Return the turn sailed on one plate, and the pull-out after it."""
+    t, psi = p.t, p["psi"]
+    begin, end = _begin(delta, plate), _end(delta, plate)
+    turned = plate.side * float(psi[end] - psi[begin])
+    if turned < np.radians(80) or plate.dwell < 0.5:
+        return None
+    side = "starboard" if plate.side > 0 else "port"
+    angle = abs(plate.angle)
+    found = [
+        (
+            begin, end,
+            Stretch(
+                "turn", float(t[begin]), float(t[end]), _nominal(angle), round(float(np.degrees(turned)), 1), side,
+                plate.dwell > 0.7,
+            ),
+        )
+    ]  # fmt: skip
+    after = np.flatnonzero(np.abs(delta[end:]) > 0.25 * angle)
+    # The rudder may still be on its way back.
+    stop = len(t) - 1
+    beyond = after[after > 0.05 * (end - begin)]
+    if beyond.size:
+        stop = end + int(beyond[0])
+    if end + 5 < stop:
+        rate = smoothed(t, np.gradient(psi, t), 0.02 * float(t[end] - t[begin]) + 3 * p.sampling)
+        settled = np.flatnonzero(np.abs(rate[end:stop]) < 0.08 * float(np.quantile(np.abs(rate[begin:end]), 0.5)))
+        last = end + int(settled[0]) if settled.size else stop
+        if t[last] - t[end] > 3 * p.sampling:
+            found.append((end, last, Stretch("pull-out", float(t[end]), float(t[last]), 0.0, None, side)))
+    return found
+
+
+def _filled(p: Patient, delta: np.ndarray, taken: list[tuple[int, int, Stretch]]) -> list[Stretch]:
+    """Name what lies between the manoeuvres: steady or irregular."""
+    t = p.t
+    result: list[Stretch] = []
+    rudder = float(np.quantile(np.abs(delta), 0.95))
+    rate = np.abs(np.gradient(p["psi"], t)) if not p.has("r") else np.abs(p["r"])
+    high = float(np.quantile(rate, 0.95))
+    cursor = 0
+    for begin, end, stretch in [*taken, (len(t) - 1, len(t) - 1, None)]:
+        if begin - cursor > max(5, 0.003 * len(t)) or (stretch is None and not result and begin > cursor):
+            part = slice(cursor, begin)
+            still = float(np.quantile(np.abs(delta[part] - np.median(delta[part])), 0.95)) < max(0.15 * rudder, 0.02)
+            slow = float(np.quantile(rate[part], 0.9)) < max(0.25 * high, 4 * robust.noise(rate))
+            kind = "steady" if still and slow else "irregular"
+            result.append(Stretch(kind, float(t[cursor]), float(t[begin]), regular=kind == "steady"))
+        if stretch is not None:
+            result.append(stretch)
+            cursor = max(cursor, end)
+    return result
