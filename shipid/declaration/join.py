@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from inspect import getattr_static
 from typing import Any
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component
 from shipid.declaration.errors import DeclarationError, UnitError
 from shipid.declaration.model import Entry, Model
+from shipid.declaration.quantity import Equation, Quantity
 from shipid.declaration.unit_check import check_units
 
 
@@ -16,8 +18,9 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     """Join components into a model.
 
     What one component declares as `given` is what another states under the same name. What stays unconnected is an
-    input of the model. Constants of the same name are one particular of the ship. Every equation is run once
-    over quantities with units before the model is returned.
+    input of the model. Constants of the same name are one particular of the ship, and what two components inherit
+    unchanged from a common one is stated once. Every equation is run once over quantities with units before the model
+    is returned.
 
     Parameters
     ----------
@@ -46,7 +49,7 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     for part in parts:
         for entry in _entries(part):
             _check_declared_unit(entry)
-            for attribute in ("start", "low", "high", "nominal", "default"):
+            for attribute in ("start", "low", "high", "spread", "nominal", "default"):
                 entry.number(attribute)
             if entry.name not in order:
                 order.append(entry.name)
@@ -94,6 +97,8 @@ def _check_declared_unit(entry: Entry) -> None:
 def _state_once(first: Entry | None, second: Entry) -> Entry:
     if first is None:
         return second
+    if _inherit_the_same(first, second):
+        return first
     both_constant = first.quantity.kind == second.quantity.kind == "constant"
     if not both_constant:
         raise DeclarationError(
@@ -106,6 +111,24 @@ def _state_once(first: Entry | None, second: Entry) -> Entry:
             f"{units.pretty(second.unit)} in {second.owner.__name__}."
         )
     return first if first.quantity.default is not None else replace(first, quantity=second.quantity)
+
+
+def _inherit_the_same(first: Entry, second: Entry) -> bool:
+    """Whether two components inherit one and the same statement: declaration, equation, and helpers it may call."""
+    if first.owner is second.owner or first.quantity is not second.quantity:
+        return False
+    if first.equation is None or second.equation is None:
+        return first.equation is second.equation
+    if first.equation.function is not second.equation.function:
+        return False
+    common = next(c for c in first.owner.__mro__ if issubclass(second.owner, c))
+    helpers = [n for n in dir(common) if not n.startswith("__") and n not in vars(Component)]
+    return all(_same_helper(getattr_static(first.owner, n), getattr_static(second.owner, n)) for n in helpers)
+
+
+def _same_helper(first: Any, second: Any) -> bool:
+    # Quantities are connected by name, and equations are compared where their own quantity is.
+    return first is second or isinstance(first, Quantity | Equation) or isinstance(second, Quantity | Equation)
 
 
 def _check_connection(model: str, name: str, readers: list[Entry], source: Entry | None) -> None:

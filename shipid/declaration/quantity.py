@@ -95,6 +95,8 @@ class Quantity:
         One line in words, with the sign convention where there is one.
     start, low, high : float, str or None
         Where an estimate or a simulation starts, and its bounds, in `unit` (or a string with its own unit).
+    spread : float, str or None
+        Standard deviation of what is believed of a parameter before any trial, about `start`.
     nominal : float, str or None
         A typical size, used for scaling.
     latex : str or None
@@ -122,6 +124,7 @@ class Quantity:
     start: Number = None
     low: Number = None
     high: Number = None
+    spread: Number = None
     nominal: Number = None
     latex: str | None = None
     wraps: bool = False
@@ -236,6 +239,7 @@ def parameter(
     start: Number = None,
     low: Number = None,
     high: Number = None,
+    spread: Number = None,
     nominal: Number = None,
     latex: str | None = None,
     dimensional: str | None = None,
@@ -250,6 +254,9 @@ def parameter(
         As for `state`.
     start, low, high : float or str, optional
         Where the search starts, and its bounds.
+    spread : float or str, optional
+        Standard deviation of what is believed of it before any trial, about `start`; used when it is fitted for
+        prediction.
     dimensional : str, optional
         For a coefficient made dimensionless with L and U: the unit its dimensional form has, such as ``"1/s"`` for K*.
     prime : bool
@@ -264,6 +271,7 @@ def parameter(
         start=start,
         low=low,
         high=high,
+        spread=spread,
         nominal=nominal,
         latex=latex,
         dimensional=dimensional,

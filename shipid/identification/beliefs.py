@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.declaration.units import prime_factor
 from shipid.identification.problem import Prior
 from shipid.identification.sailed import Sailed
 
@@ -24,7 +25,12 @@ INDEPENDENT = 0.5
 
 
 def prior_of(
-    model: Model, initial: tuple[str, ...], biases: tuple[str, ...], sailed: Sailed, unit_time: float
+    model: Model,
+    initial: tuple[str, ...],
+    biases: tuple[str, ...],
+    sailed: Sailed,
+    unit_time: float,
+    estimated: tuple[str, ...] = (),
 ) -> Prior:
     """Return the prior of the trials of one ship.
 
@@ -38,6 +44,8 @@ def prior_of(
         A trial, for speed and sampling.
     unit_time : float
         L/U in s.
+    estimated : tuple of str
+        Parameters of which the declaration may believe something (`spread`).
 
     Returns
     -------
@@ -58,8 +66,19 @@ def prior_of(
         biases={n: wanted[n] for n in biases if n in wanted},
         mean_biases={n: means[n] for n in biases if n in means},
         initial={s: spread[s] for s in initial if s in spread} | nominal,
+        parameters={n: belief for n in estimated if (belief := _declared(model, n, speed, unit_time)) is not None},
         strength=strength_of(sailed, unit_time),
     )
+
+
+def _declared(model: Model, name: str, speed: float, unit_time: float) -> tuple[float, float] | None:
+    """Mean and standard deviation the declaration gives a parameter, SI."""
+    entry = model[name]
+    mean, spread = entry.number("start"), entry.number("spread")
+    if mean is None or spread is None:
+        return None
+    scale = prime_factor(entry.unit, speed * unit_time, speed) if entry.quantity.prime else 1.0
+    return mean * scale, spread * scale
 
 
 def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.ndarray:

@@ -134,7 +134,10 @@ def identify(
     biases = unknown_biases(setting.model, shown, rudder_bias)
     problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, biases)
     if purpose == "prediction":
-        problem = replace(problem, prior=prior_of(setting.model, problem.initial, biases, sailed[0], setting.unit_time))
+        problem = replace(
+            problem,
+            prior=prior_of(setting.model, problem.initial, biases, sailed[0], setting.unit_time, setting.estimated),
+        )
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
         solution = solve(

@@ -7,7 +7,7 @@ of the rudder (and of the cruising speed, where the model reads it): ``q = [para
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -34,6 +34,8 @@ class Prior:
         Standard deviation of that mean about zero.
     initial : mapping of str to float
         Standard deviation of an initial state about its first guess, SI, by state.
+    parameters : mapping of str to tuple of float
+        Mean and standard deviation of a shared parameter, SI.
     strength : float
         How many samples of the record one belief is worth: residuals are correlated, so that a belief would be
         outvoted by samples that repeat each other.
@@ -42,6 +44,7 @@ class Prior:
     biases: Mapping[str, float]
     mean_biases: Mapping[str, float]
     initial: Mapping[str, float]
+    parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     strength: float = 1.0
 
 
@@ -185,6 +188,10 @@ class Problem:
             if name in prior.initial:
                 for i, sailed in enumerate(self.sailed):
                     add({self.own(i).start + k: 1.0}, sailed.x0[states.index(name)], prior.initial[name])
+        for k, name in enumerate(self.estimated):
+            if name in prior.parameters:
+                mean, deviation = prior.parameters[name]
+                add({k: 1.0}, mean, deviation)
         if not slopes:
             return np.zeros(0), np.zeros((0, self.size))
         slope = np.array(slopes) * np.sqrt(prior.strength)
