@@ -351,3 +351,140 @@ def test_the_angle_has_to_be_named() -> None:
 
     with pytest.raises(UnitError, match=r"s²/rad², and s² does not say which angle it counts in\. .* s²/deg²"):
         join("ship", WithN3)
+
+
+class Scaled(Component):
+    """What two components of a ship have in common."""
+
+    u = given("m/s", "speed")
+    L = constant("m", "length")
+    pace = derived("1/s", "ship lengths per second")
+    share = parameter("1", "share of the speed that counts", start=1.0, low=0.1, high=2.0)
+
+    def counted(self):
+        """The speed that counts."""
+        return self.share * self.u
+
+    @pace.equals
+    def scale(self):
+        """Anon (2000)."""
+        return self.counted() / self.L
+
+
+class ScaledYaw(Scaled):
+    """Reads the common scale."""
+
+    r = state("rad/s", "rate of turn")
+
+    @r.rate
+    def yaw(self):
+        """Anon (2000)."""
+        return -self.pace * self.r
+
+
+class ScaledSpeed(Scaled):
+    """Reads the common scale too, and states what the other reads."""
+
+    u = state("m/s", "speed")
+
+    @u.rate
+    def slowing(self):
+        """Anon (2000)."""
+        return -self.pace * self.u
+
+
+def test_what_two_components_inherit_unchanged_is_stated_once() -> None:
+    for order in ((ScaledYaw, ScaledSpeed), (ScaledSpeed, ScaledYaw)):
+        model = join("ship", *order)
+        assert set(model.states) == {"u", "r"}
+        assert (model.derived, model.parameters, model.inputs) == (("pace",), ("share",), ())
+        sides = Evaluation(model, {"u": 6.0, "r": 0.01, "L": 100.0, "share": 0.5}).right_hand_sides("rate")
+        assert sides["u"] == pytest.approx(-0.03 * 6.0)
+        assert sides["r"] == pytest.approx(-0.03 * 0.01)
+    assert join("ship", join("half", ScaledYaw), ScaledSpeed).states == ("u", "r")
+
+
+def test_an_equation_that_replaces_the_inherited_one_is_stated_by_both() -> None:
+    class Slow(ScaledSpeed):
+        """Scales in its own way."""
+
+        def scale(self):
+            """Anon (2001)."""
+            return 0.5 * self.u / self.L
+
+    class SlowAsWell(Slow):
+        """Inherits that way."""
+
+    class Slower(ScaledYaw):
+        """Scales in another way."""
+
+        def scale(self):
+            """Anon (2002)."""
+            return 0.25 * self.u / self.L
+
+    words = r"'pace' is stated twice: by (\w+) \(derived, .*test_join\.py:\d+\) and by (\w+) \(derived, .*test_join\.py:\d+\)"
+    for pair in ((ScaledYaw, Slow), (Slow, ScaledYaw), (Slower, Slow)):
+        with pytest.raises(DeclarationError) as error:
+            join("ship", *pair)
+        found = re.search(words, str(error.value))
+        assert found and found.groups() == tuple(c.__name__ for c in pair)
+    with pytest.raises(DeclarationError, match=r"'pace' is stated twice: by ScaledYaw .* and by SlowAsWell "):
+        join("ship", ScaledYaw, SlowAsWell)
+
+
+def test_one_replacement_inherited_by_two_is_stated_once() -> None:
+    class Halved(Scaled):
+        """Scales in its own way, by a plain method that replaces the equation."""
+
+        def scale(self):
+            """Anon (2001)."""
+            return 0.5 * self.u / self.L
+
+    class HalvedYaw(Halved):
+        """Reads it."""
+
+        r = state("rad/s", "rate of turn")
+
+        @r.rate
+        def yaw(self):
+            """Anon (2000)."""
+            return -self.pace * self.r
+
+    class HalvedTrim(Halved):
+        """Reads it as well."""
+
+        trim = state("rad", "trim")
+
+        @trim.rate
+        def settling(self):
+            """Anon (2000)."""
+            return -self.pace * self.trim
+
+    assert join("ship", HalvedYaw, HalvedTrim).derived == ("pace",)
+
+
+def test_an_inherited_equation_with_another_helper_is_another_statement() -> None:
+    class Counted(ScaledSpeed):
+        """Keeps the equation of the scale, and changes what it calls."""
+
+        def counted(self):
+            """The speed that counts, halved."""
+            return 0.5 * self.share * self.u
+
+    for pair in ((ScaledYaw, Counted), (Counted, ScaledYaw)):
+        with pytest.raises(DeclarationError, match=r"'pace' is stated twice: by \w+ \(derived.* and by \w+ \(derived"):
+            join("ship", *pair)
+
+
+def test_a_quantity_declared_anew_is_stated_by_both() -> None:
+    class OtherShare(ScaledSpeed):
+        """Bounds the shared parameter anew."""
+
+        share = parameter("1", "share of the speed that counts", start=1.5, low=1.0, high=2.0)
+
+    with pytest.raises(
+        DeclarationError, match=r"'share' is stated twice: by ScaledYaw \(parameter\) and by OtherShare"
+    ):
+        join("ship", ScaledYaw, OtherShare)
+    with pytest.raises(DeclarationError, match=r"stated twice: by ScaledYaw .* and by ScaledYaw"):
+        join("ship", ScaledYaw, ScaledYaw)
