@@ -14,7 +14,7 @@ from shipid.models.kinematics import PlanarMotion
 
 
 class Bech(Component):
-    """The rate of turn with two poles of either sign, a lead, and a cubic damping."""
+    """Second-order rate of turn at one speed, poles of either sign, a lead, and a cubic damping."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
     w = state("rad/s^2", "yaw acceleration owed to the sway and the rudder of the past", nominal="0.05 deg/s^2")

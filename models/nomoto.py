@@ -12,7 +12,7 @@ from shipid.models.kinematics import PlanarMotion
 
 
 class Nomoto(Component):
-    """The first-order model of the rate of turn."""
+    """First-order rate of turn at one speed."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
@@ -27,7 +27,7 @@ class Nomoto(Component):
 
 
 class NomotoSecondOrder(Component):
-    """The second-order model, with the lead of the sway that the rudder starts.
+    """Second-order rate of turn at one speed, with the lead of the sway that the rudder starts.
 
     K (1 + tau3 s) / ((1 + tau1 s) (1 + tau2 s)), in a form that needs no derivative of the rudder.
     """

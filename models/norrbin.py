@@ -12,7 +12,7 @@ from shipid.models.kinematics import PlanarMotion
 
 
 class Norrbin(Component):
-    """The rate of turn with a cubic damping; n1 is fixed at 1, so an unstable ship has K < 0 and tau < 0."""
+    """First-order rate of turn at one speed with a cubic damping; an unstable ship has K < 0 and tau < 0, as n1 is 1."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")

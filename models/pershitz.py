@@ -38,7 +38,7 @@ class PershitzCoefficients(Component):
 
 
 class Pershitz(PershitzCoefficients):
-    """The continuous model."""
+    """Rate of turn and drift angle with a quadratic drift force, and a speed that follows the rate at once."""
 
     omega = state("rad/s", "rate of turn the ship would have without its loss of speed", nominal="1 deg/s")
     beta = state("rad", "drift angle, positive when the bow points inside a starboard turn", nominal="5 deg")
@@ -88,7 +88,7 @@ class Pershitz(PershitzCoefficients):
 
 
 class PershitzDiscrete(PershitzCoefficients):
-    """The discrete model, from which the drift angle has been eliminated.
+    """Heading change per metre sailed, sampled: Pershitz's model with the drift angle eliminated.
 
     Printed as it is, the model never leaves a turn: with the rudder amidships its time constant is infinite, as the
     ship of the paper is directionally unstable. `delta_midships` is the rudder angle the time constant is then taken
@@ -183,7 +183,7 @@ class PershitzDiscrete(PershitzCoefficients):
 
 
 class PershitzTrack(Component):
-    """The form a tracker uses: a turn that stays as it is, one of the tracker's few.
+    """A turn that stays as it is, sampled: Pershitz's model as a tracker uses it, one of its few turns.
 
     Every scan multiplies the speed by the loss of that turn, as printed; the paper's trackers set the speed of the
     turning models back to that of the straight one after each scan.
@@ -238,7 +238,7 @@ class PershitzTrack(Component):
 
 
 class PershitzTrackAugmented(PershitzTrack):
-    """The same with a displacement of the turn that is estimated; the loss of speed does not take it in."""
+    """A turn that stays as it is, sampled, and an estimated displacement of it, which the loss of speed leaves out."""
 
     dOmega = state("rad/m", "turn of the ship less that of the model", nominal=0.001, latex=r"\Delta\Omega")
 
