@@ -49,7 +49,7 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     for part in parts:
         for entry in _entries(part):
             _check_declared_unit(entry)
-            for attribute in ("start", "low", "high", "nominal", "default"):
+            for attribute in ("start", "low", "high", "spread", "nominal", "default"):
                 entry.number(attribute)
             if entry.name not in order:
                 order.append(entry.name)
