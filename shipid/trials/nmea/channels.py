@@ -41,7 +41,7 @@ def read_signals(log: Log, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Sign
     -------
     dict of str to Signal
         ``psi`` and at least one of ``delta`` and ``delta_order``; further ``r``, ``water`` or ``ground`` (u, v),
-        ``course`` (velocity north and east), ``position`` (x, y of the antenna), ``wind`` and ``true wind`` (speed and
+        ``course`` (velocity over ground along the ship and across), ``position`` (x, y of the antenna), ``wind`` and ``true wind`` (speed and
         components), ``depth``.
 
     Raises
@@ -54,7 +54,8 @@ def read_signals(log: Log, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Sign
         If the format file names a source that is not there.
     """
     check_sources(log, fmt.sources)
-    found: list[Signal | None] = [_heading(log, times, fmt)]
+    heading = _heading(log, times, fmt)
+    found: list[Signal | None] = [heading]
     found += [_rudder(log, times, fmt, "delta", "RSA", fmt.rudder)]
     found += [_rudder(log, times, fmt, "delta_order", "ROR", fmt.order)]
     if found[1] is None and found[2] is None:
@@ -62,15 +63,14 @@ def read_signals(log: Log, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Sign
             f"{log.where} holds no rudder angle: no RSA and no ROR with two valid values. Seen were {log.seen()}. Log the "
             "rudder angle sensor (RSA) too; without the rudder there is nothing to identify or to measure."
         )
-    course = _course(log, times, fmt)
+    course = _course(log, times, fmt, heading)
     found += [
         _rate(log, times, fmt),
         _log_speed(log, times, fmt, course is not None),
         course,
         _position(log, times, fmt),
     ]
-    assert found[0] is not None
-    found += _winds(log, times, fmt, found[0])
+    found += _winds(log, times, fmt, heading)
     if (depth := choose(log, times, fmt, "depth", [[("DPT", ("depth",))]])) is not None:
         found.append(
             Signal("depth", depth.t, depth.values, (f"depth: {depth.describe()}; below the transducer, in m.",))
@@ -151,6 +151,11 @@ def _rudder(
                 f"state scale in {table} of a format file."
             )
     angle = calibration.sign * (calibration.scale * number + calibration.offset)
+    if calibration.stated and (most := float(np.abs(angle).max())) > 90 * _DEG:
+        raise CalibrationError(
+            f"{log.where}: by the calibration in {table} of the format file the rudder goes to {most / _DEG:.4g} deg. Correct "
+            f"the scale: the largest {kind} is {np.abs(number).max():.4g}."
+        )
     if calibration != Calibration(use=calibration.use):
         turned = "-" if calibration.sign < 0 else ""
         note += (
@@ -184,13 +189,18 @@ def _log_speed(log: Log, times: np.ndarray, fmt: NmeaFormat, has_course: bool) -
     return None
 
 
-def _course(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
+def _course(log: Log, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
+    """Velocity over ground along the ship and across: it changes less than north and east do between two sentences."""
     found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))]])
     if found is None:
         return None
-    speed, course = found.values[:, 0] * KNOT, found.values[:, 1] * _DEG
-    vector = np.column_stack((speed * np.cos(course), speed * np.sin(course)))
-    return Signal("course", found.t, vector, (f"U: {found.describe()}; over ground, knots.",))
+    inside = (found.t >= psi.t[0]) & (found.t <= psi.t[-1])
+    t, (speed, course) = found.t[inside], found.values[inside].T * ((KNOT,), (_DEG,))
+    if len(t) < 2:
+        return None
+    angle = course - np.interp(t, psi.t, psi.values[:, 0])
+    vector = np.column_stack((speed * np.cos(angle), speed * np.sin(angle)))
+    return Signal("course", t, vector, (f"U: {found.describe()}; over ground, knots.",))
 
 
 def _position(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:

@@ -69,9 +69,11 @@ def to_geographic(
     """
     north, east = np.asarray(north, dtype=float), np.asarray(east, dtype=float)
     lat, lon = np.full(north.shape, origin[0]), np.full(north.shape, origin[1])
-    for _ in range(6):  # Newton with the radii of curvature: each round gains a factor d/R
+    for _ in range(30):  # Newton with the radii of curvature: each round gains a factor tan(lat) d/R
         x, y = to_local(lat, lon, origin)
         vertical, meridian = _radii(lat)
         lat = lat + (north - x) / meridian
         lon = lon + (east - y) / (vertical * np.cos(lat))
+        if max(np.abs(north - x).max(initial=0.0), np.abs(east - y).max(initial=0.0)) < 1e-7:
+            break
     return lat, lon

@@ -10,8 +10,9 @@ from typing import NamedTuple
 
 DAY = 86400.0
 
+# Possessive (+), so that a broken checksum does not make the fields before it a sentence of its own.
 _SENTENCE = re.compile(
-    r"[$!]([A-Z][A-Z0-9]{2,15})((?:,[^*\x00-\x1f\x7f-\U0010ffff]*)?)(\*([0-9A-Fa-f]{2})|)(?=\s|$|[,;|])"
+    r"[$!]([A-Z][A-Z0-9]{2,15})((?:,[^*\x00-\x1f\x7f-\U0010ffff]*+)?+)(?:\*([0-9A-Fa-f]{2})(?![0-9A-Za-z])|\s*$)"
 )
 _TAG = re.compile(r"\\([^\\]*)\*([0-9A-Fa-f]{2})\\")
 _TAG_TIME = re.compile(r"(?:^|,)c:(\d+(?:\.\d+)?)")
@@ -87,7 +88,7 @@ def split_line(line: str) -> Sentence | None:
     match = _SENTENCE.match(line, at)
     if match is None:
         return None
-    return Sentence(match[1], line[at : match.end(2)], match[4], line[:at])
+    return Sentence(match[1], line[at : match.end(2)], match[3], line[:at])
 
 
 def tag_time(front: str) -> tuple[Stamp | None, bool]:

@@ -137,7 +137,8 @@ class _Collector:
         self.comment = tuple({fmt.comment, "#", ";", "//"})
         self.head: list[str] = []
         self.numbers, self.stamps, self.dated = array("q"), array("d"), array("b")
-        self.summed = array("b")
+        self.summed, self.addresses = array("b"), array("q")
+        self.known: dict[str, int] = {}
         self.exact = 0
         self.found: dict[tuple[str, str], tuple[array[int], array[float]]] = {}
         self.others: Counter[str] = Counter()
@@ -191,6 +192,7 @@ class _Collector:
         self.stamps.append(_NAN if stamp is None else stamp.time)
         self.dated.append(stamp is not None and stamp.dated)
         self.summed.append(sentence.checksum is not None)
+        self.addresses.append(self.known.setdefault(address, len(self.known)))
         self.exact += stamp is not None and stamp.exact
 
     def log(self, where: str) -> Log:
@@ -201,14 +203,14 @@ class _Collector:
             )
         numbers, stamps = np.array(self.numbers, dtype=int), np.array(self.stamps, dtype=float)
         summed, dated = np.array(self.summed, dtype=bool), np.array(self.dated, dtype=bool)
-        keep, cut = np.ones(len(numbers), dtype=bool), False
-        broken = list(self.broken)
+        cut, broken = False, list(self.broken)
         torn = not self.text.endswith(("\n", "\r"))
-        if summed.any() and summed.mean() > 0.5:
-            keep = summed  # where the others have one, a line without checksum was cut
-            broken = sorted({*broken, *numbers[~keep].tolist()})
-        elif torn and keep.size and numbers[-1] == self.lines:
-            keep[-1] = not torn  # nothing says whether it is whole
+        # A device sends checksums or it does not: a line that lacks one beside others that have it was cut.
+        address = np.array(self.addresses, dtype=int)
+        keep = summed | ~np.isin(address, np.unique(address[summed]))
+        broken = sorted({*broken, *numbers[~keep].tolist()})
+        if torn and keep.size and numbers[-1] == self.lines and keep[-1] and not summed[-1]:
+            keep[-1] = False  # nothing says whether it is whole
             broken.append(self.lines)
         if torn and self.lines in broken:
             cut = True
@@ -217,8 +219,8 @@ class _Collector:
         notes = []
         if cut:
             notes.append(f"The last line ({self.lines}) is cut off and was left out.")
-        notes += _named(broken, "broken", "not a whole sentence, or fields that are not numbers")
-        notes += _named(list(self.wrong), "with a wrong checksum", "left out")
+        notes += _named(broken, "left out as broken (not a whole sentence, or fields that are not numbers)")
+        notes += _named(list(self.wrong), "left out for a wrong checksum")
         if not summed.any():
             notes.append("WARNING: no sentence has a checksum, so lines garbled on the wire are not found out.")
         records = {}
@@ -258,9 +260,8 @@ class _Collector:
             )
 
 
-def _named(lines: list[int], what: str, reason: str) -> list[str]:
+def _named(lines: list[int], what: str) -> list[str]:
     if not lines:
         return []
     first = ", ".join(str(n) for n in lines[:5]) + (", ..." if len(lines) > 5 else "")
-    some = f"{len(lines)} lines are" if len(lines) > 1 else "1 line is"
-    return [f"{some} {what} ({reason}): {first}."]
+    return [f"{len(lines)} {'lines were' if len(lines) > 1 else 'line was'} {what}: {first}."]

@@ -21,14 +21,14 @@ SHORTEST = 0.1
 """Shortest sampling interval that is taken by itself [s]."""
 
 _UNITS = {
-    "t": "s", "psi": "rad", "r": "rad/s", "delta": "rad", "delta_order": "rad", "u": "m/s", "v": "m/s", "U": "m/s",
+    "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "U": "m/s",
     "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
     "wind_direction_relative": "rad", "depth": "m",
 }  # fmt: skip
 
 
 def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
-    """Read an NMEA 0183 log as raw columns in SI units.
+    """Read an NMEA 0183 log as raw columns with their units.
 
     Parameters
     ----------
@@ -67,6 +67,8 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
         )
     _check_rate(signals, log.where)
     columns = {"t": t} | _columns(t, found, fmt, signals)
+    # Sentences count in degrees, and so does what is said of these columns.
+    columns |= {name: np.degrees(columns[name]) for name in columns if _UNITS[name].startswith("deg")}
     notes = [f"NMEA 0183, resampled to {step:.4g} s by linear interpolation.", *clock.notes]
     notes += [note for name, signal in signals.items() if name in found for note in signal.notes]
     notes += _derived(columns, found, fmt, signals)
@@ -85,7 +87,7 @@ def _columns(
     psi = found["psi"][:, 0]
     plain = ("psi", "r", "delta", "delta_order", "depth")
     result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
-    forward, starboard = fmt.antenna
+    forward, starboard = fmt.antenna or (0.0, 0.0)
     if "position" in found:
         x, y = found["position"].T
         result["x"] = x - forward * np.cos(psi) + starboard * np.sin(psi)
@@ -94,16 +96,14 @@ def _columns(
     if speeds is not None:
         result |= dict(zip(("u", "v"), speeds.T))
     if "course" in found:
-        north, east = found["course"].T
+        u, v = found["course"].T
         if forward or starboard:
             # The antenna goes round midship.
             r = _turning(t, found, signals["psi"])
-            north = north + r * (forward * np.sin(psi) + starboard * np.cos(psi))
-            east = east - r * (forward * np.cos(psi) - starboard * np.sin(psi))
-        result["U"] = np.hypot(north, east)
+            u, v = u + r * starboard, v - r * forward
+        result["U"] = np.hypot(u, v)
         if speeds is None and not _magnetic(signals["psi"]):
-            result["u"] = north * np.cos(psi) + east * np.sin(psi)
-            result["v"] = east * np.cos(psi) - north * np.sin(psi)
+            result |= {"u": u, "v": v}
     for name, tail in (("wind", "_relative"), ("true wind", "")):
         if name in found:
             speed, along, across = found[name].T
@@ -128,13 +128,19 @@ def _derived(
     notes = []
     if "u" in columns and "water" not in found and "ground" not in found:
         notes.append("u, v: of course and speed over ground and the heading; a current is in them.")
-    if fmt.antenna != (0.0, 0.0) and {"position", "course"} & set(found):
+    if fmt.antenna is not None and {"position", "course"} & set(found):
         notes.append(
             f"x, y, U are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
             "of it."
         )
     elif "position" in found:
         notes.append("x, y are of the antenna; state [nmea.antenna] for those of midship.")
+    if "delta" in columns and "r" not in columns:  # with ROT, every trial is looked at
+        slope = np.gradient(columns["psi"], columns["t"]) if len(columns["t"]) > 1 else columns["t"]
+        if checks.turns_to_port(columns["t"], np.radians(columns["delta"]), np.radians(slope)):
+            notes.append(
+                "WARNING: positive RSA turns this ship to port: state sign = -1 in [nmea.rudder] of a format file."
+            )
     return notes
 
 

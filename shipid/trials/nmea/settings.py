@@ -128,8 +128,8 @@ class NmeaFormat(TrialFormat):
         Unit of ROT.
     rate_sign : int
         -1 where positive ROT turns to port.
-    antenna : tuple of float
-        Forward and to starboard of midship [m].
+    antenna : tuple of float or None
+        Forward and to starboard of midship [m]; None is not known.
     sources : Mapping of str to str
         Sentence, or talker and sentence, by signal.
     """
@@ -147,7 +147,7 @@ class NmeaFormat(TrialFormat):
     correction: float = 0.0
     rate_unit: str = "deg/min"
     rate_sign: int = 1
-    antenna: tuple[float, float] = (0.0, 0.0)
+    antenna: tuple[float, float] | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -217,7 +217,7 @@ class _NmeaParser(_Parser):
             correction=self.signed(heading, "correction", "rad", "nmea.heading."),
             rate_unit=self.rate_unit(self.typed(rate, "unit", str, "[nmea.rate] ", "deg/min")),
             rate_sign=self.sign(rate, "[nmea.rate]"),
-            antenna=(self.signed(antenna, "x", "m", "nmea.antenna."), self.signed(antenna, "y", "m", "nmea.antenna.")),
+            antenna=self.place(antenna),
             sources=self.chosen(parts["sources"]),
         )
 
@@ -242,6 +242,10 @@ class _NmeaParser(_Parser):
             return units.to_si(value, wanted, f"{where}{key}")
         except UnitError as error:
             raise self.fail(str(error)) from None
+
+    def place(self, table: dict[str, Any]) -> tuple[float, float] | None:
+        x, y = (self.signed(table, key, "m", "nmea.antenna.") for key in ("x", "y"))
+        return (x, y) if table else None
 
     def sign(self, table: dict[str, Any], where: str) -> int:
         sign = int(self.typed(table, "sign", int, where + " ", 1))

@@ -11,15 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
+from shipid.declaration.errors import UnknownNameError
 from shipid.trials.errors import MissingFileError, OverwriteError
 from shipid.trials.nmea.channels import KNOT
 from shipid.trials.nmea.geodesy import to_geographic
 from shipid.trials.nmea.lines import checksum
 from shipid.trials.trial import Trial
 
-#: Sentences a second, by address: a gyro and a rudder indicator are fast, a log and a receiver are not.
+#: Sentences a second, by address: gyro and rudder indicator are fast, a log and a receiver are not.
 RATES: dict[str, float] = {
-    "HEHDT": 5.0, "HEROT": 5.0, "IIRSA": 2.0, "IIROR": 2.0, "VDVBW": 1.0, "GPGGA": 1.0, "GPVTG": 1.0, "GPZDA": 1.0,
+    "HEHDT": 5.0, "HEROT": 5.0, "IIRSA": 5.0, "IIROR": 5.0, "VDVBW": 1.0, "GPGGA": 1.0, "GPVTG": 1.0, "GPZDA": 1.0,
     "WIMWV": 1.0,
 }  # fmt: skip
 START = datetime(2026, 5, 4, 9, 0, tzinfo=UTC)
@@ -90,7 +91,7 @@ def _fields(kind: str, v: dict[str, float], moment: datetime) -> tuple[str, ...]
             return f"{round(angle, 1) % 360:.1f}", "R", f"{v['wind_speed_relative'] / KNOT:.1f}", "N", "A"
         case "DPT":
             return f"{v['depth']:.1f}", "0.0"
-    raise ValueError(f"the sentence {kind} is not written; {', '.join(_NEEDS)} are")
+    raise AssertionError(kind)
 
 
 #: What a logger puts before a sentence, by the name of its layout.
@@ -137,8 +138,18 @@ def nmea_lines(
     ------
     str
         Without the end of the line.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such sentence or stamp.
     """
     rates = RATES if rates is None else rates
+    for address in rates:
+        if address[2:] not in _NEEDS:
+            raise UnknownNameError("sentence that is written called", address[2:], _NEEDS)
+    if stamp not in STAMPS:
+        raise UnknownNameError("stamp called", stamp, STAMPS)
     table = {name: trial[name] for name in trial.table.columns}
     t = table["t"]
     events: list[tuple[float, str, dict[str, float]]] = []

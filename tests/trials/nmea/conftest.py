@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+
+import pytest
+
+pytest.importorskip("pynmeagps")
+
+START = datetime(2026, 5, 4, 9, 0)
+
+
+def summed(text: str) -> str:
+    """A sentence with its checksum, counted here and not by shipid."""
+    total = 0
+    for character in text:
+        total ^= ord(character)
+    return f"${text}*{total:02X}"
+
+
+def iso(seconds: float) -> str:
+    return (START + timedelta(seconds=seconds)).isoformat(timespec="milliseconds") + "Z "
+
+
+@pytest.fixture
+def sentence():
+    return summed
+
+
+@pytest.fixture
+def stamped():
+    """Log text: sentences by how often a second, with ISO stamps; ``{t}`` and functions of t are filled in."""
+
+    def make(*wanted, seconds=20.0, stamp=iso, comment="# sea trial\n", end="\n") -> str:
+        events = []
+        for text, rate in wanted:
+            for k in range(round(seconds * rate) + 1):
+                t = k / rate
+                events.append((t, text(t) if callable(text) else text))
+        lines = [
+            stamp(t) + (body if body.startswith(("$", "!")) else summed(body))
+            for t, body in sorted(events, key=lambda e: e[0])
+        ]
+        return comment + end.join(lines) + end
+
+    return make
+
+
+@pytest.fixture
+def basic():
+    """A heading that turns at half a degree a second, and a rudder that goes from 0 to 10 after 5 s."""
+    return (
+        (lambda t: f"HEHDT,{(350 + 0.5 * t) % 360:.1f},T", 5),
+        (lambda t: f"IIRSA,{10.0 if t > 5 else 0.0:.1f},A,,V", 2),
+    )
+
+
+@pytest.fixture
+def toml(tmp_path):
+    """Write a format file and return its path."""
+
+    def write(text: str):
+        path = tmp_path / "logger.toml"
+        path.write_text(text)
+        return path
+
+    return write
