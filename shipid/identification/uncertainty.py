@@ -1,8 +1,9 @@
 """How sure the estimates are: covariance, effective samples, correlation, and what the data do not determine.
 
-Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row. The information
-in each signal is therefore counted in effective samples, the number of samples over the integrated autocorrelation time
-of its residuals. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
+Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row, and waves swing
+heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
+(`shipid.identification.colour`), where the coefficients show. What it comes to is said in effective samples: as many
+independent ones would tell as much. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
 """
 
 from __future__ import annotations
@@ -11,10 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.identification.colour import Colour, colour_of, corrected
 from shipid.identification.solve import Solution
 
 #: A parameter whose standard deviation exceeds this part of its size is not determined by the data.
 UNDETERMINED = 0.5
+#: Times the colour of the residuals is corrected for what the unknowns took up of the noise.
+_CORRECTIONS = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,12 +32,16 @@ class Covariance:
     condition_number : float
         Of the information matrix of the parameters, each scaled to unit information (1 is best).
     effective : ndarray, shape (trials, signals)
-        Effective samples over samples.
+        Effective samples over samples: the variance of the unknowns if the signal's residuals were white and of the same
+        power, over their variance as they are.
+    excess : ndarray, shape (unknowns,)
+        Variance of each unknown over the one it would have if all residuals were white.
     """
 
     matrix: np.ndarray
     condition_number: float
     effective: np.ndarray
+    excess: np.ndarray
 
 
 def autocorrelation_time(residual: np.ndarray) -> float:
@@ -64,7 +72,11 @@ def autocorrelation_time(residual: np.ndarray) -> float:
 
 
 def covariance_of(solution: Solution) -> Covariance:
-    """Return the covariance of the unknowns of a solution.
+    """Return the covariance of the unknowns of a solution: ``H^-1 M H^-1``.
+
+    H is the information matrix of the search, M the covariance of its gradient under the residuals as they are, each
+    trial with the colour of its own (Huber 1967; White 1982). For white residuals M is H, and the covariance the
+    Cramer-Rao bound.
 
     Parameters
     ----------
@@ -72,36 +84,79 @@ def covariance_of(solution: Solution) -> Covariance:
         At its optimum.
     """
     problem = solution.problem
-    split = problem.by_signal(solution.residual)
-    times = np.array([[autocorrelation_time(s) for s in trial] for trial in split])
-    jacobian = solution.jacobian.copy()
-    at = 0
-    for i, sailed in enumerate(problem.sailed):
-        n = sailed.intervals.size
-        for j in range(len(problem.signals)):
-            jacobian[at : at + n] /= np.sqrt(times[i, j])
-            at += n
-    if problem.prior is not None:
-        jacobian[at:] /= np.sqrt(problem.prior.strength)
+    trials, signals = len(problem.sailed), len(problem.signals)
     if not problem.size:
-        return Covariance(np.zeros((0, 0)), 1.0, 1 / times)
+        return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
+    jacobian = solution.jacobian
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
     _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
     small = singular < 1e-8 * singular[0]
     inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
-    inner = (rows.T * inverse**2) @ rows
-    matrix = np.zeros((problem.size, problem.size))
+    half = rows.T * inverse
+    cover, effective = _cover(solution, scaled, half)
     index = np.flatnonzero(seen)
-    matrix[np.ix_(index, index)] = inner / np.outer(norms[seen], norms[seen])
+    scales = np.outer(norms[seen], norms[seen])
+    matrix = np.zeros((problem.size, problem.size))
+    matrix[np.ix_(index, index)] = cover / scales
+    white = np.zeros(problem.size)
+    white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.where(white > 0, np.diag(matrix) / white, 1.0)
     # A direction the data do not see has no finite variance: neither has any unknown that takes part in it.
     lost = ~seen
     if small.any():
         lost[index] |= (np.abs(rows[small]) > 1e-3).any(axis=0)
     matrix[lost, :] = matrix[:, lost] = 0.0
     matrix[lost, lost] = np.inf
-    return Covariance(matrix, _condition(matrix, len(problem.estimated)), 1 / times)
+    return Covariance(matrix, _condition(matrix, len(problem.estimated)), effective, excess)
+
+
+def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
+    problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
+    blocks, at = [], 0
+    for sailed in problem.sailed:
+        count = sailed.intervals.size
+        rows = slice(at, at + count * signals)
+        at += count * signals
+        used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
+        block = scaled[rows][:, used].reshape(signals, count, -1)
+        blocks.append((solution.residual[rows].reshape(signals, count), block, used))
+    beliefs = scaled[at:]
+    prior = problem.prior.strength * beliefs.T @ beliefs if problem.prior is not None else np.zeros_like(flat)
+
+    def covered(colours: list[Colour]) -> np.ndarray:
+        scatter = prior.copy()
+        for (_, block, used), colour in zip(blocks, colours):
+            shaped = colour.shaped(block)
+            scatter[np.ix_(used, used)] += shaped.T @ shaped
+        return np.asarray(flat @ scatter @ flat)
+
+    colours = [colour_of(residual) for residual, _, _ in blocks]
+    cover = covered(colours)
+    for _ in range(_CORRECTIONS):
+        colours = [
+            corrected(c, e, j, flat[np.ix_(used, used)], cover[np.ix_(used, used)])
+            for c, (e, j, used) in zip(colours, blocks)
+        ]
+        cover = covered(colours)
+    shares = [[_share(e, j, used, half, c, k) for k in range(signals)] for c, (e, j, used) in zip(colours, blocks)]
+    return cover, np.array(shares)
+
+
+def _share(
+    residual: np.ndarray, block: np.ndarray, used: np.ndarray, half: np.ndarray, colour: Colour, signal: int
+) -> float:
+    """Variance by one signal, were its residuals white and of the same power, over the variance by it as it is."""
+    if not colour.order:
+        return 1.0
+    alone = np.zeros_like(block)
+    alone[signal] = block[signal]
+    true = float(np.sum((colour.shaped(alone) @ half[used]) ** 2))
+    white = float(np.mean(residual[signal] ** 2) * np.sum((block[signal] @ half[used]) ** 2))
+    return 1.0 if true <= 0 or white <= 0 else min(1.0, white / true)
 
 
 def _condition(matrix: np.ndarray, shared: int) -> float:
