@@ -17,9 +17,14 @@ from shipid.identification.sailed import Sailed
 #: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
 RUDDER_BIAS = np.deg2rad(0.05)
 MEAN_RUDDER_BIAS = np.deg2rad(2.0)
-#: Standard deviation of a measured initial angle in rad; of a speed, in shares of the ship's.
-INITIAL_ANGLE = np.deg2rad(1.0)
-INITIAL_SPEED = 0.03
+#: Standard deviation of a measured initial heading (and drift) in rad, of an initial speed in shares of the ship's; of the
+#: cruising speed, which the approach shows.
+INITIAL_ANGLE = np.deg2rad(0.2)
+INITIAL_SPEED = 0.006
+CRUISE = 0.003
+#: Error at which a low-order model is as good as can be hoped: angles in rad, speeds in shares of the ship's.
+STRUCTURE_ANGLE = np.deg2rad(1.0)
+STRUCTURE_SPEED = 0.03
 #: Time between two independent samples of a residual, in L/U.
 INDEPENDENT = 0.5
 
@@ -60,11 +65,10 @@ def prior_of(
     }
     # A state nobody measures starts near zero, within its nominal size; a position without one stays free.
     nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
-    wanted = {"delta": RUDDER_BIAS, "cruise": INITIAL_SPEED * speed}
-    means = {"delta": MEAN_RUDDER_BIAS, "cruise": INITIAL_SPEED * speed}
     return Prior(
-        biases={n: wanted[n] for n in biases if n in wanted},
-        mean_biases={n: means[n] for n in biases if n in means},
+        biases={"delta": RUDDER_BIAS} if "delta" in biases else {},
+        mean_biases={"delta": MEAN_RUDDER_BIAS} if "delta" in biases else {},
+        own={"cruise": CRUISE * speed} if "cruise" in biases else {},
         initial={s: spread[s] for s in initial if s in spread} | nominal,
         parameters={n: belief for n in estimated if (belief := _declared(model, n, speed, unit_time)) is not None},
         strength=strength_of(sailed, unit_time),
@@ -99,10 +103,10 @@ def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.
     speed = abs(sailed.speed)
     track = speed * unit_time * 0.05
     scale = {
-        "psi": INITIAL_ANGLE,
-        "r": INITIAL_ANGLE / unit_time,
-        "u": INITIAL_SPEED * speed,
-        "v": INITIAL_ANGLE * speed,
+        "psi": STRUCTURE_ANGLE,
+        "r": STRUCTURE_ANGLE / unit_time,
+        "u": STRUCTURE_SPEED * speed,
+        "v": STRUCTURE_ANGLE * speed,
         "x": track,
         "y": track,
     }

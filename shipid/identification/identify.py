@@ -26,7 +26,7 @@ from shipid.identification.problem import make_problem
 from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
 from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
-from shipid.identification.validation import compare
+from shipid.identification.validation import compare, warm_up_samples
 from shipid.trials.checks import check_identifiable_input, check_regular
 from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
@@ -124,7 +124,10 @@ def identify(
         check_answer(trial, shown)
     own_speed = setting.ship.particular("speed", "m/s")
     # The trials to predict as well: what they lack is found before the search, not after it.
-    sailed = [prepare(setting.model, t, shown, own_speed) for t in (*trials, *validate)][: len(trials)]
+    everything = [
+        prepare(setting.model, t, shown, own_speed, warm_up_samples(t, setting.unit_time)) for t in (*trials, *validate)
+    ]
+    sailed = everything[: len(trials)]
     _check_length(setting, trials)
     sigma, weigh = _weights(shown, noise, setting.unit_time)
     if purpose == "prediction" and noise is None:

@@ -18,6 +18,9 @@ from shipid.identification.sailed import Sailed
 
 #: Weighted residual of a sample at which the model has run away.
 RUNAWAY = 1e6
+#: How much less is believed of the cruising speed, and of a state nobody measures, where a trial begins in the middle of a
+#: manoeuvre.
+_UNSETTLED = 20.0
 #: Slope beyond which squares would overflow.
 _STEEP = 1e30
 
@@ -32,6 +35,8 @@ class Prior:
         Standard deviation of a trial's bias about the mean of all trials, SI, by input.
     mean_biases : mapping of str to float
         Standard deviation of that mean about zero.
+    own : mapping of str to float
+        Standard deviation of a bias that trials do not share about zero, SI, by input: the cruising speed.
     initial : mapping of str to float
         Standard deviation of an initial state about its first guess, SI, by state.
     parameters : mapping of str to tuple of float
@@ -43,6 +48,7 @@ class Prior:
 
     biases: Mapping[str, float]
     mean_biases: Mapping[str, float]
+    own: Mapping[str, float]
     initial: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     strength: float = 1.0
@@ -184,10 +190,16 @@ class Problem:
             if name in prior.biases and count > 1:
                 for i in columns:
                     add({c: float(c == i) - 1 / count for c in columns}, 0.0, prior.biases[name])
+            if name in prior.own:
+                for c, sailed in zip(columns, self.sailed):
+                    add({c: 1.0}, 0.0, prior.own[name] * (1.0 if sailed.settled else _UNSETTLED))
         for k, name in enumerate(self.initial):
             if name in prior.initial:
                 for i, sailed in enumerate(self.sailed):
-                    add({self.own(i).start + k: 1.0}, sailed.x0[states.index(name)], prior.initial[name])
+                    # In the middle of a manoeuvre nobody knows what is not measured.
+                    known = sailed.settled or sailed.trial.has(name)
+                    deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
+                    add({self.own(i).start + k: 1.0}, sailed.x0[states.index(name)], deviation)
         for k, name in enumerate(self.estimated):
             if name in prior.parameters:
                 mean, deviation = prior.parameters[name]

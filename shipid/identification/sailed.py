@@ -39,6 +39,8 @@ class Sailed:
         A first guess of the initial states.
     speed : float
         Median speed in m/s (1 where neither trial nor ship knows it).
+    settled : bool
+        Whether it begins on a steady course, rudder amidships: then states that nobody measures begin near zero.
     """
 
     trial: Trial
@@ -47,6 +49,7 @@ class Sailed:
     measured: np.ndarray
     x0: np.ndarray
     speed: float
+    settled: bool = True
 
     def thinned(self, most: int) -> Sailed:
         """Return every n-th sample, so that at most about `most` are left."""
@@ -159,7 +162,24 @@ def prepare(
         inputs[i] = value
     x0 = np.array([_initial(model, trial, s, known, first) for s in model.states])
     measured = np.array([trial[s] for s in signals])
-    return Sailed(trial, np.diff(t, append=t[-1]), inputs, measured, x0, speed or 1.0)
+    return Sailed(
+        trial,
+        np.diff(t, append=t[-1]),
+        inputs,
+        measured,
+        x0,
+        speed or 1.0,
+        not gathering and _settled(trial, min(first, 10)),
+    )
+
+
+def _settled(trial: Trial, first: int) -> bool:
+    """Whether the rudder rests near amidships and the rate of turn is small beside what the trial goes on to."""
+    still = not trial.has("delta") or float(np.abs(trial["delta"][:first]).max()) < 1.5 * _MOVED
+    if not trial.has("r"):
+        return still
+    rate = trial["r"]
+    return still and abs(float(np.median(rate[:first]))) < 0.15 * float(np.abs(rate).max())
 
 
 def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> float:

@@ -143,7 +143,9 @@ def test_sensitivities_over_a_whole_record(one: Any, sail: Any, hold: str) -> No
         measured = (8 * (y[1] - y[-1]) - y[2] + y[-2]) / (12 * h)
         # Rounding of the outputs is of their own size, whatever the unknown does to them.
         rounding = 1e-13 * np.abs(y[1]).max(axis=1) / h
-        allowed = 1e-7 * np.abs(measured).max(axis=1) + rounding
+        # The cross-flow changes its sign along the hull, and w |w| has no third derivative there.
+        smooth = 1e-5 if model.name == "cross-flow" else 1e-7
+        allowed = smooth * np.abs(measured).max(axis=1) + rounding
         assert (np.abs(dy[:, j] - measured).max(axis=1) <= allowed).all(), name
         moving += np.abs(dy[:, j]).max() > 0
     assert moving >= len(record.unknowns) - 2  # nothing depends on the positions' start but the positions

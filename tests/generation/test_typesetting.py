@@ -66,7 +66,9 @@ def test_the_print_evaluates_to_the_generated_function(one: Any, plain: Any, rng
             if not np.isfinite(value):
                 assert printed.target in ("tau1", "tau2")  # of complex poles
                 continue
-            assert float(expression.evalf(25, subs=numbers)) == pytest.approx(value, rel=1e-10), printed.plain
+            # The points and weights of the cross-flow are printed to six digits.
+            rounding = 1e-5 if one.model.name == "cross-flow" else 1e-10
+            assert float(expression.evalf(25, subs=numbers)) == pytest.approx(value, rel=rounding), printed.plain
 
 
 def test_published_coefficients_are_printed_as_the_model_defines_them() -> None:

@@ -13,6 +13,7 @@ from shipid import Component, find_model, find_ship, join
 from shipid.declaration import units
 from shipid.declaration.catalogue import known_component, known_models, known_ships, modules
 from shipid.declaration.component import slug
+from shipid.declaration.errors import DeclarationError
 from shipid.declaration.parameters import PARTICULARS, missing_values
 
 COMPONENTS = sorted(
@@ -22,6 +23,10 @@ COMPONENTS = sorted(
 SHIPS = sorted(known_ships())
 SECTIONS = [(ship, section) for ship in SHIPS for section in find_ship(ship).models]
 MODELS = sorted(known_models())
+#: Time constants of machinery, which know nothing of ship lengths: R/V Gunnerus showed one lag in seconds at two speeds.
+IN_SECONDS = {("DeKeizerLag", "t_delta")}
+#: Models that bring a moment by the wind of their own, in the place of `Wind`.
+WITH_WIND = {"cubic-wind"}
 FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")
 
 
@@ -56,13 +61,18 @@ def test_every_parameter_has_a_start_inside_its_bounds(component: type[Component
 
 @pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
 def test_every_parameter_says_how_it_scales(component: type[Component]) -> None:
-    """Dimensional ones declare the prime system; starred ones the unit of their dimensional form, where it has one."""
+    """Dimensional ones declare the prime system; starred ones the unit of their dimensional form, where it has one.
+
+    What is not of the hull and the water stays in seconds, and is named with its reason in `IN_SECONDS`.
+    """
     for name, quantity in component._quantities.items():
         if quantity.kind != "parameter":
             continue
         dimensionless = units.same_dimension(quantity.unit, "1")
         if quantity.prime:
             units.prime_exponents(quantity.unit)
+        elif (component.__name__, name) in IN_SECONDS:
+            assert quantity.unit == "s" and not quantity.dimensional
         else:
             assert dimensionless, f"{name} [{quantity.unit}] declares no prime"
         if quantity.dimensional:
@@ -81,12 +91,16 @@ def test_every_yaw_model_takes_a_disturbance() -> None:
     """So that wind joins with any of them; the sampled forms of the trackers have none."""
     for name in MODELS:
         model = find_model(name)
-        assert ("r_disturbance" in model.inputs) == (not model.is_sampled), name
+        open_to_it = "r_disturbance" in model.inputs
+        assert open_to_it == (not model.is_sampled and name not in WITH_WIND), name
+        assert ("r_disturbance" in model.derived) == (name in WITH_WIND), name
 
 
 @pytest.mark.parametrize("name", [n for n in MODELS if not find_model(n).is_sampled])
 def test_everything_that_surrounds_a_ship_joins_with_every_model(name: str) -> None:
-    around = ("UniformCurrent", "Wind", "Waves", "SteeringMachine", "Compass", "Gyro", "Log", "PositionSensor")
+    around = ["UniformCurrent", "Wind", "Waves", "SteeringMachine", "Compass", "Gyro", "Log", "PositionSensor"]
+    if name in WITH_WIND:
+        around.remove("Wind")
     whole = join("whole", find_model(name), *(known_component(c) for c in around))
     assert {"delta_order", "wind_speed", "wind_direction", "current_speed"} <= set(whole.inputs)
     assert not {"r_disturbance", "current_north", "delta", "psi_wave"} & set(whole.inputs)
@@ -95,6 +109,26 @@ def test_everything_that_surrounds_a_ship_joins_with_every_model(name: str) -> N
         declared = whole[output].quantity
         assert declared.measures in whole and declared.noise is not None
         assert units.to_si(declared.noise, declared.unit) > 0
+
+
+@pytest.mark.parametrize("name", sorted(WITH_WIND))
+def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
+    for order in ((find_model(name), known_component("Wind")), (known_component("Wind"), find_model(name))):
+        with pytest.raises(DeclarationError) as error:
+            join("whole", *order)
+        text = str(error.value)
+        assert "'r_disturbance' is stated twice: by " in text
+        assert re.search(r"CubicYawInWind \(derived, .*speed_scaled\.py:\d+\)", text)
+        assert re.search(r"\bWind \(derived, .*environment\.py:\d+\)", text)
+
+
+def test_every_model_is_told_from_the_others_by_one_line() -> None:
+    """The list of models shows the first line of a model's first component."""
+    lines = {n: (find_model(n).components[0].__doc__ or "").partition("\n")[0] for n in MODELS}
+    assert len(set(lines.values())) == len(MODELS)
+    for name, line in lines.items():
+        assert len(line.split()) > 4 and line.endswith("."), name
+        assert not line.startswith(("The same", "The continuous", "The discrete")), name
 
 
 @pytest.mark.parametrize("name", SHIPS)

@@ -180,6 +180,74 @@ def davidson_schiff(n: Numbers) -> Numbers:
     return {"v": sway, "r": yaw + n["r_disturbance"], "Y": force, "N": moment, **planar(n)}
 
 
+def _bech_surge(n: Numbers, m: float) -> Numbers:
+    n |= {"w": -0.31, "B1": 1.01, "B0": 1.27, "A1": 2.87, "A0": -0.48, "A3": 8.8, "X0": 0.069, "X_rr": 0.83}
+    n |= {"gamma": 0.471, "r_disturbance": 1.7e-5}
+    u, r, length, u0 = 6.7, 0.0117, 161.0, 8.9
+    rs = 0.0117 * 161.0 / 6.7
+    # Accelerations by the rudder, whose force goes by u^(2-m) U0^m.
+    rudder = u ** (2 - m) * u0**m * n["delta"]
+    yaw = u * u / length**2 * -0.31 + 1.01 * rudder / length**2 - 2.87 * u / length * r + 1.7e-5
+    first = 2.87 + 0.48 * 1.01 / 1.27
+    memory = 1.27 * rudder / (u * length) + u / length * (0.48 * rs - 8.8 * rs**3) + first * 1.7e-5 * length / u
+    surge = 0.069 / length * (u0 * u0 - u * u) - 0.83 * length * r * r - 2.1e-3
+    n["v"] = -0.471 * length * r
+    return {"r": yaw, "w": memory, "u": surge, "way": u, "r_star": rs, "v": n["v"], **planar(n)}
+
+
+def bech_surge(n: Numbers) -> Numbers:
+    return _bech_surge(n, 0.0)
+
+
+def bech_slipstream(n: Numbers) -> Numbers:
+    n |= {"m": 0.56}
+    return _bech_surge(n, 0.56)
+
+
+def cross_flow(n: Numbers) -> Numbers:
+    n |= {"q21": 0.02, "r21": -0.44, "s21": -0.16, "q31": -4.2, "r31": 2.1, "s31": -1.18, "c_y": 4.0, "c_z": 33.0}
+    n |= {"X0": 0.027, "X_rr": 0.67, "m": 1.01, "v": -1.9}
+    u, v, r, length, u0 = 6.7, -1.9, 0.0117, 161.0, 8.9
+    # From -2.8 at the stern to -0.96 at the bow, the cross-flow keeps its sign: w |w| = -(v + xi L r)^2, integrated.
+    sway_drag = -(v * v + (length * r) ** 2 / 12)
+    yaw_drag = -v * length * r / 6
+    rudder = u**0.99 * u0**1.01 * n["delta"]
+    beta, rs = -v / u, length * r / u
+    sway = u * u / length * (0.02 * beta - 0.44 * rs) - 0.16 * rudder / length - 4.0 / length * sway_drag
+    yaw = (u / length) ** 2 * (4.2 * beta - 2.1 * rs) + 1.18 * rudder / length**2 - 33.0 / length**2 * yaw_drag
+    surge = 0.027 / length * (u0 * u0 - u * u) - 0.67 * length * r * r - 2.1e-3
+    return {"v": sway, "r": yaw + n["r_disturbance"], "u": surge, "way": u, **planar(n)}
+
+
+def cubic(n: Numbers) -> Numbers:
+    n |= {"a": 1.21, "b1": 0.56, "b3": 2.25, "gamma": 0.46}
+    u, r, length = 6.7, 0.0117, 161.0
+    # Dimensionless: d(rs)/ds = a delta - b1 rs - b3 rs^3, and r' = (u/L)^2 of it.
+    rs = r * length / u
+    yaw = (u / length) ** 2 * (1.21 * n["delta"] - 0.56 * rs - 2.25 * rs**3)
+    n["v"] = -0.46 * length * r
+    return {"r": yaw + n["r_disturbance"], "way": u, "v": n["v"], **planar(n)}
+
+
+def cubic_wind(n: Numbers) -> Numbers:
+    n |= wind_moment(n)
+    return cubic(n) | {"r_disturbance": n["r_disturbance"]}
+
+
+def wind_moment(n: Numbers) -> Numbers:
+    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "w1": -0.002, "w2": -0.0015}
+    across, along = sin(2.9) * cos(0.83) - cos(2.9) * sin(0.83), cos(2.9) * cos(0.83) + sin(2.9) * sin(0.83)
+    return {"r_disturbance": 144.0 / 161.0**2 * (-0.002 * across - 0.003 * across * along)}
+
+
+def de_keizer_lag(n: Numbers) -> Numbers:
+    n |= {"alpha1": -0.6, "alpha3": 2.4, "t_delta": 0.93, "delta_lagged": -0.16}
+    order, n["delta"] = n["delta"], n["delta_lagged"]
+    yaw_and_surge = _de_keizer(n, 2.4, -0.6, 0.0, 0.0)
+    n["delta"] = order
+    return yaw_and_surge | {"delta_lagged": (order + 0.16) / 0.93}
+
+
 def cubic_sway(n: Numbers) -> Numbers:
     n |= {"gamma": 0.5, "gamma3": 0.31, "r_star": 0.37}
     return {"v": -n["u"] * (0.31 * 0.37**3 + 0.5 * 0.37)}
@@ -256,10 +324,13 @@ MODELS: dict[str, Case] = {
     "gain-scheduled": gain_scheduled, "van-leeuwen": van_leeuwen, "pershitz": pershitz,
     "pershitz-discrete": pershitz_discrete, "pershitz-track": pershitz_track,
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
+    "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
+    "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
+    "WindMoment": wind_moment,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
     "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
 }  # fmt: skip

@@ -1,0 +1,86 @@
+"""First-order yaw scaled by the speed, an actuator with a lag, and a moment by the measured wind.
+
+Small steps from the models of the literature that real trials ask for: runs at several speeds, a log that holds the
+order and not the rudder, a pond with wind.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid import Component, constant, derived, given, join, parameter, state
+from shipid.models.de_keizer import DeKeizer
+from shipid.models.kinematics import PlanarMotion, SpeedScaled
+from shipid.models.van_leeuwen import VanLeeuwenSway
+
+
+class CubicYaw(SpeedScaled):
+    """First-order yaw with a cubic damping, scaled by a speed that is given: one ship at several speeds."""
+
+    r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
+    delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
+    r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
+    a = parameter("1", "yaw acceleration per rudder angle", start=0.7, low=0.01, high=20.0, dimensional="1/s^2")
+    b1 = parameter("1", "linear damping", start=0.6, low=-5.0, high=20.0, dimensional="1/s", latex="b_1")
+    b3 = parameter("1", "cubic damping", start=1.0, low=-50.0, high=200.0, dimensional="s/rad^2", latex="b_3")
+
+    @r.rate
+    def yaw(self):
+        """Norrbin (1963), divided by tau; scaled by L/u as in Passenier (1989), eq. (2.61)."""
+        pace = self.way / self.L
+        damping = self.b1 * pace * self.r + self.b3 * self.r**3 / pace
+        return pace**2 * self.a * self.delta - damping + self.r_disturbance
+
+
+class WindMoment(Component):
+    """Yaw acceleration by the true wind, two harmonics of its direction.
+
+    It states the disturbance of the yaw, so it joins with any model of yaw in the place of `Wind`, which takes the
+    relative wind and pushes ahead as well.
+    """
+
+    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
+    wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
+    wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
+    L = constant("m", "length between perpendiculars")
+    w1 = parameter("1", "first harmonic of the wind moment", start=0.0, low=-0.1, high=0.1, nominal=0.002, latex="w_1")
+    w2 = parameter("1", "second harmonic of the wind moment", start=0.0, low=-0.1, high=0.1, nominal=0.002, latex="w_2")
+    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")
+
+    @r_disturbance.equals
+    def moment(self):
+        """The second harmonic of Passenier (1989), eq. (2.87), and a first one, both of the true wind.
+
+        The first harmonic is the lever of the windage before or abaft midships. A direction the wind comes from turns
+        the sign of w1 and leaves that of w2.
+        """
+        angle = self.wind_direction - self.psi
+        return (self.wind_speed / self.L) ** 2 * (self.w1 * np.sin(angle) + self.w2 * np.sin(2 * angle))
+
+
+class CubicYawInWind(WindMoment, CubicYaw):
+    """First-order yaw with a cubic damping, scaled by a speed that is given, turned by the true wind of the log."""
+
+
+class DeKeizerLag(DeKeizer):
+    """Yaw with a cubic damping, and surge, behind an actuator with a lag: for a log that holds only the order."""
+
+    delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
+    # In seconds on purpose: an actuator knows nothing of the ship's speed, and runs at two speeds showed one lag in
+    # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
+    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, latex=r"\tau_\delta")
+
+    @delta_lagged.rate
+    def actuator(self):
+        """First-order lag: the simplest form of the steering machine of Passenier (1989), section 2.3.4."""
+        return (self.delta - self.delta_lagged) / self.t_delta
+
+    def yaw(self):
+        """De Keizer (1977); Passenier (1989), eq. (2.54), with the rudder the actuator has reached."""
+        pace = self.way / self.L
+        return pace**2 * (self.K * self.delta_lagged - self.yaw_feedback()) / self.tau + self.r_disturbance
+
+
+cubic = join("cubic", CubicYaw, VanLeeuwenSway, PlanarMotion)
+cubic_wind = join("cubic-wind", CubicYawInWind, VanLeeuwenSway, PlanarMotion)
+de_keizer_lag = join("de-keizer-lag", DeKeizerLag, VanLeeuwenSway, PlanarMotion)

@@ -1,0 +1,232 @@
+"""The result of planning: what to sail, and how sure the coefficients will be, beside the standard zig-zags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.declaration.units import pretty
+from shipid.trials.columns import COLUMNS
+
+
+@dataclass(frozen=True)
+class Leg:
+    """One manoeuvre of a plan.
+
+    Attributes
+    ----------
+    manoeuvre : str
+        As ``shipid simulate --manoeuvre`` takes it.
+    speed : float
+        Speed of the approach in m/s.
+    duration : float
+        In s, with a straight approach of one L/U.
+    start : float
+        When it begins, in s of the plan.
+    seed : int
+        Of the random telegraph, as ``shipid simulate --seed`` takes it; nothing else reads it.
+    """
+
+    manoeuvre: str
+    speed: float
+    duration: float
+    start: float
+    seed: int = 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "manoeuvre": self.manoeuvre,
+            "speed_m_s": round(self.speed, 6),
+            "duration_s": round(self.duration, 3),
+            "start_s": round(self.start, 3),
+            "seed": self.seed,
+        }
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """How sure one coefficient will be.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        The coefficient as declared; SI.
+    value : float
+        What is believed of it.
+    std : float or None
+        Standard deviation after the plan; None where it stays undetermined.
+    standard_std : float or None
+        The same after the standard zig-zags.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float
+    std: float | None
+    standard_std: float | None
+
+    @property
+    def ratio(self) -> float | None:
+        """Standard deviation after the standard zig-zags over that after the plan: more than 1 is a gain."""
+        return self.standard_std / self.std if self.std and self.standard_std else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "value": self.value,
+            "unit": self.unit,
+            "std": self.std,
+            "standard_std": self.standard_std,
+            "ratio": self.ratio,
+            "meaning": self.meaning,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What to sail.
+
+    Attributes
+    ----------
+    model : Model
+        What is going to be identified.
+    ship : str
+        The ship.
+    time : float
+        What there was, in s.
+    criterion : {"D", "A"}
+        Determinant, or mean relative variance.
+    worst_case : bool
+        Whether the worst draw of the coefficients counted, or the average.
+    legs : tuple of Leg
+        What to sail, in order. Information does not depend on the order: it is the fastest first, and from gentle to hard.
+    standard : tuple of Leg
+        The zig-zags it is compared with; empty where the model runs away in them.
+    parameters : mapping of str to Forecast
+        Coefficients to estimate.
+    covariance : ndarray, shape (estimated, estimated)
+        Predicted, SI; infinite variances where nothing determines a coefficient.
+    det_ratio : float or None
+        Determinant of the information over that of the standard. A direction the standard leaves open counts with a
+        standard deviation of a thousand times the size of the coefficients.
+    det_gain : float or None
+        The same for each coefficient: its n-th root for n that can be determined.
+    det_gain_over_draws : float or None
+        The geometric mean of `det_gain` over the draws of the coefficients.
+    value, standard_value : float or None
+        The criterion that was maximised, for the plan and the standard.
+    noise : mapping of str to float
+        Standard deviation of one sample of each fitted signal, SI.
+    sampling, independent : float
+        Sampling interval, and time between two independent samples, in s.
+    draws, candidates : int
+        How many were looked at.
+    warnings : tuple of str
+        What was left out, and what stays undetermined.
+    """
+
+    model: Model
+    ship: str
+    time: float
+    criterion: str
+    worst_case: bool
+    legs: tuple[Leg, ...]
+    standard: tuple[Leg, ...]
+    parameters: Mapping[str, Forecast]
+    covariance: np.ndarray
+    det_ratio: float | None
+    det_gain: float | None
+    det_gain_over_draws: float | None
+    value: float
+    standard_value: float | None
+    noise: Mapping[str, float]
+    sampling: float
+    independent: float
+    draws: int
+    candidates: int
+    warnings: tuple[str, ...]
+
+    @property
+    def duration(self) -> float:
+        """Time the plan takes in s."""
+        return self.legs[-1].start + self.legs[-1].duration if self.legs else 0.0
+
+    def to_frame(self) -> Any:
+        """Return the manoeuvres as a pandas table."""
+        import pandas as pd
+
+        return pd.DataFrame([leg.to_dict() for leg in self.legs])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values for JSON, free of NaN.
+
+        ``gain_over_standard`` holds under ``det`` the gain in the determinant for each coefficient, and by coefficient the
+        standard deviation after the standard over that after the plan.
+        """
+        return {
+            "model": self.model.name,
+            "ship": self.ship,
+            "time_s": self.time,
+            "duration_s": self.duration,
+            "criterion": self.criterion,
+            "robust": "worst case" if self.worst_case else "average",
+            "plan": [leg.to_dict() for leg in self.legs],
+            "standard": [leg.to_dict() for leg in self.standard],
+            "gain_over_standard": {"det": self.det_gain, **{n: f.ratio for n, f in self.parameters.items()}},
+            "determinant": {
+                "per_parameter": self.det_gain,
+                "ratio": self.det_ratio,
+                "per_parameter_over_draws": self.det_gain_over_draws,
+            },
+            "parameters": {n: f.to_dict() for n, f in self.parameters.items()},
+            "noise": {s: {"std": v, "unit": COLUMNS[s].unit} for s, v in self.noise.items()},
+            "sampling_s": self.sampling,
+            "independent_s": self.independent,
+            "draws": self.draws,
+            "candidates": self.candidates,
+            "warnings": list(self.warnings),
+        }
+
+    def __repr__(self) -> str:
+        over = (
+            f"{'the worst' if self.worst_case else 'the average'} of {self.draws} draws" if self.draws else "no draws"
+        )
+        lines = [
+            f"{_clock(self.duration)} of trials for {self.model.name} of {self.ship} ({self.criterion}-optimal over {over}; "
+            f"{', '.join(self.noise)} measured)"
+        ]
+        for leg in self.legs:
+            seed = f"  seed {leg.seed}" if leg.manoeuvre.startswith("telegraph") else ""
+            lines.append(
+                f"  at {_clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
+            )
+        beside = " + ".join(f"{leg.manoeuvre} {leg.duration:.0f} s" for leg in self.standard) or "no standard"
+        lines.append(f"  standard deviations, planned beside {beside}:")
+        for f in self.parameters.values():
+            gain = "" if f.ratio is None else f"   gain {f.ratio:.3g}"
+            unit = "" if pretty(f.unit) == "1" else f" {pretty(f.unit)}"
+            lines.append(
+                f"  {f.name:<10s} {f.value:.4g} ± {_spread(f.std)} beside ± {_spread(f.standard_std)}{unit}{gain}"
+            )
+        if self.det_gain is not None and self.det_ratio is not None:
+            lines.append(
+                f"  determinant {self.det_gain:.3g} times better for each coefficient ({self.det_ratio:.3g} in all)"
+            )
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+
+def _spread(std: float | None) -> str:
+    return "any" if std is None else f"{std:.2g}"
+
+
+def _clock(seconds: float) -> str:
+    """Minutes and seconds, or hours too."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
