@@ -38,6 +38,7 @@ _HOMES = {
     "Fit": "shipid.identification.fit",
     "compare_models": "shipid.identification.comparing",
     "identify": "shipid.identification.identify",
+    "plan_trials": "shipid.identification.planning",
     "write_report": "shipid.report.report",
     "ShipidError": "shipid.declaration.errors",
 }

@@ -25,6 +25,7 @@ _COMMANDS = {
     "check": ("shipid.cli.check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure", "Measure a zig-zag or a turning circle."),
     "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
+    "plan": ("shipid.cli.plan", "Plan which manoeuvres tell the most within a time."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
 }
 

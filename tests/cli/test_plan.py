@@ -1,0 +1,80 @@
+"""``shipid plan``: the shape of its JSON, its text, and what it refuses."""
+
+import json
+
+import pytest
+
+from shipid.trials.manoeuvres import parse_manoeuvre
+
+QUICK = (
+    "plan",
+    "--model",
+    "norrbin",
+    "--ship",
+    "zeefakkel",
+    "--draws",
+    "1",
+    "--repertoire",
+    "zigzag:20/10,telegraph:20",
+)
+
+
+def test_json(call):
+    answer = call(*QUICK, "--time", "12min", "--json")
+    assert answer.code == 0, answer
+    found = json.loads(answer.out)
+    for leg in found["plan"]:
+        assert set(leg) == {"manoeuvre", "speed_m_s", "duration_s", "start_s", "seed"}
+        parse_manoeuvre(leg["manoeuvre"])
+    assert found["gain_over_standard"]["det"] > 1
+    assert set(found["gain_over_standard"]) == {"det", "a", "b1", "b3"}
+    assert found["determinant"]["ratio"] > found["determinant"]["per_parameter"]
+    last = found["plan"][-1]
+    assert last["start_s"] + last["duration_s"] <= found["time_s"] == 720
+
+
+def test_text(call):
+    answer = call(
+        *QUICK, "--time", "12min", "--criterion", "A", "--worst-case", "--speed", "9 kn", "--estimate", "a,b1"
+    )
+    assert answer.code == 0, answer
+    for word in ("A-optimal over the worst of 1 draws", "4.63 m/s", "zigzag:20/20", "determinant", "b1"):
+        assert word in answer.out
+    assert "b3" not in answer.out
+
+
+def test_a_planned_manoeuvre_can_be_simulated(call):
+    leg = json.loads(call(*QUICK, "--time", "5min", "--json").out)["plan"][0]
+    answer = call(
+        *("simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", leg["manoeuvre"], "--seed", leg["seed"]),
+        *("--speed", f"{leg['speed_m_s']} m/s", "--duration", f"{leg['duration_s']} s"),
+    )
+    assert answer.code == 0 and float(answer.out.splitlines()[-1].split(",")[0]) == pytest.approx(
+        leg["duration_s"], abs=0.3
+    )
+
+
+@pytest.mark.parametrize(
+    ("code", "options", "words"),
+    [
+        (2, ["--time", "10s"], ("too short", "72 s")),
+        (3, ["--time", "20"], ("bare number 20", "20 s")),
+        (3, ["--time", "20 m"], ("m does not fit",)),
+        (2, ["--time", "-3min"], ("greater than zero",)),
+        (2, ["--time", "9min", "--criterion", "E"], ("'E'", "A, D")),
+        (2, ["--time", "9min", "--repertoire", "zigzg"], ("Did you mean zigzag?",)),
+        (2, ["--time", "9min", "--repertoire", "zigzag:a/2"], ("zigzag:20/20",)),
+        (2, ["--time", "9min", "--estimate", "b4"], ("'b4'", "b3")),
+        (2, ["--time", "9min", "--noise", "lots"], ("'lots'",)),
+        (3, ["--time", "9min", "--speed", "9"], ("bare number 9",)),
+        (3, ["--time", "9min", "--speed", "50 kn"], ("2 to 6.2 m/s",)),
+        (2, ["--time", "9min", "--set", "K"], ("NAME=VALUE",)),
+        (2, ["--time", "9min", "--seed", "-1"], ("'--seed'",)),
+        (2, ["--time", "9min", "--model", "norbin"], ("Did you mean norrbin",)),
+        (2, ["--time", "9min", "--ship", "zeefakel"], ("Did you mean zeefakkel?",)),
+        (3, ["--time", "9min", "--model", "pershitz"], ("q21", "[pershitz]")),
+        (2, [], ("'--time'", "shipid plan --help")),
+    ],
+)
+def test_refusals(refused, code, options, words):
+    refused(code, [*QUICK, *options], *words)
