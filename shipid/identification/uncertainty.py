@@ -71,7 +71,7 @@ def autocorrelation_time(residual: np.ndarray) -> float:
     return float(min(max(1.0, 2 * pairs[:last].sum() - 1), n / 4))
 
 
-def covariance_of(solution: Solution) -> Covariance:
+def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covariance:
     """Return the covariance of the unknowns of a solution: ``H^-1 M H^-1``.
 
     H is the information matrix of the search, M the covariance of its gradient under the residuals as they are, each
@@ -82,12 +82,16 @@ def covariance_of(solution: Solution) -> Covariance:
     ----------
     solution : Solution
         At its optimum.
+    spread : ndarray, shape (parameters,), optional
+        Standard deviation the parameters have without any data, which makes every variance finite.
     """
     problem = solution.problem
     trials, signals = len(problem.sailed), len(problem.signals)
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
     jacobian = solution.jacobian
+    if spread is not None:
+        jacobian = np.vstack([jacobian, np.eye(len(spread), problem.size) / spread[:, None]])
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
@@ -124,8 +128,10 @@ def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
         block = scaled[rows][:, used].reshape(signals, count, -1)
         blocks.append((solution.residual[rows].reshape(signals, count), block, used))
-    beliefs = scaled[at:]
-    prior = problem.prior.strength * beliefs.T @ beliefs if problem.prior is not None else np.zeros_like(flat)
+    beliefs, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
+    prior = bounds.T @ bounds
+    if problem.prior is not None:
+        prior = prior + problem.prior.strength * beliefs.T @ beliefs
 
     def covered(colours: list[Colour]) -> np.ndarray:
         scatter = prior.copy()
