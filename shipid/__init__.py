@@ -19,6 +19,7 @@ _HOMES = {
     "parameter": "shipid.declaration.quantity",
     "output": "shipid.declaration.quantity",
     "join": "shipid.declaration.join",
+    "replace_component": "shipid.declaration.join",
     "Model": "shipid.declaration.model",
     "augment": "shipid.declaration.augment",
     "ParameterSet": "shipid.declaration.parameters",

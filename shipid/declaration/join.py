@@ -147,3 +147,29 @@ def _check_connection(model: str, name: str, readers: list[Entry], source: Entry
 def _input(readers: list[Entry]) -> Entry:
     with_default = [r for r in readers if r.quantity.default is not None]
     return (with_default or readers)[0]
+
+
+def replace_component(model: Model, old: type[Component], new: type[Component], name: str | None = None) -> Model:
+    """Return a new model in which one component stands in another's place.
+
+    Parameters
+    ----------
+    model : Model
+        The model; it stays as it is.
+    old, new : type[Component]
+        The component to take out, and the one to put in.
+    name : str, optional
+        Name of the new model; the old name when not given.
+
+    Returns
+    -------
+    Model
+
+    Raises
+    ------
+    DeclarationError
+        If `old` is not in the model, or the new one does not fit.
+    """
+    if old not in model.components:
+        raise DeclarationError(f"model {model.name} has no component {old.__name__} to replace.")
+    return join(name or model.name, *(new if c is old else c for c in model.components))

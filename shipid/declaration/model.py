@@ -141,27 +141,6 @@ class Model:
             f"parameters {', '.join(self.parameters)}>"
         )
 
-    def replace_component(self, old: type[Component], new: type[Component], name: str | None = None) -> Model:
-        """Return a new model in which one component stands in another's place.
-
-        Parameters
-        ----------
-        old, new : type[Component]
-            The component to take out, and the one to put in.
-        name : str, optional
-            Name of the new model; the old name when not given.
-
-        Raises
-        ------
-        DeclarationError
-            If `old` is not in the model, or the new one does not fit.
-        """
-        from shipid.declaration.join import join
-
-        if old not in self.components:
-            raise DeclarationError(f"model {self.name} has no component {old.__name__} to replace.")
-        return join(name or self.name, *(new if c is old else c for c in self.components))
-
     def impose(self, names: Iterable[str]) -> Model:
         """Return a new model in which published coefficients take the place of the parameters they define.
 

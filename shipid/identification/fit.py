@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -168,6 +168,7 @@ class Fit:
     provenance: Mapping[str, Any]
     _problem: Any = field(repr=False, default=None)
     _solution: Any = field(repr=False, default=None)
+    _predict: Any = field(repr=False, default=None)
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -188,9 +189,9 @@ class Fit:
             Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
             trials'. Reported apart: the same with rudder bias and initial state refitted on the record.
         """
-        from shipid.identification.validation import validate
-
-        return validate(self, trials)
+        compared, records = self._predict(self, trials)
+        provenance = {**self.provenance, "trials": {**self.provenance["trials"], **records}}
+        return replace(self, validation=self.validation + compared, provenance=provenance)
 
     def to_frame(self) -> Any:
         """Return the coefficients as a pandas table."""

@@ -24,9 +24,10 @@ from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
 from shipid.identification.problem import make_problem
 from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
+from shipid.identification.scale import own_unit_time, speed_of
 from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
-from shipid.identification.validation import compare, warm_up_samples
+from shipid.identification.validation import compare, predictions, warm_up_samples
 from shipid.trials.checks import check_identifiable_input, check_regular
 from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
@@ -182,13 +183,13 @@ def _settle(
     published = [n for n in held if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
 
-    speed = _speed_of(given, trials)
+    speed = speed_of(given, trials)
     known = given.values(whole, speed=speed) | held
     length = known.get("L", given.particular("L", "m"))
     if length is not None and not length > 0:
         raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; a ship is longer than that.")
     if length is None:
-        length = speed * _own_unit_time(trials)
+        length = speed * own_unit_time(trials)
     estimated = _estimated(whole, estimate, held)
     notes = []
     for name in whole.parameters:
@@ -217,28 +218,6 @@ def _estimated(model: Model, wanted: Sequence[str] | None, held: Mapping[str, fl
     if not chosen:
         raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
     return tuple(n for n in model.parameters if n in chosen)
-
-
-def _speed_of(ship: ParameterSet, trials: Sequence[Trial]) -> float:
-    recorded = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
-    speed = float(np.mean(recorded)) if recorded else ship.particular("speed", "m/s")
-    return speed if speed and speed > 0 else 1.0
-
-
-def _own_unit_time(trials: Sequence[Trial]) -> float:
-    """L/U guessed from the rudder's period: zig-zags of ships take 7 to 12 L/U (it only scales the first search)."""
-    guesses = []
-    for trial in trials:
-        delta = trial["delta"] - np.median(trial["delta"])
-        changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
-        guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
-    return float(np.median(guesses))
-
-
-def unit_time_of(ship: ParameterSet, trials: Sequence[Trial]) -> float:
-    """Return L/U of some trials in s, guessed from the rudder where the length is unknown."""
-    length = ship.particular("L", "m")
-    return length / _speed_of(ship, trials) if length else _own_unit_time(trials)
 
 
 def _weights(
@@ -320,6 +299,7 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
         provenance=_provenance(setting.model, [s.trial for s in sailed]),
         _problem=problem,
         _solution=solution,
+        _predict=predictions,
     )
 
 

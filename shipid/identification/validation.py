@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from shipid.identification.beliefs import prior_of
 from shipid.identification.fit import Comparison, Fit
 from shipid.identification.problem import Prior, Problem, make_problem
 from shipid.identification.sailed import Sailed, prepare
+from shipid.identification.scale import unit_time_of
 from shipid.identification.solve import Box, minimise
 from shipid.trials.checks import check_regular
 from shipid.trials.errors import TrialError
@@ -30,16 +32,20 @@ WARM_UP = 0.25
 _EMPTY = Box(np.zeros(0), np.zeros(0), np.zeros(0))
 
 
-def validate(fit: Fit, trials: Sequence[Trial]) -> Fit:
-    """Return a fit with its predictions of trials that were not fitted (see `shipid.identification.fit.Fit.validate`)."""
+def predictions(fit: Fit, trials: Sequence[Trial]) -> tuple[tuple[Comparison, ...], dict[str, Any]]:
+    """Return trials that were not fitted beside their predictions, and where they came from (see `Fit.validate`).
+
+    Parameters
+    ----------
+    fit : Fit
+        The identified model.
+    trials : sequence of Trial
+        What it is to predict.
+    """
     for trial in trials:
         check_regular(trial)
-    records = {**fit.provenance["trials"], **{t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}}
-    return replace(
-        fit,
-        validation=fit.validation + tuple(_predict(fit, t) for t in trials),
-        provenance={**fit.provenance, "trials": records},
-    )
+    records = {t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}
+    return tuple(_predict(fit, t) for t in trials), records
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
@@ -62,8 +68,6 @@ def mean_biases(fit: Fit) -> dict[str, float]:
 
 
 def _predict(fit: Fit, trial: Trial) -> Comparison:
-    from shipid.identification.identify import unit_time_of
-
     biases, unit_time = fit._problem.biases, unit_time_of(fit.ship, [trial])
     count = warm_up_samples(trial, unit_time)
     ahead = _problem_of(fit, trial, (), mean_biases(fit), count)
