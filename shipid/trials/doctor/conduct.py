@@ -72,7 +72,7 @@ def examine_neutral(p: Patient, stretches: list[Stretch]) -> None:
 def _offset(p: Patient, name: str, inside: np.ndarray) -> None:
     t, delta, r = p.t[inside], p[name][inside], p["r"][inside]
     found = steering.response(t, delta, r)
-    if found is None or found.value[0] <= 0 or found.explained < 0.5:
+    if found is None or found.value[0] <= 0 or found.explained < 0.2:
         return
     a, c = float(found.value[0]), float(found.value[3])
     offset = -c / a

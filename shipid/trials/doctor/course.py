@@ -10,6 +10,9 @@ from shipid.trials.doctor import robust
 from shipid.trials.doctor.patient import Patient
 
 _KNOT = 1852 / 3600
+_STRONGEST = 0.35
+"""A current beyond this share of the speed is a misreading of the speeds."""
+_MISTAKEN_KNOT = 1.9834 / 1.9438
 #: Way made good over logged speed: what that means.
 _UNITS = (
     (_KNOT, "knots"), (1 / 3.6, "km/h"), (1 / _KNOT, "m/s where the header says knots"),
@@ -43,9 +46,43 @@ def examine_track(p: Patient) -> None:
         return
     if p.has("u", "v"):
         _frame(p)
+    _jumps(p)
     fit = _compare(p)
     if fit is not None:
         _scale(p, fit)
+
+
+def _jumps(p: Patient) -> None:
+    """Find positions that jump farther than the ship can go."""
+    speed = np.hypot(p["u"], p["v"]) if p.has("u", "v") else p["u"] if p.has("u") else p["U"]
+    step = np.hypot(np.diff(p["x"]), np.diff(p["y"]))
+    rough = max(robust.noise(p["x"]), robust.noise(p["y"]))
+    grid = max(float(np.quantile(np.abs(np.diff(p[n])), 0.99)) for n in ("x", "y"))
+    fast = float(np.quantile(np.abs(speed), 0.99)) * np.diff(p.t)
+    far = np.flatnonzero(step > np.maximum(3 * fast + 12 * rough, 2.5 * grid))
+    if len(far) and len(far) < 0.02 * len(p):
+        total = float(np.sum(step[far]))
+        p.add(
+            "position-jump", "x,y", robust.sureness(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
+            f"the positions jump {len(far)} times, by {total:.4g} m together, farther than the ship can sail",
+            "The fix was lost and found, or the positions' clock lagged: tracks and speeds from positions are wrong there.",
+            "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
+        )  # fmt: skip
+
+
+def _knots_mistaken(p: Patient) -> float | None:
+    """Way made good over logged way on the whole, where it is the ratio of a knot taken wrongly (1.9834 for 1.9438).
+
+    Positions whose clock wanders disagree with the speeds from block to block; over the whole record that cancels.
+    """
+    if float(np.ptp(p["psi"])) < np.pi or not p.has("u"):
+        return None
+    along = float(np.sum(_steps(p, np.array([0, len(p) - 1]))[0]))
+    way = float(robust.integral(p.t, p["u"])[-1])
+    rough = 10 * max(robust.noise(p["x"]), robust.noise(p["y"]))
+    if way <= 0 or rough > 0.002 * way:
+        return None
+    return along / way if abs(along / way - _MISTAKEN_KNOT) < 0.005 else None
 
 
 def _blocks(p: Patient) -> np.ndarray:
@@ -81,6 +118,11 @@ def _misfit(p: Patient, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool
     found = robust.regress(design, target)
     if found is None or (found.value[0] <= 0.05 and free):
         return np.inf
+    if float(np.hypot(*found.value[1:])) > _STRONGEST * float(np.mean(np.hypot(*way.reshape(2, -1)) / dt)):
+        found = robust.regress(design[:, :1], target)
+        if found is None or (found.value[0] <= 0.05 and free):
+            return np.inf
+        design = design[:, :1]
     rest = target - design @ found.value
     return float(np.sqrt(np.mean(np.sort(rest**2)[: int(0.9 * len(rest))])))
 
@@ -98,8 +140,8 @@ def _frame(p: Patient) -> None:
     }
     misfit = {name: _misfit(p, at, *velocity) for name, velocity in readings.items()}
     best = min(misfit, key=lambda name: misfit[name])
-    floor = max(robust.noise(p["x"]), robust.noise(p["y"])) + 1e-9
-    if best != "body" and misfit["body"] > 1.5 * max(misfit[best], 0.5 * floor) and np.isfinite(misfit[best]):
+    floor = 1e-5 * float(np.ptp(p["x"]) + np.ptp(p["y"])) + 1e-9
+    if best != "body" and misfit["body"] > 1.5 * max(misfit[best], floor) and np.isfinite(misfit[best]):
         ratio = misfit["body"] / max(misfit[best], floor)
         if best == "earth":
             p.add(
@@ -166,10 +208,13 @@ def _compare(p: Patient) -> _Fit | None:
         return None
     both = robust.regress(design, wanted)
     mean = float(np.mean(np.abs(way / dt)))
-    told = both is not None and both.std[0] < 0.02 and float(np.max(both.std[1:])) < 0.05 * mean
+    weak = both is not None and float(np.hypot(*both.value[1:])) < _STRONGEST * mean
+    told = both is not None and weak and both.std[0] < 0.02 and float(np.max(both.std[1:])) < 0.05 * mean
     if both is None or not told:
         return _Fit(float(alone.value[0]), float(alone.std[0]), (0.0, 0.0), np.inf, alone.sigma)
     flow = (float(both.value[1]), float(both.value[2]))
+    if float(np.hypot(*flow)) < 4 * float(np.max(both.std[1:])) and float(alone.std[0]) < float(both.std[0]):
+        return _Fit(float(alone.value[0]), float(alone.std[0]), (0.0, 0.0), np.inf, alone.sigma)
     return _Fit(float(both.value[0]), float(both.std[0]), flow, float(np.max(both.std[1:])), both.sigma)
 
 
@@ -178,6 +223,16 @@ def _scale(p: Patient, fit: _Fit) -> None:
     columns = [n for n in ("u", "v", "U") if p.has(n)]
     speed = p["u"] if p.has("u") else p["U"]
     mean = float(np.median(np.abs(speed))) or 1.0
+    whole = _knots_mistaken(p) if abs(fit.scale - 1) <= max(7 * fit.std, 0.01) and fit.std > 5e-4 else None
+    if whole is not None:
+        p.add(
+            "speed-scale", names, 0.6,
+            f"over the whole record the positions go {whole:.4f} times as far as the speeds say: the knot taken as "
+            "1.9834 instead of 1.9438 makes 1.0204",
+            "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
+            "square.",
+            f"Multiply {names} by {_MISTAKEN_KNOT:.6g}; in a format file: scale = {_MISTAKEN_KNOT:.6g}.", spoils=True,
+        )  # fmt: skip
     drift_only = not p.has("v") and p.has("U") and not p.has("u")
     limit = max(7 * fit.std, 0.01, 0.05 if drift_only else 0.0)
     current = float(np.hypot(*fit.flow))

@@ -42,15 +42,23 @@ def relation(t: np.ndarray, psi: np.ndarray, rate: np.ndarray, count: int = 300)
     Regression or None
         Coefficients: scale (1 where they agree), drift [rad/s], lag of the rate behind the heading [s].
     """
-    at = robust.edges(len(t), min(count, len(t) // 4))
+    at = _edges(psi, count)
     turned = robust.integral(t, rate)
     design = np.column_stack([np.diff(turned[at]), np.diff(t[at]), np.diff(rate[at])])
     return robust.regress(design, np.diff(psi[at]))
 
 
+def _edges(psi: np.ndarray, count: int) -> np.ndarray:
+    """Edges of blocks long enough for a heading in coarse steps to change within most of them."""
+    at = robust.edges(len(psi), min(count, len(psi) // 4))
+    while len(at) > 24 and float(np.mean(np.diff(psi[at]) == 0)) > 0.3:
+        at = robust.edges(len(psi), len(at) // 2)
+    return at
+
+
 def _agreement(p: Patient, name: str) -> tuple[float, float]:
     """Scale and explained share of one rate channel, from its integral alone."""
-    at = robust.edges(len(p), min(120, len(p) // 4))
+    at = _edges(p["psi"], 120)
     turned = np.diff(robust.integral(p.t, p[name])[at])
     step = np.diff(p["psi"][at])
     if float(np.ptp(p[name])) == 0 or float(np.ptp(step)) == 0:
@@ -142,18 +150,26 @@ def examine_rate(p: Patient) -> None:
     found = relation(p.t, p["psi"], p["r"])
     if found is not None and found.value[0] > 0:
         scale = float(found.value[0])
+    if scale < 1e-6:
+        return
     if scale > 3 or scale < 1 / 3:
         _unit(p, scale)
         return
     std = float(found.std[0]) if found is not None else 1.0
-    if abs(scale - 1) > max(0.04, 8 * std):
+    alone = abs(_agreement(p, "r")[0])
+    limit = max(0.04, 8 * std)
+    # A steady turn tells a factor from a drift badly: both readings have to say it.
+    off = min(abs(scale - 1), abs(alone - 1))
+    if off > limit and (scale > 1) == (alone > 1):
         p.add(
-            "rate-scale", "r", robust.sureness(abs(scale - 1), max(0.04, 8 * std), 0.08),
+            "rate-scale",
+            "r",
+            robust.sureness(off / limit, 1, 2),
             f"the heading changes {scale:.4g} times as fast as r says",
             "Gain and damping scale with the rate; heading and rate cannot both be fitted.",
             f"Multiply r by {scale:.4g}: the heading is read from a compass card, the rate from a calibration.",
             fix={"action": "scale", "column": "r", "factor": scale},
-        )  # fmt: skip
+        )
         p["r"] = p["r"] * scale
 
 
@@ -232,6 +248,23 @@ def _clock_factor(p: Patient, scale: float) -> float | None:
     return plain if 0.5 < ratio / plain < 2 else None
 
 
+def _drift_and_lag(p: Patient) -> robust.Regression | None:
+    """Regress what is left of the heading changes when the integral of r is taken off on time and changes of r."""
+    whole = relation(p.t, p["psi"], p["r"])
+    if whole is None or whole.explained < 0.5:
+        return None
+    turned = robust.integral(p.t, p["r"])
+    found = []
+    for count in (300, 120, 50):
+        # Short blocks see the lag in a quiet record, long ones in a noisy one: the surest counts.
+        at = _edges(p["psi"], count)
+        design = np.column_stack([np.diff(p.t[at]), np.diff(p["r"][at])])
+        one = robust.regress(design, np.diff(p["psi"][at]) - np.diff(turned[at]))
+        if one is not None:
+            found.append(one)
+    return min(found, key=lambda one: float(one.std[1]), default=None)
+
+
 def examine_lag(p: Patient) -> None:
     """Find a drift of the gyro and a shift in time between rate and heading.
 
@@ -242,12 +275,12 @@ def examine_lag(p: Patient) -> None:
     """
     if not p.has("psi", "r") or len(p) < 60:
         return
-    found = relation(p.t, p["psi"], p["r"])
-    if found is None or found.explained < 0.5:
+    found = _drift_and_lag(p)
+    if found is None:
         return
-    drift, lag = float(found.value[1]), float(found.value[2])
+    drift, lag = float(found.value[0]), float(found.value[1])
     high = float(np.quantile(np.abs(p["r"]), 0.9))
-    drift_limit = max(7 * float(found.std[1]), 0.01 * high, 1e-7)
+    drift_limit = max(7 * float(found.std[0]), 0.01 * high, 1e-7)
     if abs(drift) > drift_limit:
         p.add(
             "bias", "r", robust.sureness(abs(drift) / drift_limit, 1, 3),
@@ -259,7 +292,7 @@ def examine_lag(p: Patient) -> None:
         )  # fmt: skip
         p["r"] = p["r"] + drift
     dt = p.sampling
-    limit = max(7 * float(found.std[2]), 0.6 * dt)
+    limit = max(5.5 * float(found.std[1]), 0.6 * dt)
     if abs(lag) > limit:
         which = "behind" if lag > 0 else "ahead of"
         p.add(

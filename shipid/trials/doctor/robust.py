@@ -162,7 +162,7 @@ def runs(mask: np.ndarray) -> np.ndarray:
 
 
 def sureness(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
-    """Turn the ratio of a statistic to its threshold into a confidence between 0.5 and 0.99.
+    """Turn the ratio of a statistic to its threshold into a confidence: 0.5 at `low`, 0.99 at `high`.
 
     Parameters
     ----------
@@ -172,4 +172,4 @@ def sureness(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
         Ratios at which the confidence is 0.5 and 0.99.
     """
     share = (ratio - low) / (high - low)
-    return float(0.5 + 0.49 * min(max(share, 0.0), 1.0))
+    return float(0.5 + 0.49 * min(max(share, -0.5), 1.0))

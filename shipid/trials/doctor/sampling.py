@@ -7,7 +7,7 @@ import numpy as np
 from shipid.trials.doctor import robust, steering
 from shipid.trials.doctor.patient import Patient
 
-_SMOOTH = ("psi", "r", "x", "y", "u", "v", "U", "phi")
+_SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
 
 
 def examine_resampling(p: Patient) -> None:
@@ -27,7 +27,7 @@ def examine_resampling(p: Patient) -> None:
     worst = max(seen, key=lambda name: seen[name])
     share = seen[worst]
     p.add(
-        "resampled", ",".join(seen), robust.sureness(share, 0.2, 0.45),
+        "resampled", ",".join(seen), robust.sureness(share, 0.33, 0.45),
         f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",
@@ -80,19 +80,21 @@ def examine_resolution(p: Patient) -> None:
     p : Patient
         The record, its clock in order.
     """
-    if p.found("resampled"):
-        return
+    held = {c for f in p.findings if f.kind == "resampled" for c in f.channel.split(",")}
     for name in _SMOOTH:
+        if name in held:
+            continue
         if not p.has(name) or len(p) < 60:
             continue
         grid, still = robust.resolution(p[name])
         reach = float(np.ptp(p[name]))
         if grid == 0 or reach == 0 or still < 0.3:
             continue
-        share = grid / reach
-        if share > 0.004:
+        steps = np.abs(np.diff(p[name]))
+        share = float(np.quantile(steps[steps > 0], 0.8)) / reach
+        if share > (0.004 if still < 0.6 else 0.0015):
             p.add(
-                "quantised", name, min(robust.sureness(still, 0.25, 0.7), robust.sureness(share, 0.003, 0.01)),
+                "quantised", name, min(robust.sureness(still, 0.25, 0.7), robust.sureness(share, 0.0015, 0.006)),
                 f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {still:.0%} of the samples",
                 "The error is no white noise: differences are zero or far too large, and what is derived from them is "
                 "worthless; weights from the residuals come out too large.",
@@ -110,7 +112,7 @@ def unit_time(p: Patient) -> float | None:
         The record.
     """
     speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None
-    moving = None if speed is None else float(np.median(np.abs(speed)))
+    moving = None if speed is None else float(np.quantile(np.abs(speed), 0.9))
     if p.length is not None and (moving or p.cruise):
         return p.length / (moving or p.cruise or 1.0)
     name = p.rudder

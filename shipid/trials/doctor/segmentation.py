@@ -45,19 +45,32 @@ def find_manoeuvres(p: Patient) -> list[Stretch]:
     name = "delta_order" if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p.rudder
     if name is None or not p.has("psi") or len(p) < 30:
         return []
-    held = _held(p.t, p[name])
+    delta = p[name] - _offset(p[name])
+    held = _held(p.t, delta)
     taken: list[tuple[int, int, Stretch]] = []
     for chain in _chains(held, p.t):
-        taken += _zigzags(p, p[name], chain)
+        taken += _zigzags(p, delta, chain)
     used = [(a, b) for a, b, _ in taken]
     for plate in held:
         if any(a < plate.last and plate.first < b for a, b in used):
             continue
-        turn = _turn(p, p[name], plate)
+        turn = _turn(p, delta, plate)
         if turn is not None:
             taken += turn
     taken.sort(key=lambda item: item[0])
-    return _filled(p, p[name], taken)
+    return _filled(p, delta, taken)
+
+
+def _offset(delta: np.ndarray) -> float:
+    """Middle between two plates the rudder goes to and fro between; 0 where it does not."""
+    low, high = np.quantile(delta, [0.04, 0.96])
+    middle, half = 0.5 * float(low + high), 0.5 * float(high - low)
+    if half <= 0 or abs(middle) < 0.1 * half:
+        return 0.0
+    over = np.where(delta > middle + 0.5 * half, 1, np.where(delta < middle - 0.5 * half, -1, 0))
+    sides = over[over != 0]
+    held = float(np.mean(np.abs(np.abs(delta - middle) - half) < 0.15 * half))
+    return middle if int(np.sum(np.diff(sides) != 0)) >= 3 and held > 0.5 else 0.0
 
 
 def _held(t: np.ndarray, delta: np.ndarray) -> list[_Held]:

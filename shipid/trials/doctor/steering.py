@@ -40,10 +40,13 @@ def _unit(p: Patient, name: str) -> None:
     factor, real = 1.0, ""
     if peak > np.radians(90) and largest > np.radians(60):
         factor, real = np.pi / 180, "degrees"
-    elif 0 < largest < np.radians(0.9) and p.has("psi") and float(np.ptp(p["psi"])) > 20 * largest:
-        # Helm angles are round numbers of degrees: 5, 10, 15, 20, 35.
-        if "deg" in said and largest > np.radians(0.05):
-            factor, real = 180 / np.pi, "radians"
+    elif (
+        np.radians(0.05) < largest < np.radians(0.9)
+        and "deg" in said
+        and p.has("psi")
+        and float(np.ptp(p["psi"])) > 20 * largest
+    ):
+        factor, real = 180 / np.pi, "radians"
     if factor == 1.0:
         return
     p.add(
@@ -87,7 +90,7 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regressi
 
 
 def _sign(p: Patient, name: str, say: bool = True) -> bool:
-    if not checks.turns_to_port(p.t, p[name], p["r"]):
+    if not (checks.turns_to_port(p.t, p[name], p["r"]) or _answers_to_port(p, name)):
         return False
     if say:
         p.add(
@@ -97,6 +100,27 @@ def _sign(p: Patient, name: str, say: bool = True) -> bool:
         )  # fmt: skip
         p[name] = -p[name]
     return True
+
+
+def _answers_to_port(p: Patient, name: str) -> bool:
+    """Whether the ship, at the end of a stretch of rudder, turns to the other side, at nearly all stretches."""
+    delta, r = p[name], p["r"]
+    high = 0.3 * float(np.quantile(np.abs(delta), 0.95))
+    ends = [robust.runs(side * delta > high) for side in (1, -1)]
+    index = np.concatenate([e[:, 1] - 1 for e in ends])
+    long = np.concatenate([e[:, 1] - e[:, 0] for e in ends])
+    if not len(index):
+        return False
+    believed = index[long >= 0.3 * float(np.median(long))]
+    answer = np.sign(delta[believed]) * r[believed]
+    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * robust.noise(r))
+    against = int(np.sum(answer[clear] < 0))
+    far = False
+    if p.has("psi"):
+        begin = index - long + 1
+        turned = np.sign(delta[index]) * (p["psi"][index] - p["psi"][begin])
+        far = bool(np.any(turned < -np.pi / 2)) and not np.any(turned > np.pi / 2)
+    return against >= (1 if far else 4) and against >= 0.9 * int(clear.sum())
 
 
 def executes(delta: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

@@ -98,7 +98,7 @@ def examine_outliers(p: Patient) -> None:
             size = float(np.max(np.abs(p[name] - median_filter(p[name], 5, mode="nearest"))[mask]))
             share = size / max(robust.noise(p[name]), 0.003 * float(np.ptp(np.delete(p[name], index))), 1e-12)
             p.add(
-                "outlier", name, robust.sureness(share, 5, 20),
+                "outlier", name, robust.sureness(share, 7, 20),
                 f"{len(index)} samples of {name} stick out of their neighbours by up to {share:.0f} times the noise",
                 "Least squares pays for each with the square of its size: gains and damping follow the outliers.",
                 "Replace them by the line between their neighbours.",
@@ -128,7 +128,13 @@ def outliers(values: np.ndarray) -> np.ndarray:
     if moving.size:
         floor = max(floor, 3 * float(np.quantile(moving, 0.8)))
     mask: np.ndarray = rest > np.maximum(10 * local, floor)
-    # A single sample sticks out of both neighbours; a corner of a ramp does not.
+    if not mask.any():
+        return mask
+    # The channel goes on as it was: what is before and what is behind agree, unlike at a step that overshoots.
+    padded = np.pad(values, 4, mode="edge")
+    window = np.lib.stride_tricks.sliding_window_view(padded, 9)[mask]
+    before, after = np.median(window[:, :3], axis=1), np.median(window[:, -3:], axis=1)
+    mask[np.flatnonzero(mask)] = np.abs(after - before) < 0.5 * rest[mask]
     return mask
 
 
@@ -152,8 +158,23 @@ def examine_frozen(p: Patient) -> None:
     p : Patient
         The record, its rates and headings put right.
     """
+    _frozen(p, ("u", "v", "U", "x", "y", "delta"))
+
+
+def examine_frozen_rates(p: Patient) -> None:
+    """Find a heading or a rate of turn that stays at one value while the other moves.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, heading and rate in the same unit and sign.
+    """
+    _frozen(p, ("psi", "r"))
+
+
+def _frozen(p: Patient, names: tuple[str, ...]) -> None:
     t = p.t
-    for name in ("psi", "r", "u", "v", "U", "x", "y", "delta"):
+    for name in names:
         if not p.has(name) or len(p) < 30:
             continue
         values = p[name]
@@ -162,13 +183,15 @@ def examine_frozen(p: Patient) -> None:
             continue
         held = robust.runs(d)
         lengths = held[:, 1] - held[:, 0]
-        longest = int(np.argmax(lengths))
-        a, b = int(held[longest, 0]), int(held[longest, 1])
-        others = np.delete(lengths, longest)
-        usual = float(np.quantile(others, 0.98)) if others.size else 0.0
-        if lengths[longest] < max(8, 3 * usual):
+        # Coarse digits make many short runs; a sensor that hangs makes one that is far longer.
+        usual = float(np.quantile(lengths, 0.95)) if len(lengths) > 20 else 0.0
+        long = np.flatnonzero(lengths >= max(8, 3 * usual, 0.015 * len(p)))
+        if not len(long):
             continue
-        missed = _missed(p, name, a, b)
+        longest = long[np.argsort(lengths[long])[::-1][:5]]
+        rated = [(_missed(p, name, int(held[k, 0]), int(held[k, 1])), int(k)) for k in longest]
+        missed, k = max(rated)
+        a, b = int(held[k, 0]), int(held[k, 1])
         if missed > 1:
             p.add(
                 "frozen", name, robust.sureness(missed, 1, 3),
@@ -184,7 +207,7 @@ def _missed(p: Patient, name: str, a: int, b: int) -> float:
     """How far the channel should have moved meanwhile, over what would pass unnoticed."""
     t, values = p.t, p[name]
     outside = np.concatenate([values[: max(a - 1, 0)], values[b + 2 :]])
-    grid = robust.resolution(values)[0]
+    grid = robust.resolution(outside)[0]
     unnoticed = 8 * robust.noise(outside) + 3 * grid + 0.005 * float(np.ptp(values))
     if unnoticed == 0:
         return 0.0
@@ -199,9 +222,15 @@ def _missed(p: Patient, name: str, a: int, b: int) -> float:
         blur = 3 * robust.noise(p["psi"]) / (p.sampling * size)
         return float(off.max()) / (unnoticed + blur + 0.05 * float(np.quantile(np.abs(values), 0.9)))
     if name in ("x", "y") and p.has("psi") and p.has("u"):
-        along = np.cos(p["psi"]) if name == "x" else np.sin(p["psi"])
-        way = robust.integral(t[a : b + 1], (p["u"] * along)[a : b + 1])
-        return float(np.ptp(way)) / unnoticed
+        c, s = np.cos(p["psi"]), np.sin(p["psi"])
+        sideways = p["v"] if p.has("v") else np.zeros_like(values)
+        velocity = p["u"] * c - sideways * s if name == "x" else p["u"] * s + sideways * c
+        way = robust.integral(t[a : b + 1], velocity[a : b + 1])
+        # Coarse digits stand still for long, too, and then move by the steps they always move by.
+        near = np.abs(np.diff(values)[max(a - 400, 0) : b + 401])
+        steps = np.sort(near[near > 0])
+        usual_step = float(np.quantile(steps, 0.9)) if steps.size > 3 else 0.0
+        return float(np.ptp(way)) / (unnoticed + 2 * usual_step)
     rattle = robust.noise(outside)
     turning = p.has("r") and float(np.ptp(p["r"][a : b + 1])) > 0.2 * float(np.ptp(p["r"]))
     if name in ("u", "v", "U") and rattle > 0 and turning:

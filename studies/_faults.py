@@ -1,0 +1,389 @@
+"""Faults to plant in a trial, each at three severities: what the studies and tests of the trial doctor ask it to find."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+
+import shipid
+from shipid.models.kinematics import PlanarMotion
+from shipid.models.nomoto import Nomoto
+from shipid.trials.columns import COLUMNS
+
+SHIPS = (
+    ("nomoto", "kvlcc2"), ("norrbin", "zeefakkel"), ("bech", "kvlcc2-7m"), ("de-keizer", "soesterberg"),
+    ("pershitz", "semerdjiev"), ("davidson-schiff", "mariner"), ("van-leeuwen", "zeefakkel"), ("nomoto", "esso-osaka-3m"),
+    ("de-keizer", "gunnerus"), ("nomoto-second-order", "mariner"), ("norrbin", "gunnerus"), ("pershitz", "kvlcc2"),
+    ("norrbin", "kvlcc2"), ("bech", "kvlcc2"),
+)  # fmt: skip
+Table = dict[str, np.ndarray]
+
+
+class Log:
+    """A trial as a log would print it: SI values, the unit each header claims, and the severity's number."""
+
+    def __init__(self, trial: shipid.Trial, ship: str, seed: int) -> None:
+        self.values: Table = {c: trial[c].copy() for c in trial.table.columns if c in COLUMNS}
+        self.units = {c: COLUMNS[c].display for c in self.values}
+        self.ship = ship
+        self.length = shipid.find_ship(ship).particular("L", "m")
+        self.rng = np.random.default_rng(seed)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.values[name]
+
+    def __setitem__(self, name: str, values: np.ndarray) -> None:
+        self.values[name] = values
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return len(self.values["t"])
+
+    @property
+    def dt(self) -> float:
+        """Median sampling interval [s]."""
+        return float(np.median(np.diff(self["t"])))
+
+    @property
+    def turning(self) -> int:
+        """A sample in the middle of a swing."""
+        r = np.abs(self["r"])
+        middle = slice(self.n // 4, 3 * self.n // 4)
+        return self.n // 4 + int(np.argmax(r[middle]))
+
+    def each(self, change: Callable[[np.ndarray], np.ndarray]) -> None:
+        """Change every column in the same way."""
+        self.values = {name: change(values) for name, values in self.values.items()}
+
+    def take(self, index: np.ndarray) -> None:
+        """Keep some rows, in this order."""
+        self.each(lambda v: v[index])
+
+    def frame(self) -> pd.DataFrame:
+        """Return the table as it is printed, the claimed units in the headers."""
+        factor = {c: shipid.trials.columns.to_inside(c, COLUMNS[c].display) for c in self.values}
+        return pd.DataFrame({f"{c} [{self.units[c]}]": v / factor[c] for c, v in self.values.items()})
+
+
+def decimal(value: float) -> float:
+    """The number 1, 2 or 5 times a power of ten at or above a value."""
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(d * power for d in (1, 2, 5, 10) if d * power >= value * 0.999))
+
+
+def clock_quantised(log: Log, size: float) -> None:
+    t = np.arange(log["t"][0], log["t"][-1], 1.0373 * log.dt)
+    log.values = {name: np.interp(t, log["t"], v) for name, v in log.values.items()}
+    q = decimal(size * log.dt)
+    log["t"] = np.round(t / q) * q
+
+
+def clock_repeats(log: Log, size: float) -> None:
+    rows = log.rng.choice(log.n, max(1, int(size * log.n)), replace=False)
+    log.take(np.sort(np.concatenate([np.arange(log.n), rows])))
+
+
+def clock_unsorted(log: Log, size: float) -> None:
+    order = np.arange(log.n)
+    for k in log.rng.choice(log.n - 2, max(1, int(size * log.n)), replace=False):
+        order[[k, k + 1]] = order[[k + 1, k]]
+    log.take(order if np.any(np.diff(order) < 0) else order[::-1])
+
+
+def gap(log: Log, size: float) -> None:
+    log.take(np.delete(np.arange(log.n), log.turning + np.arange(max(3, int(size * log.n)))))
+
+
+def resampled(log: Log, size: float) -> None:
+    t, keep = log["t"], np.arange(0, log.n, int(size))
+    for c in ("psi", "r", "x", "y", "u", "v"):
+        if c in log.values:
+            log[c] = np.interp(t, t[keep], log[c][keep])
+
+
+def not_finite(log: Log, size: float) -> None:
+    log["r"][log.rng.choice(np.arange(3, log.n - 3), max(1, int(size * log.n)), replace=False)] = np.nan
+
+
+def trailing_empty(log: Log, size: float) -> None:
+    for c in set(log.values) - {"t"}:
+        log[c][-max(1, int(size * log.n)) :] = np.nan
+
+
+def outlier(log: Log, size: float) -> None:
+    c = ("r", "delta", "x")[int(log.rng.integers(3))]
+    d3 = np.diff(log[c], 3)
+    noise = 1.4826 * np.median(np.abs(d3 - np.median(d3))) / np.sqrt(20)
+    at = log.rng.choice(np.arange(10, log.n - 10), 1 + int(size > 0.1), replace=False)
+    log[c][at] += (size * np.ptp(log[c]) + 10 * noise) * log.rng.choice([-1, 1])
+
+
+def frozen(log: Log, size: float) -> None:
+    c = ("psi", "r")[int(log.rng.integers(2))]
+    width = int(size * log.n)
+    window = np.lib.stride_tricks.sliding_window_view(log[c], width)
+    a = int(np.argmax(np.ptp(window, axis=1)))
+    log[c][a : a + width] = log[c][a]
+
+
+def unit_heading(log: Log, size: float) -> None:
+    if size > 1:
+        log.units["psi"] = "rad"
+    else:
+        log["psi"] = np.radians(log["psi"])
+
+
+def unit_rate(log: Log, size: float) -> None:
+    log["r"] = log["r"] * {1: np.pi / 180, 2: 60.0, 3: 180 / np.pi}[int(size)]
+
+
+def unit_speed(log: Log, size: float) -> None:
+    factor = {1: 3.6, 2: 3600 / 1852, 3: 1852 / 3600}[int(size)]
+    for c in ("u", "v"):
+        if c in log.values:
+            log[c] = log[c] * factor
+
+
+def unit_rudder(log: Log, size: float) -> None:
+    for c in ("delta", "delta_order"):
+        log[c] = log[c] * {1: np.pi / 180, 2: np.pi / 180, 3: 180 / np.pi}[int(size)]
+
+
+def unit_clock(log: Log, size: float) -> None:
+    log["t"] = log["t"] * (1000.0 if size > 1 else 1 / 60)
+
+
+def speed_scale(log: Log, size: float) -> None:
+    for c in ("u", "v"):
+        if c in log.values:
+            log[c] = log[c] / size
+
+
+def rate_scale(log: Log, size: float) -> None:
+    log["r"] = log["r"] / size
+
+
+def mislabelled(log: Log, size: float) -> None:
+    r = log["r"]
+    roll = np.gradient(np.gradient(r, log["t"]), log["t"])
+    other = 0.3 * np.std(r) * roll / (np.std(roll) + 1e-30) + 0.02 * np.std(r) * log.rng.standard_normal(log.n)
+    log["p"] = r
+    log.units["p"] = "deg/s"
+    if size < 3:
+        log["r"] = other if size < 2 else 0.1 * np.std(r) * log.rng.standard_normal(log.n)
+    else:
+        del log.values["r"]
+
+
+def rudder_sign(log: Log, size: float) -> None:
+    for c in ("delta", "delta_order"):
+        log[c] = -size * log[c]
+
+
+def rate_sign(log: Log, size: float) -> None:
+    log["r"] = -size * log["r"]
+
+
+def heading_sign(log: Log, size: float) -> None:
+    log["psi"] = size - log["psi"]
+
+
+def with_sway(log: Log) -> None:
+    """A log without sway gets one, made from its rate of turn, and positions to match."""
+    if "v" not in log.values or np.ptp(log["v"]) == 0:
+        log["v"] = -0.3 * (log.length or 1.0) * log["r"]
+        log.units["v"] = "m/s"
+        sail(log)
+
+
+def sail(log: Log, flow: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Positions from speeds and heading, with the noise the log had."""
+    t, c, s = log["t"], np.cos(log["psi"]), np.sin(log["psi"])
+    for name, velocity in (
+        ("x", log["u"] * c - log["v"] * s + flow[0]),
+        ("y", log["u"] * s + log["v"] * c + flow[1]),
+    ):
+        d3 = np.diff(log[name], 3)
+        noise = 1.4826 * np.median(np.abs(d3 - np.median(d3))) / np.sqrt(20)
+        way = np.concatenate(([0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(t))))
+        log[name] = way + (noise if noise > 1e-4 * np.ptp(way) else 0.0) * log.rng.standard_normal(log.n)
+
+
+def earth_fixed(log: Log, size: float) -> None:
+    with_sway(log)
+    c, s = np.cos(log["psi"]), np.sin(log["psi"])
+    log["u"], log["v"] = log["u"] * c - log["v"] * s, log["u"] * s + log["v"] * c
+
+
+def heading_wrap(log: Log, size: float) -> None:
+    middle = np.quantile(log["psi"], 0.5 + 0.1 * (size - 2))
+    log["psi"] = np.mod(log["psi"] - middle, 2 * np.pi)
+
+
+def heading_interpolated(log: Log, size: float) -> None:
+    psi = np.mod(log["psi"] - np.median(log["psi"]), 2 * np.pi)
+    jumps = np.flatnonzero(np.abs(np.diff(psi)) > np.pi)
+    if "r" in log.values:  # not where noise crosses north to and fro
+        jumps = jumps[np.concatenate(([True], np.diff(jumps) > 4 * size + 4))][:8]
+    for k in jumps:
+        a, b = max(k - int(size) // 2, 0), min(k + 1 + (int(size) + 1) // 2, log.n - 1)
+        if abs(psi[b] - psi[a]) > np.pi:
+            psi[a : b + 1] = np.linspace(psi[a], psi[b], b - a + 1)
+    log["psi"] = psi
+
+
+def heading_glitch(log: Log, size: float) -> None:
+    d3 = np.diff(log["psi"], 3)
+    noise = 1.4826 * np.median(np.abs(d3)) / np.sqrt(20)
+    for k in log.rng.choice(np.arange(20, log.n - 20), 1 + int(size), replace=False):
+        log["psi"][k : k + 2] += np.radians(size) + 6 * noise
+
+
+def order_not_feedback(log: Log, size: float) -> None:
+    log["delta"] = log["delta_order"].copy()
+    if size < 3:
+        del log.values["delta_order"]
+    if size < 2:
+        log["delta"] = np.convolve(log["delta"], [0.25, 0.75], "same")
+
+
+def accelerating(log: Log, size: float) -> None:
+    rise = 0.2 * np.ptp(log["t"])
+    ramp = 1 - (1 - size) * np.clip(1 - (log["t"] - log["t"][0]) / rise, 0, 1)
+    log["u"] = log["u"] * ramp
+    if "v" in log.values:
+        log["v"] = log["v"] * ramp
+        sail(log)
+    else:
+        log["v"] = np.zeros(log.n)
+        sail(log)
+        del log.values["v"]
+
+
+def bias_rudder(log: Log, size: float) -> None:
+    for c in ("delta", "delta_order"):
+        log[c] = log[c] + size * np.quantile(np.abs(log["delta"]), 0.9)
+
+
+def bias_rate(log: Log, size: float) -> None:
+    log["r"] = log["r"] + size * np.quantile(np.abs(log["r"]), 0.9)
+
+
+def track_inconsistent(log: Log, size: float) -> None:
+    speed = size * float(np.quantile(log["u"], 0.9)) * (log["t"] - log["t"][0])
+    log["x"], log["y"] = log["x"] + 0.6 * speed, log["y"] - 0.8 * speed
+
+
+def position_jump(log: Log, size: float) -> None:
+    jump = size * (float(np.quantile(log["u"], 0.9)) * log.dt) + 8 * np.median(np.abs(np.diff(log["x"], 2)))
+    log["y"] = log["y"] + jump * (np.arange(log.n) > log.n // 2)
+
+
+def short(log: Log, size: float) -> None:
+    over = np.flatnonzero(np.abs(log["delta"]) > 0.5 * np.quantile(np.abs(log["delta"]), 0.99))
+    sides = np.sign(log["delta"][over])
+    turns = over[1:][np.diff(sides) != 0]
+    first = int(turns[0]) if len(turns) else min(log.n - 1, over[0] + log.n // 20)
+    log.take(np.arange(max(12, int(over[0] + size * (first - over[0])))))
+
+
+def no_rudder_movement(log: Log, size: float) -> None:
+    for c in ("delta", "delta_order"):
+        log[c] = np.full(log.n, np.radians(size - 1)) + np.radians(0.02 * size) * log.rng.standard_normal(log.n)
+
+
+def coarse_sampling(log: Log, size: float) -> None:
+    unit = (log.length or 1.0) / float(np.quantile(log["u"], 0.9))
+    log.take(np.arange(0, log.n, max(1, round(size * unit / log.dt))))
+
+
+def quantised(log: Log, size: float) -> None:
+    d3 = np.diff(log["psi"], 3)
+    q = size * np.ptp(log["psi"]) + 10 * size * 100 * np.median(np.abs(d3)) / np.sqrt(20) * 0.6
+    log["psi"] = np.round(log["psi"] / q) * q
+
+
+def latency_rate(log: Log, size: float) -> None:
+    log["r"] = np.interp(log["t"] - size * log.dt, log["t"], log["r"])
+
+
+def latency_rudder(log: Log, size: float) -> None:
+    over = np.flatnonzero(np.abs(log["delta"]) > 0.5 * np.quantile(np.abs(log["delta"]), 0.99))
+    turns = over[1:][np.diff(np.sign(log["delta"][over])) != 0]
+    late = size * float(np.median(np.diff(log["t"][turns])))
+    for c in ("delta", "delta_order"):
+        log[c] = np.interp(log["t"] - late, log["t"], log[c])
+
+
+Plant = tuple[Callable[[Log, float], None], tuple[float, float, float], str, str]
+#: Row: what plants it, mild, clear and gross, the kind asked for, and what it needs ("zigzag", or "v": a sway).
+FAULTS: dict[str, Plant] = {
+    "clock-quantised": (clock_quantised, (0.4, 1.5, 5.0), "clock-quantised", ""),
+    "clock-repeats": (clock_repeats, (0.001, 0.01, 0.1), "clock-repeats", ""),
+    "clock-unsorted": (clock_unsorted, (0.001, 0.01, 0.1), "clock-unsorted", ""),
+    "gap": (gap, (0.003, 0.03, 0.15), "gap", ""),
+    "resampled": (resampled, (2, 4, 8), "resampled", ""),
+    "not-finite": (not_finite, (0.001, 0.01, 0.1), "not-finite", ""),
+    "trailing-empty": (trailing_empty, (0.001, 0.02, 0.2), "trailing-empty", ""),
+    "outlier": (outlier, (0.03, 0.3, 2.0), "outlier", ""),
+    "frozen": (frozen, (0.02, 0.06, 0.15), "frozen", ""),
+    "unit of the heading": (unit_heading, (1, 2, 3), "unit", ""),
+    "unit of the rate": (unit_rate, (1, 2, 3), "unit", ""),
+    "unit of the speed": (unit_speed, (1, 2, 3), "unit", "positions"),
+    "unit of the rudder": (unit_rudder, (1, 2, 3), "unit", ""),
+    "unit of the clock": (unit_clock, (1, 2, 3), "unit", ""),
+    "speed-scale": (speed_scale, (1.020372, 1.1, 1.3), "speed-scale", "positions"),
+    "rate-scale": (rate_scale, (1.05, 1.15, 1.5), "rate-scale", ""),
+    "mislabelled": (mislabelled, (1, 2, 3), "mislabelled", ""),
+    "rudder-sign": (rudder_sign, (1, 1, 1), "rudder-sign", "steered"),
+    "rate-sign": (rate_sign, (1, 1, 1), "rate-sign", ""),
+    "earth-fixed-velocity": (earth_fixed, (1, 1, 1), "earth-fixed-velocity", "positions"),
+    "heading-wrap": (heading_wrap, (1, 2, 3), "heading-wrap", ""),
+    "heading-interpolated": (heading_interpolated, (1, 2, 3), "heading-interpolated", ""),
+    "heading-glitch": (heading_glitch, (1.0, 3.0, 10.0), "heading-glitch", ""),
+    "order-not-feedback": (order_not_feedback, (1, 2, 3), "order-not-feedback", "order"),
+    "accelerating": (accelerating, (0.8, 0.5, 0.05), "accelerating", "positions"),
+    "bias of the rudder": (bias_rudder, (0.05, 0.15, 0.4), "bias", "zigzag"),
+    "bias of the rate": (bias_rate, (0.02, 0.1, 0.5), "bias", ""),
+    "asymmetric": (lambda log, size: None, (0.1, 0.3, 0.6), "asymmetric", "lopsided"),
+    "track-inconsistent": (track_inconsistent, (0.03, 0.1, 0.25), "track-inconsistent", "turn"),
+    "position-jump": (position_jump, (4, 20, 100), "position-jump", "positions"),
+    "short": (short, (1.3, 0.9, 0.4), "short", "zigzag"),
+    "no-rudder-movement": (no_rudder_movement, (1, 2, 3), "no-rudder-movement", ""),
+    "coarse-sampling": (coarse_sampling, (0.25, 0.5, 1.0), "coarse-sampling", ""),
+    "quantised": (quantised, (0.005, 0.02, 0.06), "quantised", ""),
+    "latency of the rate": (latency_rate, (1, 4, 12), "latency", ""),
+    "latency of the rudder": (latency_rudder, (0.02, 0.08, 0.2), "latency", "zigzag"),
+}  # fmt: skip
+
+
+def noise_for(ship: str, level: str) -> dict[str, float] | str:
+    """Sensor noise: none, that of the standard sensors, or instruments fit for the size of the ship."""
+    if level != "fitting":
+        return level
+    found = shipid.find_ship(ship)
+    length, speed = found.particular("L", "m") or 1.0, found.particular("speed", "m/s") or 1.0
+    u = 0.01 * speed
+    return {"psi": 0.0017, "r": 0.02 * 0.3 * speed / length, "u": u, "v": u, "x": 0.01 * length, "y": 0.01 * length}
+
+
+def lopsided(ship: str, share: float, noise: dict[str, float] | str, seed: int) -> shipid.Trial:
+    """A zig-zag of a ship that turns more willingly to starboard."""
+
+    class Lopsided(Nomoto):
+        """Nomoto's ship with two gains."""
+
+        @Nomoto._quantities["r"].rate
+        def yaw(self):
+            """A gain for either side."""
+            gain = self.K * (1 + 0.5 * share * np.tanh(self.delta / 0.02))
+            return (gain * self.delta - self.r) / self.tau
+
+    model = shipid.join("nomoto", Lopsided, PlanarMotion)
+    known = shipid.find_ship(ship)
+    unit = (known.particular("L", "m") or 1.0) / (known.particular("speed", "m/s") or 1.0)
+    gains = {"K": f"{0.9 / unit} 1/s", "tau": f"{1.2 * unit} s"}
+    return shipid.simulate(model, ship, "zigzag:20/20", noise=noise, seed=seed, values=gains)
