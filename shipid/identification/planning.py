@@ -120,7 +120,8 @@ def plan_trials(
     spread : float
         Relative standard deviation of a coefficient for which neither the ship nor the declaration holds one.
     draws : int
-        How many draws of the coefficients the plan has to be good for, beside the values themselves.
+        How many draws of the coefficients the plan has to be good for, beside the values themselves; draws under which
+        the standard zig-zags cannot be sailed are drawn anew.
     seed : int
         Of the draws and the random telegraph.
     progress : callable, optional
@@ -153,7 +154,7 @@ def plan_trials(
         seed=seed,
     )
     warnings: list[str] = []
-    setting = _believable(setting, draws)
+    setting = _believable(setting, draws, warnings)
     sails = _within_limits(setting, _candidates(repertoire, setting.speeds, seed), warnings)
     tell = progress or (lambda _: None)
     with threadpool_limits(1, "blas"):
@@ -163,7 +164,7 @@ def plan_trials(
         if not rows.sails:
             raise SimulationDivergedError(
                 f"model {setting.question.model.name} with ship {setting.ship.name} runs away in every manoeuvre of the "
-                "repertoire. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
+                "repertoire, or is too unstable to be followed through it. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
             )
         tell(f"choosing among {len(rows.sails)} candidates")
         table = Table(
@@ -238,38 +239,47 @@ def _over_draws(setting: Briefing, sail: Sail, durations: list[float]) -> np.nda
     return np.stack([m[:shortest] for m in found], axis=1)
 
 
-def _believable(setting: Briefing, count: int) -> Briefing:
-    """Keep so many draws under which the ship sails the standard zig-zags: one that cannot is not believed."""
-    question, speed = setting.question, setting.speeds[0]
-    sails = [sail_of(text, speed) for text in STANDARD]
+def _believable(setting: Briefing, count: int, warnings: list[str]) -> Briefing:
+    """Keep so many draws under which the standard zig-zags can be sailed and followed: the others compare nothing."""
+    own, *drawn = setting.draws
+    sails, share = _standard_sails(setting)
 
     def sailed(values: Mapping[str, float]) -> bool:
-        return all(question.sail(s, setting.longest(speed), values) is not None for s in sails)
+        return all(setting.question.information(s, [share], values, setting.size) is not None for s in sails)
 
-    own, *drawn = setting.draws
     if sailed(own):
         drawn = list(itertools.islice((d for d in drawn if sailed(d)), count))
+        if len(drawn) < count:
+            warnings.append(
+                f"under {len(drawn)} of {len(setting.draws) - 1} draws the standard zig-zags can be sailed; the plan is good "
+                f"for those, where {count} were asked for."
+            )
     return replace(setting, draws=(own, *drawn[:count]))
+
+
+def _standard_sails(setting: Briefing) -> tuple[list[Sail], float]:
+    """The standard zig-zags that share the time, and how long each is, in s; the 20/20 alone where it is short."""
+    speed = setting.speeds[0]
+    share = setting.rounded((setting.time - setting.gap(speed)) / 2, speed)
+    if share >= setting.shortest(speed):
+        return [sail_of(text, speed) for text in STANDARD], share
+    return [sail_of(STANDARD[1], speed)], setting.rounded(setting.time, speed)
 
 
 def _standard(setting: Briefing, rows: _Rows, warnings: list[str]) -> list[int]:
     """Sail the standard pair in the same time; rows of the table, none where the model runs away."""
-    speed = setting.speeds[0]
-    share = setting.rounded((setting.time - setting.gap(speed)) / 2, speed)
-    texts = STANDARD if share >= setting.shortest(speed) else STANDARD[1:]
-    if len(texts) < len(STANDARD):
+    sails, share = _standard_sails(setting)
+    if len(sails) < len(STANDARD):
         warnings.append("the time is too short for both standard zig-zags: the 20/20 alone is the comparison.")
-        share = setting.rounded(setting.time, speed)
-    pair: list[int] = []
-    for text in texts:
-        matrices = _over_draws(setting, sail_of(text, speed), [share])
+    found = [_over_draws(setting, sail, [share]) for sail in sails]
+    for sail, matrices in zip(sails, found):
         if matrices is None:
             warnings.append(
-                f"the model runs away in the standard {text}, so there is nothing to compare the plan with."
+                f"the model runs away in the standard {sail.manoeuvre}, or is too unstable to be followed through it, so there "
+                "is nothing to compare the plan with."
             )
             return []
-        pair += rows.add(sail_of(text, speed), [share], matrices)
-    return pair
+    return [i for sail, m in zip(sails, found) if m is not None for i in rows.add(sail, [share], m)]
 
 
 def _fill(setting: Briefing, rows: _Rows, sails: list[Sail], warnings: list[str], tell: Progress) -> None:
@@ -284,7 +294,7 @@ def _fill(setting: Briefing, rows: _Rows, sails: list[Sail], warnings: list[str]
             rows.add(sail, lengths[: len(matrices)], matrices)
     if dropped:
         warnings.append(
-            f"dropped, because the model runs away or the ship loses her way, with the values of the ship or one of the "
+            f"dropped, because the model runs away, loses its way or is too unstable to be followed, with the values of the ship or one of the "
             f"{len(setting.draws) - 1} draws about them: {', '.join(dict.fromkeys(dropped))}."
         )
 

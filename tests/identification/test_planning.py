@@ -324,3 +324,21 @@ def test_a_ship_without_length_or_speed():
         particulars = {n: v for n, v in ship.sections["particulars"].items() if n != lost}
         with pytest.raises(ParameterSetError, match=word):
             planned(ship=replace(ship, sections={**ship.sections, "particulars": particulars}))
+
+
+def test_without_the_standard_nothing_is_compared():
+    found = planned("de-keizer", "soesterberg", values={"K": "5 1"}, repertoire=["zigzag:5/5"], draws=1)
+    assert found.standard == () and found.det_gain is None and found.to_dict()["gain_over_standard"]["det"] is None
+    assert any("nothing to compare" in w for w in found.warnings)
+    assert "no standard" in repr(found)
+    json.dumps(found.to_dict(), allow_nan=False)
+
+
+def test_draws_that_cannot_sail_the_standard_are_drawn_anew(monkeypatch):
+    wide = {"spread": 1.5, "draws": 12, "repertoire": ["zigzag:5/5"]}
+    found = planned("de-keizer", "soesterberg", **wide)
+    assert found.standard and found.draws == 12
+    monkeypatch.setattr("shipid.identification.briefing._SPARE", 1)
+    found = planned("de-keizer", "soesterberg", **wide)
+    assert found.standard and 0 < found.draws < 12, "with a wide prior some De Keizer ships lose their way in a 20/20"
+    assert any(f"under {found.draws} of 12 draws the standard zig-zags can be sailed" in w for w in found.warnings)
