@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,6 @@ from shipid.declaration.errors import ShipidError
 from shipid.generation.record import make_record
 from shipid.identification.closed_loop import helmsman_of, zigzag_simulator
 from shipid.identification.draws import Draws, band_of, draws_of
-from shipid.identification.fit import Comparison, Fit
 from shipid.identification.sailed import Sailed, prepare
 from shipid.identification.scale import unit_time_of
 from shipid.trials.columns import COLUMNS
@@ -26,6 +25,9 @@ from shipid.trials.measures import TurningCircle, ZigZag
 from shipid.trials.measuring import detect, measure
 from shipid.trials.trial import Trial
 from shipid.trials.zigzag import overshoots_of
+
+if TYPE_CHECKING:
+    from shipid.identification.fit import Comparison, Fit
 
 #: Key of a turning circle's quantity, its name in `TurningCircle`, and the factor from SI.
 TURN = {

@@ -7,14 +7,17 @@ spread over its bounds, so that a prediction that depends on it gets the wide ba
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.declaration.units import prime_factor
-from shipid.identification.fit import Fit
 from shipid.identification.scale import unit_time_of
 from shipid.identification.solve import Box, box_of
 from shipid.identification.uncertainty import covariance_of
+
+if TYPE_CHECKING:
+    from shipid.identification.fit import Fit
 
 #: Draws: a power of two, for Sobol's sequence fills the space evenly then.
 DRAWS = 64

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +14,9 @@ from shipid.declaration.parameters import ParameterSet
 from shipid.declaration.units import factor, pretty
 from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    from shipid.identification.bands import Manoeuvre
 
 
 @dataclass(frozen=True)
@@ -201,8 +205,21 @@ class Fit:
         frame = pd.DataFrame(rows).set_index("name")
         return frame[["value", "std", "unit", "ci95", "identifiable", "follows", "meaning"]]
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain values for JSON: SI, angles in radians, no NaN."""
+    @functools.cached_property
+    def manoeuvres(self) -> Mapping[str, Manoeuvre]:
+        """The manoeuvre of each trial by its name, measured and predicted, with 95 % bands; worked out when asked for."""
+        from shipid.identification.bands import manoeuvres_of
+
+        return manoeuvres_of(self)
+
+    def to_dict(self, bands: bool = True) -> dict[str, Any]:
+        """Return the result as plain values for JSON: SI, angles in radians, no NaN.
+
+        Parameters
+        ----------
+        bands : bool
+            Whether prediction bands are worked out, which takes a good part of a second for each trial.
+        """
         units = {s: self.model[s].unit for s in self.noise}
         return {
             "model": self.model.name,
@@ -231,6 +248,7 @@ class Fit:
                 c.trial.name: {
                     "overshoots_deg": [_degrees(o) for o in c.overshoots],
                     "predicted_overshoots_deg": [_degrees(o) for o in c.predicted_overshoots],
+                    **(self.manoeuvres[c.trial.name].to_dict() if bands else {}),
                 }
                 for c in (*self.fitted, *self.validation)
             },
