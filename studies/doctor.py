@@ -82,7 +82,9 @@ def plant_all(
     for what, (plant, sizes, kind, need) in FAULTS.items():
         rows = [[0, 0], [0, 0], [0, 0]]
         for k, (manoeuvre, trial, ship, level) in enumerate(trials):
-            if (need != "lopsided" and not fits(need, manoeuvre, trial, ship)) or (short_form and (k + len(what)) % 3):
+            if (need != "lopsided" and not fits(need, manoeuvre, trial, ship)) or (
+                level != "real" and (k + k // 3 + len(what)) % 3
+            ):
                 continue
             if need == "lopsided" and (manoeuvre != "zigzag" or level == "real"):
                 continue

@@ -22,6 +22,14 @@ def examine_clock(p: Patient) -> None:
     """
     if len(p) < checks.FEWEST_SAMPLES:
         return
+    if float(np.ptp(p.t)) == 0:
+        p.add(
+            "clock-repeats", "t", 0.99, f"all {len(p)} stamps are the same",
+            "Without a clock there are no rates, and nothing to identify.",
+            "State the sampling interval in a format file: [clock] interval = '0.1 s'.",
+        )  # fmt: skip
+        p["t"] = np.arange(len(p), dtype=float)
+        return
     _unsorted(p)
     _doubled_rows(p)
     if not _quantised(p):

@@ -89,7 +89,7 @@ def _blocks(p: Patient) -> np.ndarray:
     """Edges of blocks in which the ship makes far more way than the positions are noisy."""
     way = float(np.sum(np.hypot(np.diff(p["x"][:: max(1, len(p) // 60)]), np.diff(p["y"][:: max(1, len(p) // 60)]))))
     rough = robust.noise(p["x"]) + robust.noise(p["y"]) + 1e-12
-    count = int(np.clip(way / (6 * rough), 12, 80))
+    count = int(np.clip(way / (30 * rough), 16, 80))
     return robust.edges(len(p), count)
 
 

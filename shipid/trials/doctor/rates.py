@@ -259,7 +259,7 @@ def _drift_and_lag(p: Patient) -> robust.Regression | None:
         # Short blocks see the lag in a quiet record, long ones in a noisy one: the surest counts.
         at = _edges(p["psi"], count)
         design = np.column_stack([np.diff(p.t[at]), np.diff(p["r"][at])])
-        one = robust.regress(design, np.diff(p["psi"][at]) - np.diff(turned[at]))
+        one = robust.least_squares(design, np.diff(p["psi"][at]) - np.diff(turned[at]))
         if one is not None:
             found.append(one)
     return min(found, key=lambda one: float(one.std[1]), default=None)

@@ -14,7 +14,8 @@ from shipid.trials.doctor.findings import Finding
 from shipid.trials.doctor.record import from_trial, read_record
 from shipid.trials.errors import OverwriteError, TrialError
 from shipid.trials.format import TrialFormat, read_format
-from shipid.trials.trial import Source, Trial
+from shipid.trials.source import Source
+from shipid.trials.trial import Trial
 from shipid.trials.writing import write_trial
 
 

@@ -50,10 +50,10 @@ def resolution(values: np.ndarray) -> tuple[float, float]:
     same = d == 0
     if same.all() or not same.any():
         return 0.0, float(same.all())
-    # Under way: a change within the nearest 20 samples on both sides.
+    # Under way: the next change is not far.
     index = np.flatnonzero(~same)
     gap = np.diff(index) - 1
-    inside = gap[gap <= 40]
+    inside = gap[gap <= max(40, len(values) // 20)]
     still = float(inside.sum() / (inside.sum() + len(index)))
     after = np.abs(d[1:][same[:-1] & ~same[1:]])
     return (float(np.median(after)) if after.size else 0.0), still
@@ -121,6 +121,33 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> Regress
     energy = float(np.sum(target[believed] ** 2))
     explained = 1 - float(np.sum(rest[believed] ** 2)) / energy if energy > 0 else 0.0
     return Regression(value / size, np.sqrt(np.diag(covariance)) / size, sigma, explained)
+
+
+def least_squares(design: np.ndarray, target: np.ndarray) -> Regression | None:
+    """Fit a linear model by plain least squares: for effects that only a few rows show.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        Regressors.
+    target : ndarray, shape (n,)
+        What they explain.
+
+    Returns
+    -------
+    Regression or None
+        None where there are too few rows or the regressors cannot be told apart.
+    """
+    n, p = design.shape
+    size = np.sqrt(np.mean(design**2, axis=0))
+    if n < 3 * p + 3 or np.any(size == 0) or np.linalg.cond(design / size) > 1e8:
+        return None
+    value = np.linalg.lstsq(design / size, target, rcond=None)[0]
+    rest = target - design @ (value / size)
+    variance = max(float(rest @ rest) / (n - p), 1e-24 * float(target @ target) / n)
+    std = np.sqrt(variance * np.diag(np.linalg.inv((design / size).T @ (design / size)))) / size
+    energy = float(target @ target)
+    return Regression(value / size, std, float(np.sqrt(variance)), 1 - float(rest @ rest) / energy if energy else 0.0)
 
 
 def edges(n: int, count: int) -> np.ndarray:

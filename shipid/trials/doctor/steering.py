@@ -84,9 +84,15 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regressi
     Regression or None
         Coefficients a, -b, -b3, c.
     """
-    at = robust.edges(len(t), min(300, len(t) // 3))
-    parts = [np.diff(robust.integral(t, y)[at]) for y in (delta, r, r**3)]
-    return robust.regress(np.column_stack([*parts, np.diff(t[at])]), np.diff(r[at]))
+    found = []
+    whole = [robust.integral(t, y) for y in (delta, r, r**3)]
+    for count in (300, 120, 60):
+        # Short blocks follow the steering, long ones average the noise: the surest reading of the gain counts.
+        at = robust.edges(len(t), min(count, len(t) // 3))
+        one = robust.regress(np.column_stack([*(np.diff(y[at]) for y in whole), np.diff(t[at])]), np.diff(r[at]))
+        if one is not None:
+            found.append(one)
+    return min(found, key=lambda one: float(one.std[0] / abs(one.value[0] or 1e-300)), default=None)
 
 
 def _sign(p: Patient, name: str, say: bool = True) -> bool:

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.trials.checks import LARGEST
-from shipid.trials.doctor import robust
+from shipid.trials.doctor import rates, robust
 from shipid.trials.doctor.patient import Patient
 
 _HOLE = 5
@@ -212,13 +212,13 @@ def _missed(p: Patient, name: str, a: int, b: int) -> float:
     if unnoticed == 0:
         return 0.0
     if name == "psi" and p.has("r"):
-        turned = robust.integral(t[a : b + 1], p["r"][a : b + 1])
+        turned = robust.integral(t[a : b + 1], p["r"][a : b + 1] + _drift(p))
         return float(np.ptp(turned)) / (unnoticed + 1e-3 * float(np.ptp(p["psi"])))
     if name == "r" and p.has("psi"):
         rate = np.gradient(p["psi"], t)[a : b + 1]
         size = max(3, (b - a) // 6) | 1
         smooth = np.convolve(rate, np.ones(size) / size, "valid")
-        off = np.abs(smooth - values[a])
+        off = np.abs(smooth - values[a] - _drift(p))
         blur = 3 * robust.noise(p["psi"]) / (p.sampling * size)
         return float(off.max()) / (unnoticed + blur + 0.05 * float(np.quantile(np.abs(values), 0.9)))
     if name in ("x", "y") and p.has("psi") and p.has("u"):
@@ -242,6 +242,12 @@ def _missed(p: Patient, name: str, a: int, b: int) -> float:
         wrong = off > 0.25 * float(np.ptp(values))
         return float(np.diff(robust.runs(wrong)).max(initial=0)) * p.sampling / max(8 * p.sampling, _travel(p))
     return 0.0
+
+
+def _drift(p: Patient) -> float:
+    """What the rate of turn lacks of the slope of the heading throughout [rad/s]: the bias of the gyro."""
+    found = rates.relation(p.t, p["psi"], p["r"])
+    return 0.0 if found is None else float(found.value[1])
 
 
 def _travel(p: Patient) -> float:

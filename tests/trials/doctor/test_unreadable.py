@@ -1,0 +1,88 @@
+"""Files that read_trial refuses are explained; those nobody can read name the line that stopped the doctor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shipid.trials import errors as e
+from shipid.trials.doctor import check_trial
+
+
+def rows(n=200, header="t [s],psi [deg],r [deg/s],delta [deg]"):
+    t = np.arange(n) * 0.5
+    psi = 10 * np.sin(t / 8)
+    r = 10 / 8 * np.cos(t / 8)
+    delta = 20 * np.sign(np.cos(t / 8 + 0.7))
+    lines = [f"{a:.6g},{b:.8g},{c:.8g},{d:g}" for a, b, c, d in zip(t, psi, r, delta)]
+    return [header, *lines]
+
+
+def write(tmp_path, lines):
+    path = tmp_path / "log.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def test_text_in_a_column_is_a_hole_with_its_line(tmp_path):
+    lines = rows()
+    lines[50] = "24.5,broken,0.6,20"
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
+    assert found.channel == "psi" and "line 51" in found.message and "broken" in found.message
+    assert found.rows == (49, 49)
+
+
+def test_header_without_units_is_explained(tmp_path):
+    diagnosis = check_trial(write(tmp_path, rows(header="time,heading,rot,rudder")))
+    assert {f.channel for f in diagnosis.findings if f.kind == "unit"} >= {"t", "psi", "r", "delta"}
+    assert any("guessed" in note for note in diagnosis.notes)
+
+
+def test_row_too_long_names_its_line(tmp_path):
+    lines = rows()
+    lines[70] += ",1,2"
+    with pytest.raises(e.RaggedRowError, match="line 71"):
+        check_trial(write(tmp_path, lines))
+
+
+def test_no_columns_names_its_line(tmp_path):
+    with pytest.raises(e.TrialError, match="line 1"):
+        check_trial(write(tmp_path, ["A report of the trials", "of last summer", "in words"]))
+
+
+def test_no_header_names_its_line(tmp_path):
+    with pytest.raises(e.HeaderError, match="line 1"):
+        check_trial(write(tmp_path, rows()[1:]))
+
+
+def test_no_clock_names_the_header(tmp_path):
+    with pytest.raises(e.UnknownColumnError, match=r"clock.*line 1|line 1.*clock"):
+        check_trial(write(tmp_path, rows(header="a [1],psi [deg],r [deg/s],delta [deg]")))
+
+
+def test_empty_and_missing_files(tmp_path):
+    (tmp_path / "empty.csv").write_text("")
+    with pytest.raises(e.EmptyFileError):
+        check_trial(tmp_path / "empty.csv")
+    with pytest.raises(e.MissingFileError):
+        check_trial(tmp_path / "nowhere.csv")
+    with pytest.raises(e.EmptyFileError, match="window"):
+        check_trial(f"{write(tmp_path, rows())}@5000:6000")
+
+
+@pytest.mark.parametrize("n", [2, 5, 12])
+def test_a_handful_of_samples_is_short_and_no_crash(tmp_path, n):
+    assert "short" in check_trial(write(tmp_path, rows(n))).kinds
+
+
+def test_a_column_that_holds_nothing(tmp_path):
+    lines = rows()
+    lines = [lines[0] + ",u [m/s]", *(line + "," for line in lines[1:])]
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
+    assert found.channel == "u" and found.fix["action"] == "drop-column"
+
+
+def test_stamps_that_all_stand_still(tmp_path):
+    lines = rows()
+    lines[1:] = ["1," + line.partition(",")[2] for line in lines[1:]]
+    assert "clock-repeats" in check_trial(write(tmp_path, lines)).kinds
