@@ -28,8 +28,8 @@ from shipid.identification.scale import own_unit_time, speed_of
 from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare, predictions, warm_up_samples
-from shipid.trials.checks import check_identifiable_input, check_regular
 from shipid.trials.columns import COLUMNS
+from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
 
 #: First weights, before the residuals say better; only their ratio matters.

@@ -20,8 +20,8 @@ from shipid.identification.problem import Prior, Problem, make_problem
 from shipid.identification.sailed import Sailed, prepare
 from shipid.identification.scale import unit_time_of
 from shipid.identification.solve import Box, minimise
-from shipid.trials.checks import check_regular
 from shipid.trials.errors import TrialError
+from shipid.trials.fitness import check_regular
 from shipid.trials.measures import ZigZag
 from shipid.trials.measuring import measure
 from shipid.trials.trial import Trial

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -14,7 +14,7 @@ from shipid.declaration.errors import UnknownNameError
 from shipid.trials import checks, columns
 from shipid.trials.errors import HeaderError, TextInColumnError, UnknownColumnError
 from shipid.trials.format import TrialFormat
-from shipid.trials.trial import Source, Trial
+from shipid.trials.source import Source
 
 T = TypeVar("T")
 
@@ -49,15 +49,20 @@ class Raw:
     notes: list[str] = field(default_factory=list)
 
 
-def trial_from_frame(
-    frame: pd.DataFrame, *, name: str, units: Mapping[str, str], ship: str | None, source: Source | None
-) -> Trial:
-    """Make a trial of a table in memory (see `Trial.from_frame`)."""
+def assemble_frame(
+    frame: pd.DataFrame, *, name: str, units: Mapping[str, str], source: Source | None
+) -> dict[str, Any]:
+    """Return what a trial is made of, from a table in memory (see `Trial.from_frame`).
+
+    Parameters
+    ----------
+    frame, name, units, source
+        As for `Trial.from_frame`.
+    """
     where = f"table '{name}'"
     values, stated = named_columns({str(c): frame[c] for c in frame.columns}, units, where)
     raw = Raw({key: _floats(key, series, where) for key, series in values.items()}, stated, where)
-    trial = assemble(raw, name, source or Source(), None)
-    return replace(trial, ship=ship)
+    return assemble(raw, name, source or Source(), None)
 
 
 def _floats(name: str, series: pd.Series, where: str) -> np.ndarray:
@@ -123,7 +128,7 @@ def named_columns(found: Mapping[str, T], units: Mapping[str, str], where: str) 
     return values, stated
 
 
-def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> Trial:
+def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> dict[str, Any]:
     """Convert a raw record, put right what the format file says, and check it.
 
     Parameters
@@ -139,7 +144,8 @@ def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> Tr
 
     Returns
     -------
-    Trial
+    dict
+        The fields of a `Trial`.
 
     Raises
     ------
@@ -173,7 +179,7 @@ def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> Tr
     order = ["t", *(c for c in columns.COLUMNS if c in inside and c != "t"), *extra]
     table = pd.DataFrame({c: np.ascontiguousarray(inside[c], dtype=float) for c in order})
     source = replace(source, notes=(*source.notes, *raw.notes))
-    return Trial(name, table, source, fmt.ship if fmt else None, extra)
+    return {"name": name, "table": table, "source": source, "ship": fmt.ship if fmt else None, "units": extra}
 
 
 def _drop_trailing(raw: Raw) -> None:

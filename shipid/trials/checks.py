@@ -9,14 +9,10 @@ import numpy as np
 
 from shipid.trials.errors import (
     ClockError,
-    ClockGapError,
     LooksLikeDegreesError,
     NonFiniteError,
-    NoRudderMovementError,
     TooShortError,
-    UnknownColumnError,
 )
-from shipid.trials.trial import Trial
 
 FEWEST_SAMPLES = 10
 LARGEST = 1e30
@@ -24,7 +20,7 @@ LARGEST = 1e30
 GAP = 5.0
 """An interval this many times the median one is a gap."""
 
-_STEADY_RUDDER = np.radians(0.5)
+STEADY_RUDDER = np.radians(0.5)
 """Rudder movement below this is noise of the feedback, not a manoeuvre."""
 
 
@@ -190,62 +186,6 @@ def gaps(t: np.ndarray) -> np.ndarray:
     return np.flatnonzero(step > GAP * np.median(step))
 
 
-def check_regular(trial: Trial) -> None:
-    """Refuse a trial whose clock has a gap: a model cannot be run through the time nobody saw.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-
-    Raises
-    ------
-    ClockGapError
-        With the longest gap, and the stretches before and after it.
-    """
-    t = trial["t"]
-    found = gaps(t)
-    if found.size:
-        k = int(found[np.argmax(np.diff(t)[found])])
-        raise ClockGapError(
-            f"trial '{trial.name}': the clock has {found.size} gaps, the longest from {t[k]:g} to {t[k + 1]:g} s, "
-            f"where samples come every {trial.sampling:.4g} s. Use the stretches on either side: "
-            f"@{t[0]:g}:{t[k]:g} and @{t[k + 1]:g}:{t[-1]:g}."
-        )
-
-
-def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
-    """Refuse a trial in which the rudder does not move: there is no response to identify.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    column : str
-        The input: ``delta`` or ``delta_order``.
-
-    Raises
-    ------
-    NoRudderMovementError
-        If the rudder stays within 0.5 deg.
-    UnknownColumnError
-        If there is no such column.
-    """
-    if not trial.has(column):
-        raise UnknownColumnError(
-            f"trial '{trial.name}' has no column '{column}', and without the rudder angle there is nothing to "
-            f"identify. It has {', '.join(trial.table.columns)}."
-        )
-    delta = trial[column]
-    spread = float(np.ptp(delta))
-    if spread <= _STEADY_RUDDER:
-        raise NoRudderMovementError(
-            f"trial '{trial.name}', column '{column}': the rudder stays at {np.degrees(np.median(delta)):.2f} deg "
-            f"(it moves by {np.degrees(spread):.2g} deg), so the response to it cannot be identified. "
-            "Use a stretch with a manoeuvre in it, or check which column holds the rudder angle."
-        )
-
-
 def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     """Whether positive rudder turns this ship to port: the sign of a in ``r' = a delta - b r + c``, by regression.
 
@@ -266,7 +206,7 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     integral = [np.concatenate(([0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * dt))) for signal in (delta, r)]
     design = np.column_stack([*(np.diff(part[at]) for part in integral), np.diff(t[at])])
     target = np.diff(r[at])
-    if len(target) < 10 or np.ptp(delta) <= _STEADY_RUDDER or np.linalg.matrix_rank(design) < 3:
+    if len(target) < 10 or np.ptp(delta) <= STEADY_RUDDER or np.linalg.matrix_rank(design) < 3:
         return False
     solution, residual, *_ = np.linalg.lstsq(design, target, rcond=None)
     if not residual.size:

@@ -28,7 +28,8 @@ from shipid.trials.errors import (
 from shipid.trials.format import TrialFormat
 from shipid.trials.nmea.reading import read_nmea
 from shipid.trials.nmea.settings import NmeaFormat, chosen_format
-from shipid.trials.trial import Source, Trial
+from shipid.trials.source import Source
+from shipid.trials.trial import Trial
 
 Span = tuple[float | None, float | None]
 
@@ -84,7 +85,7 @@ def read_trial(
     if span is not None and cut:
         # Outside the window the record may be as broken as it likes.
         _cut(raw, span, file)
-    trial = assemble(raw, file.stem, source, fmt)
+    trial = Trial(**assemble(raw, file.stem, source, fmt))
     return trial if span is None else trial.window(*span)
 
 

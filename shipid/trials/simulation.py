@@ -20,7 +20,8 @@ from shipid.generation.record import make_record
 from shipid.trials.columns import COLUMNS
 from shipid.trials.helm import DirectRudder
 from shipid.trials.manoeuvres import Manoeuvre, parse_manoeuvre, plan
-from shipid.trials.trial import Source, Trial
+from shipid.trials.source import Source
+from shipid.trials.trial import Trial
 
 #: What a simulated trial records, where the model has it.
 RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")

@@ -12,46 +12,9 @@ import pandas as pd
 from shipid.declaration import units as border
 from shipid.declaration.errors import nearest
 from shipid.trials import columns
+from shipid.trials.assembly import assemble_frame
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a trial came from, and what was done to it on the way in.
-
-    Attributes
-    ----------
-    path : str or None
-        The file, as the caller named it; None for a table made in memory.
-    sha256 : str or None
-        Checksum of the file.
-    format : str or None
-        Name of the trial format file, or None where the header spoke for itself.
-    notes : tuple of str
-        What was converted, repaired or dropped, and what the reader should know.
-    simulated : bool
-        Whether the record is a simulation (its first comment line says so).
-    comment : str
-        The comment lines at the head of the file.
-    """
-
-    path: str | None = None
-    sha256: str | None = None
-    format: str | None = None
-    notes: tuple[str, ...] = ()
-    simulated: bool = False
-    comment: str = ""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the source as plain values."""
-        return {
-            "path": self.path,
-            "sha256": self.sha256,
-            "format": self.format,
-            "notes": list(self.notes),
-            "simulated": self.simulated,
-            "comment": self.comment,
-        }
+from shipid.trials.source import Source
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -113,9 +76,8 @@ class Trial:
         TrialError
             If a unit is missing or does not fit, or the record is not a sound one (`shipid.trials.checks`).
         """
-        from shipid.trials.assembly import trial_from_frame
-
-        return trial_from_frame(frame, name=name, units=dict(units or {}), ship=ship, source=source)
+        parts = assemble_frame(frame, name=name, units=dict(units or {}), source=source)
+        return cls(**{**parts, "ship": ship})
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.table:

@@ -1,0 +1,65 @@
+"""Whether a sound trial can be identified from: a clock without gaps, and a rudder that moves."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.trials.checks import STEADY_RUDDER, gaps
+from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError
+from shipid.trials.trial import Trial
+
+
+def check_regular(trial: Trial) -> None:
+    """Refuse a trial whose clock has a gap: a model cannot be run through the time nobody saw.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Raises
+    ------
+    ClockGapError
+        With the longest gap, and the stretches before and after it.
+    """
+    t = trial["t"]
+    found = gaps(t)
+    if found.size:
+        k = int(found[np.argmax(np.diff(t)[found])])
+        raise ClockGapError(
+            f"trial '{trial.name}': the clock has {found.size} gaps, the longest from {t[k]:g} to {t[k + 1]:g} s, "
+            f"where samples come every {trial.sampling:.4g} s. Use the stretches on either side: "
+            f"@{t[0]:g}:{t[k]:g} and @{t[k + 1]:g}:{t[-1]:g}."
+        )
+
+
+def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
+    """Refuse a trial in which the rudder does not move: there is no response to identify.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    column : str
+        The input: ``delta`` or ``delta_order``.
+
+    Raises
+    ------
+    NoRudderMovementError
+        If the rudder stays within 0.5 deg.
+    UnknownColumnError
+        If there is no such column.
+    """
+    if not trial.has(column):
+        raise UnknownColumnError(
+            f"trial '{trial.name}' has no column '{column}', and without the rudder angle there is nothing to "
+            f"identify. It has {', '.join(trial.table.columns)}."
+        )
+    delta = trial[column]
+    spread = float(np.ptp(delta))
+    if spread <= STEADY_RUDDER:
+        raise NoRudderMovementError(
+            f"trial '{trial.name}', column '{column}': the rudder stays at {np.degrees(np.median(delta)):.2f} deg "
+            f"(it moves by {np.degrees(spread):.2g} deg), so the response to it cannot be identified. "
+            "Use a stretch with a manoeuvre in it, or check which column holds the rudder angle."
+        )
