@@ -45,12 +45,23 @@ def examine_holes(p: Patient) -> None:
         )  # fmt: skip
         p.keep(np.arange(n) < keep)
         bad = {name: mask[:keep] for name, mask in bad.items()}
+    unstamped = bad.pop("t")
+    if unstamped.any():
+        few = bool(unstamped.mean() < 0.05)
+        p.add(
+            "not-finite", "t", 0.99, f"{int(unstamped.sum())} rows have no time stamp",
+            "Nobody knows when these rows were measured.",
+            "Drop these rows." if few else "Find out the clock; in a format file: [clock] interval.",
+            at=np.flatnonzero(unstamped), fix={"action": "drop-rows"} if few else None,
+        )  # fmt: skip
+        p.keep(~unstamped)
+        bad = {name: mask[~unstamped] for name, mask in bad.items()}
     for name, mask in bad.items():
         if not mask.any():
             continue
         index = np.flatnonzero(mask)
         longest = int(np.diff(robust.runs(mask)).max())
-        short = longest <= _HOLE and name != "t"
+        short = longest <= _HOLE
         p.add(
             "not-finite", name, 0.99,
             f"{len(index)} samples of {name} are empty, NaN, infinite or beyond {LARGEST:g}; the longest hole has "
@@ -60,11 +71,7 @@ def examine_holes(p: Patient) -> None:
             "Identify from the stretches on either side (FILE@A:B); the hole is too long to bridge.",
             at=index, fix={"action": "bridge", "column": name} if short else None,
         )  # fmt: skip
-        if name == "t":
-            p.keep(~mask)
-            bad = {other: m[~mask] for other, m in bad.items()}
-        else:
-            p[name] = bridged(p[name], mask)
+        p[name] = bridged(p[name], mask)
 
 
 def bridged(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -102,9 +109,10 @@ def examine_outliers(p: Patient) -> None:
                 f"{len(index)} samples of {name} stick out of their neighbours by up to {share:.0f} times the noise",
                 "Least squares pays for each with the square of its size: gains and damping follow the outliers.",
                 "Replace them by the line between their neighbours.",
-                at=index, fix={"action": "bridge", "column": name},
+                at=index, fix={"action": "bridge", "column": name} if share > 7 else None,
             )  # fmt: skip
-            p[name] = bridged(p[name], mask)
+            if share > 7:
+                p[name] = bridged(p[name], mask)
 
 
 def outliers(values: np.ndarray) -> np.ndarray:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 from shipid.trials import errors as e
 from shipid.trials.doctor import check_trial
+from shipid.trials.doctor.examination import diagnose, examine
+from shipid.trials.doctor.record import from_trial
 
 
 def rows(n=200, header="t [s],psi [deg],r [deg/s],delta [deg]"):
@@ -86,3 +90,31 @@ def test_stamps_that_all_stand_still(tmp_path):
     lines = rows()
     lines[1:] = ["1," + line.partition(",")[2] for line in lines[1:]]
     assert "clock-repeats" in check_trial(write(tmp_path, lines)).kinds
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_whatever_a_record_holds_it_is_examined(sailed, seed):
+    """Columns missing, constant, noise, NaN, huge; clocks shuffled, still, with holes: a diagnosis, JSON and all."""
+    rng = np.random.default_rng(seed)
+    record = from_trial(sailed())
+    n = int(rng.choice([1, 2, 3, 11, 29, 31, 70, 700]))
+    kept = ["t", *(c for c in record.values if c != "t" and rng.random() < 0.7)]
+    record.values = {c: record.values[c][:n].copy() for c in kept}
+    for c in kept[1:]:
+        values, fault = record.values[c], rng.integers(8)
+        if fault < 2:
+            values[:] = rng.normal(size=n) if fault else 1.7
+        elif fault < 4:
+            values[rng.random(n) < (0.3 if fault == 2 else 1.1)] = np.nan
+        elif fault == 4:
+            values *= 1e12
+    t, fault = record.values["t"], rng.integers(6)
+    if fault == 0:
+        rng.shuffle(t)
+    elif fault == 1:
+        t[rng.random(n) < 0.2] = np.nan
+    elif fault == 2:
+        t[:] = 3.0
+    diagnosis = diagnose(*examine(record))
+    assert json.loads(json.dumps(diagnosis.to_dict(), allow_nan=False))["trial"] == record.name
+    assert record.name in repr(diagnosis)
