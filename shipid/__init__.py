@@ -40,6 +40,7 @@ _HOMES = {
     "compare_models": "shipid.identification.comparing",
     "identify": "shipid.identification.identify",
     "plan_trials": "shipid.identification.planning",
+    "manoeuvring_criteria": "shipid.identification.criteria",
     "write_report": "shipid.report.report",
     "ShipidError": "shipid.declaration.errors",
 }

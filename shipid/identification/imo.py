@@ -1,0 +1,183 @@
+"""The result of evaluating a model against IMO MSC.137(76): quantities beside their limits, to both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+WORDING = "evaluated against MSC.137(76) 5.3"
+Band = tuple[float, float] | None
+
+
+def first_overshoot_limit(unit_time: float) -> float:
+    """Return the limit of the first overshoot of a 10/10 zig-zag in degrees, MSC.137(76) 5.3.3.1.
+
+    Parameters
+    ----------
+    unit_time : float
+        L/V in s.
+    """
+    return float(np.clip(5 + 0.5 * unit_time, 10.0, 20.0))
+
+
+def second_overshoot_limit(unit_time: float) -> float:
+    """Return the limit of the second overshoot of a 10/10 zig-zag in degrees, MSC.137(76) 5.3.3.2.
+
+    Parameters
+    ----------
+    unit_time : float
+        L/V in s.
+    """
+    return float(np.clip(17.5 + 0.75 * unit_time, 25.0, 40.0))
+
+
+@dataclass(frozen=True)
+class Side:
+    """One quantity to one side.
+
+    Attributes
+    ----------
+    value : float or None
+        In the unit of its row; None where it was not reached.
+    band95 : tuple of float or None
+        95 % band from the uncertainty of the parameters; None where that is unknown.
+    words : str
+        Why there is no value.
+    """
+
+    value: float | None
+    band95: Band
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity beside its limit.
+
+    Attributes
+    ----------
+    key, meaning, unit : str
+        What it is.
+    limit : float or None
+        None for what the standard does not limit.
+    limit_text : str
+        The limit as the standard writes it.
+    starboard, port : Side
+        With the first execute to either side.
+    """
+
+    key: str
+    meaning: str
+    unit: str
+    limit: float | None
+    limit_text: str
+    starboard: Side
+    port: Side
+
+    @property
+    def within(self) -> bool | None:
+        """Whether both sides are within the limit; None where there is none, or a side was not reached."""
+        values = [self.starboard.value, self.port.value]
+        if self.limit is None or any(v is None for v in values):
+            return None
+        return all(v is not None and v <= self.limit for v in values)
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """A model evaluated against the standard.
+
+    Attributes
+    ----------
+    model, ship : str
+        Their names.
+    length, speed, rudder : float
+        L in m, V in m/s, rudder angle of the turning circle in rad.
+    rows : tuple of Row
+        The quantities.
+    spiral : dict
+        ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width; None
+        where the model has no spiral.
+    notes : tuple of str
+        What the reader has to know.
+    """
+
+    model: str
+    ship: str
+    length: float
+    speed: float
+    rudder: float
+    rows: tuple[Row, ...]
+    spiral: Mapping[str, Any] | None
+    notes: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values; None where something was not reached."""
+        return {
+            "standard": WORDING,
+            "model": self.model,
+            "ship": self.ship,
+            "L_m": self.length,
+            "V_m_s": self.speed,
+            "L_over_V_s": self.length / self.speed,
+            "rudder_deg": round(float(np.rad2deg(self.rudder)), 6),
+            "criteria": {
+                row.key: {
+                    "meaning": row.meaning,
+                    "unit": row.unit,
+                    "limit": row.limit,
+                    "limit_text": row.limit_text,
+                    "within": row.within,
+                    **{name: _plain(side) for name, side in (("starboard", row.starboard), ("port", row.port))},
+                }
+                for row in self.rows
+            },
+            "spiral": None if self.spiral is None else dict(self.spiral),
+            "notes": list(self.notes),
+        }
+
+    def to_frame(self) -> Any:
+        """Return one row a quantity and side as a pandas table."""
+        import pandas as pd
+
+        rows = [
+            {"quantity": row.key, "side": name, "value": side.value, "band95": side.band95}
+            | {"unit": row.unit, "limit": row.limit, "words": side.words}
+            for row in self.rows
+            for name, side in (("starboard", row.starboard), ("port", row.port))
+        ]
+        return pd.DataFrame(rows).set_index(["quantity", "side"])
+
+    def __repr__(self) -> str:
+        head = f"{self.model} of {self.ship}, {WORDING}: L {self.length:g} m, V {self.speed:.4g} m/s"
+        lines = [
+            f"{head}, L/V {self.length / self.speed:.1f} s",
+            f"  {'':42s} {'starboard':>22s} {'port':>22s}   limit",
+        ]
+        for row in self.rows:
+            cells = " ".join(f"{_cell(side):>22s}" for side in (row.starboard, row.port))
+            mark = {True: "within", False: "BEYOND", None: ""}[row.within]
+            lines.append(
+                f"  {row.meaning + f' [{row.unit}]':42s} {cells}   {row.limit_text or 'none':24s} {mark}".rstrip()
+            )
+        if self.spiral is not None:
+            s = self.spiral
+            lines.append(
+                "  straight course: stable, no spiral loop" if s["half_width_deg"] == 0 and s["stable"]
+                else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
+                f"{s['half_width_deg']:.3g} deg half width"
+            )  # fmt: skip
+        return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
+
+
+def _plain(side: Side) -> dict[str, Any]:
+    return {"value": side.value, "band95": None if side.band95 is None else list(side.band95), "words": side.words}
+
+
+def _cell(side: Side) -> str:
+    if side.value is None:
+        return side.words.split(":")[0][:22] or "not reached"
+    return f"{side.value:.2f}" + (f" ({side.band95[0]:.2f}..{side.band95[1]:.2f})" if side.band95 else "")
