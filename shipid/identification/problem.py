@@ -175,6 +175,8 @@ class Problem:
         """Residuals of the prior and their Jacobian: biases about their mean, the mean about zero, initial states."""
         count, states = len(self.sailed), self.record.system.states
         slopes, offsets = [], []
+        # Sensor noise is not correlated: what it adds to a guess counts sample by sample.
+        noise = np.sqrt(prior.strength)
 
         def add(weights: Mapping[int, float], target: float, deviation: float) -> None:
             row = np.zeros(self.size)
@@ -192,14 +194,17 @@ class Problem:
                     add({c: float(c == i) - 1 / count for c in columns}, 0.0, prior.biases[name])
             if name in prior.own:
                 for c, sailed in zip(columns, self.sailed):
-                    add({c: 1.0}, 0.0, prior.own[name] * (1.0 if sailed.settled else _UNSETTLED))
+                    deviation = prior.own[name] * (1.0 if sailed.settled else _UNSETTLED)
+                    add({c: 1.0}, 0.0, np.hypot(deviation, noise * sailed.cruise_std))
         for k, name in enumerate(self.initial):
             if name in prior.initial:
                 for i, sailed in enumerate(self.sailed):
                     # In the middle of a manoeuvre nobody knows what is not measured.
                     known = sailed.settled or sailed.trial.has(name)
                     deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
-                    add({self.own(i).start + k: 1.0}, sailed.x0[states.index(name)], deviation)
+                    at = states.index(name)
+                    deviation = float(np.hypot(deviation, noise * sailed.x0_std[at]))
+                    add({self.own(i).start + k: 1.0}, sailed.x0[at], deviation)
         for k, name in enumerate(self.estimated):
             if name in prior.parameters:
                 mean, deviation = prior.parameters[name]

@@ -35,8 +35,10 @@ class Sailed:
         Inputs of the model.
     measured : ndarray, shape (signals, N)
         The fitted signals.
-    x0 : ndarray, shape (states,)
-        A first guess of the initial states.
+    x0, x0_std : ndarray, shape (states,)
+        A first guess of the initial states, and how far sensor noise may have put it off.
+    cruise_std : float
+        How far sensor noise may have put off the speed of the approach, in m/s.
     speed : float
         Median speed in m/s (1 where neither trial nor ship knows it).
     settled : bool
@@ -48,6 +50,8 @@ class Sailed:
     inputs: np.ndarray
     measured: np.ndarray
     x0: np.ndarray
+    x0_std: np.ndarray
+    cruise_std: float
     speed: float
     settled: bool = True
 
@@ -143,7 +147,7 @@ def prepare(
     recorded = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
     speed = float(np.median(recorded)) if recorded is not None else own_speed
     first = first or max(3, int(0.02 * t.size))
-    approach = own_speed if recorded is None else _approach_speed(trial, recorded, first)
+    approach, cruise_std = (own_speed, 0.0) if recorded is None else _approach_speed(trial, recorded, first)
     # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
     # ship that still gathers speed has no approach; its usual speed stands in.
     gathering = approach is not None and speed is not None and approach < 0.9 * speed
@@ -160,7 +164,7 @@ def prepare(
                 f"record. Its columns: {', '.join(trial.table.columns)}."
             )
         inputs[i] = value
-    x0 = np.array([_initial(model, trial, s, known, first) for s in model.states])
+    x0, x0_std = (np.array(c) for c in zip(*(_initial(model, trial, s, known, first) for s in model.states)))
     measured = np.array([trial[s] for s in signals])
     return Sailed(
         trial,
@@ -168,6 +172,8 @@ def prepare(
         inputs,
         measured,
         x0,
+        x0_std,
+        cruise_std,
         speed or 1.0,
         not gathering and _settled(trial, min(first, 10)),
     )
@@ -182,22 +188,33 @@ def _settled(trial: Trial, first: int) -> bool:
     return still and abs(float(np.median(rate[:first]))) < 0.15 * float(np.abs(rate).max())
 
 
-def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> float:
-    """Median speed before the rudder first moves, over at least so many samples."""
+def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> tuple[float, float]:
+    """Median speed before the rudder first moves, over at least so many samples, and its standard error."""
     count = least
     if trial.has("delta"):
         moved = np.abs(trial["delta"] - np.median(trial["delta"][:least])) > _MOVED
         count = max(least, int(np.argmax(moved)) if moved.any() else 0)
-    return float(np.median(speed[:count]))
+    taken = speed[:count]
+    # The noise from sample to sample, not the drift of the speed itself; a median scatters 1.25 times as a mean.
+    noise = float(np.std(np.diff(taken)) / np.sqrt(2)) if count > 2 else 0.0
+    return float(np.median(taken)), 1.25 * noise / np.sqrt(count)
 
 
-def _initial(model: Model, trial: Trial, name: str, known: Mapping[str, float | None], first: int) -> float:
+def _initial(
+    model: Model, trial: Trial, name: str, known: Mapping[str, float | None], first: int
+) -> tuple[float, float]:
+    """A first guess of one initial state and its standard error: a straight line through the first samples."""
     if trial.has(name):
-        column = trial[name]
-        return float(column[0] if name in ("x", "y", "psi") else np.median(column[:first]))
+        t, column = trial["t"][:first], trial[name][:first]
+        if len(t) < 4:
+            return float(column[0]), 0.0
+        design = np.column_stack([np.ones(len(t)), t - t[0]])
+        found, *_ = np.linalg.lstsq(design, column, rcond=None)
+        scatter = float(np.std(column - design @ found)) * np.sqrt(len(t) / (len(t) - 2))
+        return float(found[0]), float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
     if name == "u" and known["cruise"] is not None:
-        return float(known["cruise"])
-    return model[name].number("start") or 0.0
+        return float(known["cruise"]), 0.0
+    return model[name].number("start") or 0.0, 0.0
 
 
 def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = True) -> tuple[str, ...]:
