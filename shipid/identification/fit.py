@@ -17,6 +17,9 @@ from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
     from shipid.identification.bands import Manoeuvre
+    from shipid.identification.directions import Direction
+    from shipid.identification.profiles import Profile
+    from shipid.identification.residuals import Residuals
 
 
 @dataclass(frozen=True)
@@ -212,6 +215,34 @@ class Fit:
 
         return manoeuvres_of(self)
 
+    @functools.cached_property
+    def directions(self) -> tuple[Direction, ...]:
+        """Directions in which the coefficients may move together, the weakest first, with what would help."""
+        from shipid.identification.directions import directions_of
+
+        return directions_of(self)
+
+    @functools.cached_property
+    def residuals(self) -> Mapping[str, Residuals]:
+        """Size and whiteness of the residuals of each signal."""
+        from shipid.identification.residuals import residuals_of
+
+        return {} if self._solution is None else residuals_of(self._solution)
+
+    def profile(self, name: str, points: int = 17) -> Profile:
+        """Return the profile likelihood of a coefficient, with the 95 % interval by the likelihood ratio.
+
+        Parameters
+        ----------
+        name : str
+            A fitted coefficient, or a published one that can be held in place of one.
+        points : int
+            Number of its values.
+        """
+        from shipid.identification.profiles import profile_of
+
+        return profile_of(self, name, points)
+
     def to_dict(self, bands: bool = True) -> dict[str, Any]:
         """Return the result as plain values for JSON: SI, angles in radians, no NaN.
 
@@ -265,7 +296,9 @@ class Fit:
                     "names": list(self.estimated),
                     "matrix": [[round(float(v), 6) for v in row] for row in self.correlation],
                 },
-                "chi_square": self.chi_square,
+                "directions": [d.to_dict() for d in self.directions],
+                "residuals": {s: r.to_dict() for s, r in self.residuals.items()},
+                "chi_square": _plain(self.chi_square),
                 "evaluations": self.evaluations,
             },
             "provenance": dict(self.provenance),
