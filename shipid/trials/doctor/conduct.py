@@ -78,7 +78,7 @@ def _offset(p: Patient, name: str, inside: np.ndarray) -> None:
     offset = -c / a
     std = float(np.hypot(found.std[3], offset * found.std[0])) / a
     high = float(np.quantile(np.abs(delta), 0.9))
-    limit = max(6 * std, 0.05 * high)
+    limit = max(5 * std, 0.05 * high)
     if abs(offset) > limit:
         p.add(
             "bias", name, robust.sureness(abs(offset) / limit, 1, 2.5),

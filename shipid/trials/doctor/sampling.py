@@ -172,7 +172,9 @@ def examine_length(p: Patient) -> None:
     sides = np.sign(delta[over])
     reversals = int(np.sum(np.diff(sides) != 0))
     turned = float(np.abs(p["psi"][first:] - p["psi"][first]).max(initial=0.0))
-    released = float(np.median(np.abs(delta[-max(3, n // 20) :]))) < 0.4 * reach
+    # Back amidships for good, and not on its way to the other side.
+    last = int(np.flatnonzero(over)[-1])
+    released = n - 1 - last > 0.5 * (last - first + 1)
     if reversals >= 2 or turned > np.pi / 2 or released:
         return
     back = reversals == 1 and turned > 0 and abs(p["psi"][-1] - p["psi"][first]) < 0.7 * turned

@@ -65,12 +65,13 @@ def _offset(delta: np.ndarray) -> float:
     """Middle between two plates the rudder goes to and fro between; 0 where it does not."""
     low, high = np.quantile(delta, [0.04, 0.96])
     middle, half = 0.5 * float(low + high), 0.5 * float(high - low)
-    if half <= 0 or abs(middle) < 0.1 * half:
+    both = low < 0 < high and min(-low, high) > 0.25 * max(-low, high)
+    if not both or abs(middle) < 0.1 * half:
         return 0.0
     over = np.where(delta > middle + 0.5 * half, 1, np.where(delta < middle - 0.5 * half, -1, 0))
     sides = over[over != 0]
     held = float(np.mean(np.abs(np.abs(delta - middle) - half) < 0.15 * half))
-    return middle if int(np.sum(np.diff(sides) != 0)) >= 3 and held > 0.5 else 0.0
+    return middle if int(np.sum(np.diff(sides) != 0)) >= 2 and held > 0.5 else 0.0
 
 
 def _held(t: np.ndarray, delta: np.ndarray) -> list[_Held]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import ndimage
 
 from shipid.trials import checks
 from shipid.trials.doctor import robust
@@ -147,7 +148,10 @@ def executes(delta: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
         The rudder's range [rad].
     """
     reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
-    moving = np.abs(np.diff(delta)) > 0.04 * reach
+    step = np.abs(np.diff(delta))
+    # However finely it is sampled, a rudder that is put over moves at about the rate of its gear.
+    moving = step > max(0.3 * float(np.sort(step)[-2]), 0.001 * reach, 4 * robust.noise(delta))
+    moving = ndimage.binary_closing(np.pad(moving, 3), np.ones(4))[3:-3]
     found = robust.runs(moving)
     if not len(found):
         return np.empty(0, int), np.empty(0, int), reach
@@ -218,7 +222,7 @@ def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
         return
     dt = p.sampling
     half = float(np.median(np.diff(t[start])))
-    most = min(int(0.3 * half / dt), 60)
+    most = int(0.3 * half / dt)
     if most < 2:
         return
     stride = max(1, most // 20)
@@ -229,7 +233,7 @@ def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
     lag = float(shifts[best]) * dt
     gain = zero / max(float(misfit[best]), 1e-300)
     early = lag < 0
-    limit = max(2.5 * dt, (0.02 if early else 0.08) * half)
+    limit = max(2.5 * dt, (0.06 if early else 0.08) * half)
     if abs(lag) >= limit and gain > (1.25 if early else 2.0):
         which = "after the ship has answered it" if early else "long before the ship answers"
         p.add(
@@ -245,12 +249,11 @@ def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
 
 
 def _misfit(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> float:
+    """Misfit of a first-order yaw response with damping of odd powers, block by block."""
     at = robust.edges(len(t), min(400, len(t) // 2))
     parts = [np.diff(robust.integral(t, y)[at]) for y in (delta, r, r * np.abs(r), r**3)]
     design = np.column_stack([*parts, np.diff(t[at])])
-    size = np.sqrt(np.mean(design**2, axis=0))
+    design /= np.maximum(np.abs(design).max(axis=0), 1e-300)
     target = np.diff(r[at])
-    rest = target - design @ (
-        np.linalg.lstsq(design / np.where(size > 0, size, 1), target, rcond=None)[0] / np.where(size > 0, size, 1)
-    )
+    rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
     return float(np.sum(rest**2))

@@ -192,8 +192,8 @@ def _frozen(p: Patient, names: tuple[str, ...]) -> None:
         held = robust.runs(d)
         lengths = held[:, 1] - held[:, 0]
         # Coarse digits make many short runs; a sensor that hangs makes one that is far longer.
-        usual = float(np.quantile(lengths, 0.95)) if len(lengths) > 20 else 0.0
-        long = np.flatnonzero(lengths >= max(8, 3 * usual, 0.015 * len(p)))
+        usual = float(np.median(lengths)) if len(lengths) > 20 else 0.0
+        long = np.flatnonzero(lengths >= max(8, 5 * usual, 0.015 * len(p)))
         if not len(long):
             continue
         longest = long[np.argsort(lengths[long])[::-1][:5]]
