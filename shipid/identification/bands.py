@@ -116,8 +116,8 @@ def manoeuvres_of(fit: Fit) -> dict[str, Manoeuvre]:
     if fit._problem is None:
         return {c.trial.name: _bare(c) for c in (*fit.fitted, *fit.validation)}
     draws = draws_of(fit)
-    found = {c.trial.name: _manoeuvre(fit, c, draws, i) for i, c in enumerate(fit.fitted)}
-    return found | {c.trial.name: _manoeuvre(fit, c, draws, None) for c in fit.validation}
+    places = {id(sailed.trial): i for i, sailed in enumerate(fit._problem.sailed)}
+    return {c.trial.name: _manoeuvre(fit, c, draws, places.get(id(c.trial))) for c in (*fit.fitted, *fit.validation)}
 
 
 def _bare(comparison: Comparison) -> Manoeuvre:
@@ -221,7 +221,8 @@ def _swings(fit: Fit, runs: _Runs, comparison: Comparison, measured: ZigZag) -> 
     def read(y: np.ndarray) -> tuple[float | None, ...]:
         if not np.isfinite(y).all():
             return (None,) * count
-        return overshoots_of(trial["t"], y[0], executes, side=side)[:count]
+        found = overshoots_of(trial["t"], y[0], executes, side=side)[:count]
+        return found + (None,) * (count - len(found))
 
     point, drawn = _over(fit, runs, ("psi",), read)
     found: dict[str, Any] = {"open_loop": point, "band95": _bands(point, drawn)}

@@ -14,10 +14,10 @@ from shipid.declaration.parameters import PARTICULARS
 from shipid.declaration.units import pretty
 from shipid.generation.typesetting import symbol, typeset
 from shipid.identification.fit import Estimate, Fit
-from shipid.identification.uncertainty import autocorrelation_time
+from shipid.report.honesty_view import criteria_view, directions_view, residuals_view
 from shipid.report.numbers import fixed, given, interval, number, uncertain
 from shipid.report.symbols import html_symbol
-from shipid.report.trial_view import TrialView, good_samples, label_of, shown_unit, view_of
+from shipid.report.trial_view import TrialView, label_of, shown_unit, view_of
 from shipid.trials.trial import Trial
 
 #: A validation trial that goes this much beyond the fitted ones is an extrapolation.
@@ -44,7 +44,9 @@ class FitView:
     correlation: dict[str, Any]
     condition: str
     undetermined: list[dict[str, Any]]
-    noise: list[dict[str, str]]
+    noise: list[dict[str, Any]]
+    directions: list[dict[str, str]]
+    criteria: dict[str, Any] | None
     method: list[str]
     versions: dict[str, str]
     model_sha256: str
@@ -61,7 +63,10 @@ def fit_view(fit: Fit) -> FitView:
     """
     length = fit.ship.particular("L", "m")
     pairs = [("fitted", c) for c in fit.fitted] + [("validation", c) for c in fit.validation]
-    views = [view_of(c, fit.model, f"trial-{i}", role, length) for i, (role, c) in enumerate(pairs, start=1)]
+    views = [
+        view_of(c, fit.model, f"trial-{i}", role, length, fit.manoeuvres.get(c.trial.name))
+        for i, (role, c) in enumerate(pairs, start=1)
+    ]
     estimates = list(fit.parameters.values())
     provenance = fit.provenance
     return FitView(
@@ -83,7 +88,9 @@ def fit_view(fit: Fit) -> FitView:
         correlation=_correlation(fit),
         condition=_condition(fit),
         undetermined=[{"symbol": _symbol(fit, n), "name": n, "why": fit.parameters[n].why} for n in fit.unidentifiable],
-        noise=_noise(fit),
+        noise=residuals_view(fit),
+        directions=directions_view(fit),
+        criteria=criteria_view(fit),
         method=_method(fit),
         versions=dict(provenance.get("versions", {})),
         model_sha256=str(provenance.get("model_sha256", "")),
@@ -258,26 +265,6 @@ def _condition(fit: Fit) -> str:
         else "some coefficients are nearly interchangeable: only their combination is known"
     )  # fmt: skip
     return f"The condition number of this matrix is {number(value, 2)} (1 is best): {words}."
-
-
-def _noise(fit: Fit) -> list[dict[str, str]]:
-    rows = []
-    for name, level in fit.noise.items():
-        unit, scale = shown_unit(fit.model, name)
-        total, effective = 0, 0.0
-        for c in fit.fitted:
-            if c.trial.has(name) and good_samples(c) == len(c.trial):
-                total += len(c.trial)
-                effective += len(c.trial) / autocorrelation_time(c.trial[name] - c.predicted[name])
-        rows.append(
-            {
-                "label": label_of(fit.model, name),
-                "level": number(level * scale, 3),
-                "unit": unit,
-                "effective": f"{effective:.0f} of {total}" if total else "none",
-            }
-        )
-    return rows
 
 
 def _method(fit: Fit) -> list[str]:

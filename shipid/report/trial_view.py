@@ -13,6 +13,7 @@ from markupsafe import Markup
 from shipid.declaration.errors import ShipidError
 from shipid.declaration.model import Model
 from shipid.declaration.units import factor, pretty
+from shipid.identification.bands import TURN, Manoeuvre
 from shipid.identification.fit import Comparison
 from shipid.report.figures import Curve, Panel, histories, tracks
 from shipid.report.numbers import fixed, number
@@ -136,7 +137,14 @@ def _span(trial: Trial, name: str) -> float:
     return span
 
 
-def view_of(comparison: Comparison, model: Model, key: str, role: str, length: float | None) -> TrialView:
+def view_of(
+    comparison: Comparison,
+    model: Model,
+    key: str,
+    role: str,
+    length: float | None,
+    manoeuvre: Manoeuvre | None = None,
+) -> TrialView:
     """Return what the page says of one trial.
 
     Parameters
@@ -151,12 +159,14 @@ def view_of(comparison: Comparison, model: Model, key: str, role: str, length: f
         What it was used for.
     length : float or None
         Ship length in m, for ratios.
+    manoeuvre : Manoeuvre, optional
+        The manoeuvre with its bands.
     """
     trial = comparison.trial
     count = good_samples(comparison)
     runaway = float(trial["t"][count]) if count < len(trial) else None
     own = {n: p for n, p in comparison.predicted.items() if n not in model or model[n].quantity.kind != "given"}
-    turn_title, turn = _turn(comparison, "u" in own, count, length)
+    turn_title, turn = _turn(comparison, "u" in own, count, length, manoeuvre)
     drawn, note = _track(comparison, count, key, role)
     return TrialView(
         key=key,
@@ -170,7 +180,7 @@ def view_of(comparison: Comparison, model: Model, key: str, role: str, length: f
         track_note=note,
         errors=_errors(comparison, model, runaway),
         bias=_bias(comparison, model, role),
-        overshoots=_overshoots(comparison),
+        overshoots=_overshoots(comparison, manoeuvre),
         turn_title=turn_title,
         turn=turn,
         runaway=runaway,
@@ -290,8 +300,10 @@ def _bias(comparison: Comparison, model: Model, role: str) -> str:
     return words
 
 
-def _overshoots(comparison: Comparison) -> list[dict[str, str]]:
+def _overshoots(comparison: Comparison, manoeuvre: Manoeuvre | None) -> list[dict[str, str]]:
     rows = []
+    closed = manoeuvre.closed_loop if manoeuvre else ()
+    bands = (manoeuvre.band95, manoeuvre.closed_loop_band95) if manoeuvre else ((), ())
     foreseen = comparison.predicted_overshoots
     for k, measured in enumerate(comparison.overshoots):
         predicted = foreseen[k] if k < len(foreseen) else None
@@ -302,6 +314,9 @@ def _overshoots(comparison: Comparison) -> list[dict[str, str]]:
                 "measured": _degrees(measured),
                 "predicted": _degrees(predicted),
                 "difference": fixed(error, 2, sign=True) if np.isfinite(error) else "–",
+                "band": _band(bands[0][k] if k < len(bands[0]) else None, 2, float(np.rad2deg(1.0))),
+                "closed": _degrees(closed[k]) if k < len(closed) else "–",
+                "closed_band": _band(bands[1][k] if k < len(bands[1]) else None, 2, float(np.rad2deg(1.0))),
             }
         )
     return rows
@@ -311,7 +326,9 @@ def _degrees(angle: float | None) -> str:
     return "not reached" if angle is None or not np.isfinite(angle) else fixed(float(np.rad2deg(angle)), 2)
 
 
-def _turn(comparison: Comparison, speed: bool, count: int, length: float | None) -> tuple[str, list[dict[str, str]]]:
+def _turn(
+    comparison: Comparison, speed: bool, count: int, length: float | None, manoeuvre: Manoeuvre | None
+) -> tuple[str, list[dict[str, str]]]:
     """Measure a turning circle, and the predicted one with the recorded rudder."""
     trial = comparison.trial
     metres = None if not length else f"{length!r} m"
@@ -340,9 +357,24 @@ def _turn(comparison: Comparison, speed: bool, count: int, length: float | None)
                 "measured": _reached(value),
                 "predicted": _reached(predicted),
                 "difference": _percent(value, predicted),
+                "band": _turn_band(name, manoeuvre, length),
             }
         )
     return measured.title, rows
+
+
+def _turn_band(name: str, manoeuvre: Manoeuvre | None, length: float | None) -> str:
+    """The band of one quantity, in ship lengths where its name says so."""
+    base = name.removesuffix("_ratio")
+    found = [v for k, v in (manoeuvre.turn if manoeuvre else {}).items() if TURN[k][0] == base]
+    if not found or found[0].band95 is None:
+        return ""
+    low, high = (b / length if name.endswith("_ratio") and length else b for b in found[0].band95)
+    return f"{number(low, 3)} to {number(high, 3)}"
+
+
+def _band(band: tuple[float, float] | None, decimals: int, scale: float) -> str:
+    return "–" if band is None else f"{fixed(band[0] * scale, decimals)} to {fixed(band[1] * scale, decimals)}"
 
 
 def _predicted_turn(comparison: Comparison, count: int, length: str | None) -> dict[str, Any]:

@@ -17,7 +17,7 @@ from shipid.trials.errors import MissingFileError, OverwriteError
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data" / "kvlcc2-marin"
-SECTIONS = ("coefficients", "equations", "trials", "correlation", "noise", "provenance")
+SECTIONS = ("coefficients", "equations", "trials", "criteria", "correlation", "noise", "provenance")
 
 
 class Page(html.parser.HTMLParser):
@@ -117,6 +117,48 @@ def test_neither_nan_nor_infinity_reaches_the_page(fit, diverged):
         page = re.sub(r"<style>.*?</style>", "", render(result), flags=re.DOTALL)
         assert re.findall(r"(?i)(?<![a-z])(?:nan|inf|infinity)(?![a-z])", page.replace("to infinity", "")) == []
         assert re.findall(r"\bNone\b", page) == []
+
+
+def test_bands_and_closed_loop_stand_beside_the_overshoots(fit, text):
+    page = Page(text)
+    manoeuvre = fit.manoeuvres["second"]
+    low, high = np.rad2deg(manoeuvre.band95[0])
+    assert f"{low:.2f} to {high:.2f}" in page.text
+    assert f"{np.rad2deg(manoeuvre.closed_loop[0]):.2f}" in page.text
+    assert "Closed loop" in page.text
+
+
+def test_criteria_are_evaluated_and_not_certified(text):
+    page = Page(text)
+    assert "evaluated against MSC.137(76) 5.3" in page.text
+    assert "compliant" not in page.text.lower()
+    assert "ships of 100 m and longer" in page.text
+    assert "at least 90 % of the speed at 85 %" in page.text
+    for words in ("Advance", "Tactical diameter", "10/10 second overshoot", "Spiral: no loop"):
+        assert words in page.text
+
+
+def test_a_ship_without_a_length_has_no_criteria(fit):
+    bare = dataclasses.replace(
+        fit, ship=dataclasses.replace(fit.ship, sections={**fit.ship.sections, "particulars": {}})
+    )
+    assert 'id="criteria"' not in render(bare)
+
+
+def test_directions_and_whiteness_are_said_in_words(fit, text):
+    page = Page(text)
+    assert "There is no such direction to speak of" in page.text
+    assert "Chi-square" in page.text and "Correlation time" in page.text
+    blind = shipid.identify(
+        "de-keizer",
+        [dataclasses.replace(fit.fitted[0].trial)],
+        ship="soesterberg",
+        signals=["psi", "r"],
+        estimate=["K", "tau", "gamma"],
+        starts=1,
+    )
+    words = Page(render(blind)).text
+    assert "gamma does not show in one 20/20 zig-zag" in words
 
 
 def test_text_from_files_is_escaped(fit):
