@@ -27,7 +27,7 @@ def examine_resampling(p: Patient) -> None:
     worst = max(seen, key=lambda name: seen[name])
     share = seen[worst]
     p.add(
-        "resampled", ",".join(seen), robust.sureness(share, 0.33, 0.45),
+        "resampled", ",".join(seen), robust.sureness(share, 0.37, 0.47),
         f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",

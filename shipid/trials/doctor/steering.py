@@ -233,7 +233,9 @@ def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
     lag = float(shifts[best]) * dt
     gain = zero / max(float(misfit[best]), 1e-300)
     early = lag < 0
-    limit = max(2.5 * dt, (0.06 if early else 0.08) * half)
+    # Short holds of an irregular helm do not make a delay long.
+    usual = float(np.quantile(np.diff(t[start]), 0.8))
+    limit = max(2.5 * dt, (0.06 if early else 0.08) * usual)
     if abs(lag) >= limit and gain > (1.25 if early else 2.0):
         which = "after the ship has answered it" if early else "long before the ship answers"
         p.add(
