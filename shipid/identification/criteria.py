@@ -227,6 +227,12 @@ def _notes(
             notes.append(
                 f"The fitted trials were sailed at {min(sailed):.3g} to {max(sailed):.3g} m/s, and not at this speed."
             )
+        if fit.unidentifiable:
+            notes.append(
+                f"The trials do not determine {', '.join(fit.unidentifiable)}: what depends on them has a wide band, or none."
+            )
+        if not fit.converged:
+            notes.append("The search did not converge: these are the numbers of an unfinished fit.")
     else:
         notes.append("Beyond the rudder angles and speeds its coefficients come from, the model extrapolates.")
     if model["u"].quantity.kind == "given" if "u" in model else True:

@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 WEAK, _OPEN, _LOOSE = 0.1, 30.0, 1e3
 #: Weight, beside the largest, from which a coefficient takes part.
 _PART = 0.1
+#: Coefficients whose share in a direction is spelt out, beside the one that moves most.
+_NAMED = 3
 _MANOEUVRES = ("zigzag:5/5", "zigzag:10/10", "zigzag:20/20", "zigzag:30/20", "turn:20", "turn:35")
 _NAMES = {"v": "the sway speed", "u": "the forward speed", "r": "the rate of turn", "psi": "the heading"}
 #: A manoeuvre helps if it narrows the direction to this part; a pair of trials of one kind gives 0.7.
@@ -140,19 +142,25 @@ def _what(fit: Fit, parts: dict[str, float], deviation: float | None) -> str:
         if deviation is None:
             return f"{lead} does not show in {from_} at all."
         how = "is hardly seen in" if deviation > UNDETERMINED else "is only roughly known from"
-        return f"{lead} {how} {from_}: ±{deviation:.0%}."
-    together = "; ".join(f"{n} by {abs(parts[n]):.2g} times as much {_side(parts[n], parts[lead])}" for n in others)
+        return f"{lead} {how} {from_}: ±{_percent(deviation)}."
+    named = others[:_NAMED]
+    together = "; ".join(f"{n} by {abs(parts[n]):.2g} times as much {_side(parts[n], parts[lead])}" for n in named)
+    together += f"; {_listed(others[_NAMED:])} by less" if others[_NAMED:] else ""
     how = (
         "can be told apart only roughly"
         if deviation is not None and deviation <= UNDETERMINED
         else "cannot be told apart"
     )
-    far = "without limit" if deviation is None else f"by ±{deviation:.0%}"
+    far = "without limit" if deviation is None else f"by ±{_percent(deviation)}"
     return (
         f"{_listed(names)} {how} from {from_}: {lead} may move {far} (one standard deviation, of its size)"
         if deviation is not None
         else f"{_listed(names)} {how} from {from_}: {lead} may move {far}"
     ) + f" as long as the others go with it: {together}."
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
 def _side(one: float, other: float) -> str:
@@ -205,11 +213,12 @@ class _Help:
                     "No other manoeuvre or signal tells them in this model: only the combination matters. Hold one of them at "
                     "a value that is known, or choose a model without it."
                 )
-            return f"{self._found[best][0]} as well would bring it to {ratios[best]:.0%} of that; more of it, to less."
+            return f"{self._found[best][0]} as well: that would bring it to {_percent(ratios[best])} of this, more of it to less."
         # The least effort first: the same sensors, and of the manoeuvres that help nearly as much, the first.
         best = min(helping, key=lambda k: ratios[k])
         easy = next(k for k in helping if ratios[k] <= 1.5 * ratios[best])
-        return f"{self._found[easy][0]} as well: it would bring this to {max(ratios[easy], 1e-4):.2g} of what it is."
+        after = ratios[easy] * before * float(np.abs(unit).max())
+        return f"{self._found[easy][0]} as well: that would bring it to about ±{_percent(after)}."
 
     def _candidates(self) -> Any:
         fit, problem = self._fit, self._fit._problem

@@ -19,6 +19,9 @@ from shipid.identification.solve import Solution
 UNDETERMINED = 0.5
 #: Times the colour of the residuals is corrected for what the unknowns took up of the noise.
 _CORRECTIONS = 2
+#: Samples of a record that are enough for its colour: of longer ones several in a row are taken together, which loses nothing
+#: at the frequencies at which a ship answers.
+_ENOUGH = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,14 +123,17 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
 def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
-    blocks, at = [], 0
+    blocks, powers, at = [], [], 0
     for sailed in problem.sailed:
         count = sailed.intervals.size
         rows = slice(at, at + count * signals)
         at += count * signals
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
         block = scaled[rows][:, used].reshape(signals, count, -1)
-        blocks.append((solution.residual[rows].reshape(signals, count), block, used))
+        every = max(1, count // _ENOUGH)
+        residual = solution.residual[rows].reshape(signals, count)
+        powers.append(np.mean(residual**2, axis=1))
+        blocks.append((_gathered(residual, every), _gathered(block, every), used))
     beliefs, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
     prior = bounds.T @ bounds
     if problem.prior is not None:
@@ -148,20 +154,31 @@ def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np
             for c, (e, j, used) in zip(colours, blocks)
         ]
         cover = covered(colours)
-    shares = [[_share(e, j, used, half, c, k) for k in range(signals)] for c, (e, j, used) in zip(colours, blocks)]
+    shares = [
+        [_share(block, used, half, colour, power[k], k) for k in range(signals)]
+        for colour, power, (_, block, used) in zip(colours, powers, blocks)
+    ]
     return cover, np.array(shares)
 
 
-def _share(
-    residual: np.ndarray, block: np.ndarray, used: np.ndarray, half: np.ndarray, colour: Colour, signal: int
-) -> float:
+def _gathered(rows: np.ndarray, every: int) -> np.ndarray:
+    """Sums of so many samples in a row, along the second axis, scaled to the same sum of products."""
+    if every == 1:
+        return rows
+    starts = np.arange(0, rows.shape[1], every)
+    counts = np.diff(starts, append=rows.shape[1])
+    sums = np.add.reduceat(rows, starts, axis=1)
+    return np.asarray(sums / np.sqrt(counts).reshape(1, -1, *(1,) * (rows.ndim - 2)))
+
+
+def _share(block: np.ndarray, used: np.ndarray, half: np.ndarray, colour: Colour, power: float, signal: int) -> float:
     """Variance by one signal, were its residuals white and of the same power, over the variance by it as it is."""
     if not colour.order:
         return 1.0
     alone = np.zeros_like(block)
     alone[signal] = block[signal]
     true = float(np.sum((colour.shaped(alone) @ half[used]) ** 2))
-    white = float(np.mean(residual[signal] ** 2) * np.sum((block[signal] @ half[used]) ** 2))
+    white = float(power * np.sum((block[signal] @ half[used]) ** 2))
     return 1.0 if true <= 0 or white <= 0 else min(1.0, white / true)
 
 

@@ -103,7 +103,7 @@ def directions_view(fit: Fit) -> list[dict[str, str]]:
     return [
         {
             "names": ", ".join(d.parameters),
-            "spread": "open" if d.relative_std is None else f"±{d.relative_std:.0%}".replace("%", " %"),
+            "spread": "open" if d.relative_std is None else f"±{100 * d.relative_std:.2g} %",
             "words": d.words,
         }
         for d in fit.directions

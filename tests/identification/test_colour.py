@@ -8,6 +8,7 @@ from scipy.linalg import toeplitz
 from scipy.signal import lfilter
 
 from shipid.identification.colour import Colour, colour_of, corrected
+from shipid.identification.uncertainty import _gathered
 
 
 def first_order(phi: float, count: int, seed: int) -> np.ndarray:
@@ -73,3 +74,15 @@ def test_a_colour_that_would_not_die_out_is_not_stable():
     assert not Colour(np.array([[[1.01]]]), np.eye(1)).stable
     assert not Colour(np.array([[[0.5]]]), -np.eye(1)).stable
     assert Colour(np.array([[[0.5]], [[0.4]]]), np.eye(1)).stable
+
+
+def test_long_records_are_gathered_without_loss_where_a_ship_answers():
+    rng = np.random.default_rng(6)
+    t = np.linspace(0, 1, 4321)
+    slow = np.stack([np.sin(2 * np.pi * 5 * t), np.cos(2 * np.pi * 3 * t)], axis=1)[None]
+    gathered = _gathered(slow, 4)
+    assert gathered.shape == (1, 1081, 2)
+    assert gathered[0].T @ gathered[0] == pytest.approx(slow[0].T @ slow[0], rel=1e-3, abs=1)
+    noise = rng.standard_normal((1, 4321))
+    assert np.mean(_gathered(noise, 4) ** 2) == pytest.approx(1, abs=0.1)
+    assert _gathered(noise, 1) is noise
