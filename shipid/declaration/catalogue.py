@@ -34,6 +34,17 @@ def modules() -> list[ModuleType]:
     return [importlib.import_module(f"{_PACKAGE}.{n}") for n in names]
 
 
+def _mentioning(text: str) -> list[ModuleType]:
+    """Return the model files whose text holds some words, imported: opening one file is quicker than opening all."""
+    package = importlib.import_module(_PACKAGE)
+    found = []
+    for module in sorted(m.name for m in pkgutil.iter_modules(package.__path__) if not m.name.startswith("_")):
+        spec = importlib.util.find_spec(f"{_PACKAGE}.{module}")
+        if spec is not None and spec.origin and text in Path(spec.origin).read_text(encoding="utf-8"):
+            found.append(importlib.import_module(f"{_PACKAGE}.{module}"))
+    return found
+
+
 @functools.cache
 def known_models() -> dict[str, Model]:
     """Return every named model that came with the installation."""
@@ -54,6 +65,9 @@ def known_component(name: str) -> type[Component]:
     UnknownNameError
         If there is none.
     """
+    for module in _mentioning(f"class {name}("):
+        if _is_component(vars(module).get(name)):
+            return vars(module)[name]
     classes = {n: c for m in modules() for n, c in vars(m).items() if _is_component(c)}
     if name not in classes:
         raise UnknownNameError("component", name, classes)
@@ -79,6 +93,10 @@ def find_model(name: str) -> Model:
     """
     if ".py" in name:
         return _from_file(name)
+    for module in _mentioning(f'"{name}"'):
+        for thing in vars(module).values():
+            if isinstance(thing, Model) and thing.name == name:
+                return thing
     models = known_models()
     if name in models:
         return models[name]

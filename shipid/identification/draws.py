@@ -20,8 +20,8 @@ from shipid.identification.uncertainty import covariance_of
 if TYPE_CHECKING:
     from shipid.identification.fit import Fit
 
-#: Draws: a power of two, for Sobol's sequence fills the space evenly then.
-DRAWS = 64
+#: Draws: enough for the standard deviation of a band to be known to a seventh of itself.
+DRAWS = 24
 #: Spread of a parameter that no data have seen: of its logarithm, or in its own size.
 _LOOSE = 1.0
 _Z95 = 1.959963984540054
@@ -79,7 +79,7 @@ def draws_of(fit: Fit, count: int = DRAWS, seed: int = 0) -> Draws:
     fit : Fit
         The fit.
     count : int
-        Number of draws, best a power of two.
+        Number of draws.
     seed : int
         Of the draws, which are the same each time by default.
     """

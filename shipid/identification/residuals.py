@@ -68,7 +68,7 @@ def residuals_of(solution: Solution) -> dict[str, Residuals]:
     solution : Solution
         At its optimum.
     """
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     problem = solution.problem
     split = problem.by_signal(solution.residual)
@@ -92,7 +92,7 @@ def residuals_of(solution: Solution) -> dict[str, Residuals]:
             float(np.mean(seconds)),
             float(statistic),
             degrees,
-            float(chi2.sf(statistic, degrees)) if degrees and np.isfinite(statistic) else 0.0,
+            float(chdtrc(degrees, statistic)) if degrees and np.isfinite(statistic) else 0.0,
             chi_square,
         )
     return found
