@@ -11,6 +11,7 @@ import functools
 import re
 from typing import Any
 
+from shipid.declaration.cache import cache_folder
 from shipid.declaration.errors import UnitError
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -23,7 +24,13 @@ def registry() -> Any:
     """Return the one pint registry of the toolbox (built on first use: it costs 0.1-0.3 s)."""
     import pint
 
-    ureg: Any = pint.UnitRegistry()
+    try:
+        # Parsing pint's definitions takes a tenth of a second, reading them parsed a hundredth.
+        folder = cache_folder() / "units"
+        folder.mkdir(parents=True, exist_ok=True)
+        ureg: Any = pint.UnitRegistry(cache_folder=folder)
+    except Exception:  # whatever is wrong with a cache, it is no reason to do without units
+        ureg = pint.UnitRegistry()
     ureg.define("rps = revolution / second")
     return ureg
 

@@ -10,7 +10,6 @@ import hashlib
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import warnings
 from pathlib import Path
@@ -18,23 +17,13 @@ from typing import Any
 
 import casadi as ca
 
+from shipid.declaration.cache import cache_folder
+
 FLAGS = ("-O3", "-fPIC", "-shared")
 
 
 class CompilerNotice(UserWarning):
     """Generated code runs on the virtual machine because it could not be compiled."""
-
-
-def cache_folder() -> Path:
-    """Return the folder of compiled code: ``$SHIPID_CACHE``, or the user's cache folder."""
-    chosen = os.environ.get("SHIPID_CACHE")
-    if chosen:
-        return Path(chosen)
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "shipid"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "shipid"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "shipid"
 
 
 @functools.cache

@@ -5,14 +5,19 @@ The same methods run once more, over SymPy symbols, so what is printed is what i
 
 from __future__ import annotations
 
+import hashlib
+import json
 import re
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
+import shipid
+from shipid.declaration.cache import keep, kept
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.generation.system import generate
 
 _GREEK = [
     "alpha",
@@ -160,7 +165,40 @@ def typeset(model: Model) -> list[Typeset]:
     Returns
     -------
     list of Typeset
+
+    Notes
+    -----
+    What was typeset once is kept in the cache: SymPy takes a third of a second to load.
     """
+    key = f"typeset-{_fingerprint(model)}.json"
+    known = kept(key)
+    if known is not None:
+        try:
+            return [Typeset(**entry) for entry in json.loads(known)]
+        except (ValueError, TypeError):
+            pass  # half a file, or one of another version: typeset anew
+    made = _typeset(model)
+    keep(key, json.dumps([asdict(e) for e in made], ensure_ascii=False))
+    return made
+
+
+def _fingerprint(model: Model) -> str:
+    """A hash of all that shows in print: equations, symbols, names, sources."""
+    shown = [
+        (
+            n,
+            e.quantity.kind,
+            symbol(e),
+            e.owner.__name__,
+            e.equation and (e.equation.kind, e.equation.name, e.equation.source),
+        )
+        for n, e in model.entries.items()
+    ]
+    return hashlib.sha256(f"{generate(model).digest}{shown}{shipid.__version__}".encode()).hexdigest()[:32]
+
+
+def _typeset(model: Model) -> list[Typeset]:
+    """Typeset anew."""
     import sympy
 
     symbols = {n: _Traced(sympy.Symbol(n, real=True)) for n in [*model.entries, SAMPLING_INTERVAL]}

@@ -14,12 +14,15 @@ from shipid.identification.imo import Criteria, Side
 from shipid.report.numbers import fixed, number
 from shipid.report.trial_view import label_of, shown_unit
 
+#: Draws for the bands of the criteria: five manoeuvres to both sides for each of them, on a page that is to be quick.
+_DRAWS = 12
+
 
 @functools.lru_cache(maxsize=4)
 def _criteria_of(fit: Fit) -> Criteria | str:
     """The criteria of a fit, or why there are none."""
     try:
-        return manoeuvring_criteria(fit)
+        return manoeuvring_criteria(fit, draws=_DRAWS)
     except ShipidError as error:
         return str(error)
 
