@@ -223,6 +223,7 @@ def verdict(value: float, std: float, size: float, low: float, high: float, part
     span = high - low
     if np.isfinite(span) and min(value - low, high - value) < 1e-4 * span * min(1.0, abs(value) / span + 1e-3):
         return f"it ended at its bound.{trade}"
-    if std > UNDETERMINED * max(abs(value), size):
+    # A coefficient that may be zero is known when it is small beside its usual size; one that must be positive is not.
+    if std > UNDETERMINED * (abs(value) if low > 0 else max(abs(value), size)):
         return f"its standard deviation is {std / max(abs(value), 1e-300):.0%} of its value.{trade}"
     return ""

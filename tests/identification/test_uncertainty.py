@@ -63,6 +63,7 @@ def test_verdicts():
     assert "90% of its value" in verdict(1.0, 0.9, 1.0, -10.0, 10.0, "")
     assert "trades off with b (+0.99)" in verdict(1.0, 0.9, 1.0, -10.0, 10.0, "b (+0.99)")
     assert verdict(0.0, 0.1, 1.0, -10.0, 10.0, "") == "", "a zero that is known to a tenth of a typical size is known"
+    assert "90% of its value" in verdict(0.1, 0.09, 1.0, 0.01, 10.0, ""), "one that must be positive has no zero"
 
 
 def test_a_coefficient_without_influence_is_not_determined(sail):
