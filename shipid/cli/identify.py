@@ -105,7 +105,11 @@ def identify(
         if folder is not None:
             click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
     if open_report and folder is not None:
-        click.launch(str(folder / _FILES[2]))
+        import webbrowser
+
+        report = folder / _FILES[2]
+        if not webbrowser.open(report.resolve().as_uri()):
+            say(f"there is no browser here to open {report} with.")
     if not fit.converged:
         say(f"the search did not converge: {fit.message} What it knows is above; do not use it as a ship.")
         return 4
