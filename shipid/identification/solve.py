@@ -52,8 +52,6 @@ class Solution:
         What the search said.
     evaluations : int
         Runs of all trials, over all starts.
-    start_costs : tuple of float
-        Cost each start reached on the thinned records.
     """
 
     problem: Problem
@@ -63,7 +61,6 @@ class Solution:
     converged: bool
     message: str
     evaluations: int
-    start_costs: tuple[float, ...] = ()
 
     @property
     def cost(self) -> float:
@@ -230,7 +227,7 @@ def solve(
         final = replace(problem, sigma=noise_levels(best))
         best = minimise(final, best.q, box, most=100)
         evaluations += best.evaluations
-    return replace(best, evaluations=evaluations, start_costs=tuple(s.cost for s in tried))
+    return replace(best, evaluations=evaluations)
 
 
 def _thinned(problem: Problem, samples: list[int]) -> Problem:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 from shipid.declaration.errors import UsageError
 from shipid.identification.fit import Fit
-from shipid.trials.errors import MissingFileError, OverwriteError
+from shipid.trials.replacing import check_place, replacing
 
 
 def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Path:
@@ -41,29 +39,10 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
         If the folder does not exist or cannot be written to.
     """
     path = Path(path)
-    if path.is_dir():
-        raise MissingFileError(f"'{path}' is a folder. Name the file to write.")
-    if path.exists() and not overwrite:
-        raise OverwriteError(f"'{path}' exists already. Choose another name, or ask for it to be overwritten.")
-    if not path.parent.is_dir():
-        raise MissingFileError(f"there is no folder '{path.parent}' to write '{path.name}' into. Make it first.")
+    check_place(path, overwrite)
     page = render(result)
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as error:
-        raise MissingFileError(
-            f"'{path}' cannot be written: {error.strerror}. Check the folder's permissions."
-        ) from None
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(page)
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)  # mkstemp makes files that only their owner reads
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with replacing(path) as temporary:
+        Path(temporary).write_text(page, encoding="utf-8", newline="\n")
     return path
 
 

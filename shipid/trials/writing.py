@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
 
-from shipid.trials.errors import MissingExtraError, MissingFileError, OverwriteError
+from shipid.trials.errors import MissingExtraError
+from shipid.trials.replacing import check_place, replacing
 from shipid.trials.trial import Trial
 
 
@@ -52,40 +51,17 @@ def write_trial(
         If the folder does not exist or cannot be written to.
     """
     path = Path(path)
-    if path.is_dir():
-        raise MissingFileError(f"'{path}' is a folder. Name the file to write.")
-    if path.exists() and not overwrite:
-        raise OverwriteError(f"'{path}' exists already. Choose another name, or ask for it to be overwritten.")
-    if not path.parent.is_dir():
-        raise MissingFileError(f"there is no folder '{path.parent}' to write '{path.name}' into. Make it first.")
+    check_place(path, overwrite)
     frame = trial.to_frame(units)
     comment = trial.source.comment if comment is None else comment
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as error:
-        raise MissingFileError(
-            f"'{path}' cannot be written: {error.strerror}. Check the folder's permissions."
-        ) from None
-    try:
-        os.close(handle)
+    with replacing(path) as temporary:
         if path.suffix.lower() in (".parquet", ".pq"):
             _parquet(frame, temporary, comment)
         else:
             with open(temporary, "w", encoding="utf-8", newline="") as file:
                 file.writelines(f"# {line}\n" for line in comment.splitlines())
                 frame.to_csv(file, index=False, lineterminator="\n")
-        os.chmod(temporary, 0o666 & ~_umask())  # mkstemp makes files that only their owner reads
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
     return path
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def _parquet(frame: pd.DataFrame, temporary: str, comment: str) -> None:

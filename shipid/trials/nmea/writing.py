@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 from math import pi
@@ -12,10 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from shipid.declaration.errors import UnknownNameError
-from shipid.trials.errors import MissingFileError, OverwriteError
+from shipid.trials.errors import OverwriteError
 from shipid.trials.nmea.channels import KNOT
 from shipid.trials.nmea.geodesy import to_geographic
 from shipid.trials.nmea.lines import checksum
+from shipid.trials.replacing import replacing
 from shipid.trials.trial import Trial
 
 #: Sentences a second, by address: gyro and rudder indicator are fast, a log and a receiver are not.
@@ -214,19 +213,7 @@ def write_nmea(
     if path.exists() and not overwrite:
         raise OverwriteError(f"'{path}' exists already. Choose another name, or ask for it to be overwritten.")
     comment = trial.source.comment if comment is None else comment
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".part", dir=path.parent)
-    except OSError as error:
-        raise MissingFileError(f"'{path}' cannot be written: {error.strerror}. Check the folder.") from None
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="") as file:
-            file.writelines(f"# {line}\n" for line in comment.splitlines())
-            file.writelines(line + "\r\n" for line in nmea_lines(trial, rates, stamp=stamp, start=start, origin=origin))
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise
+    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {line}\n" for line in comment.splitlines())
+        file.writelines(line + "\r\n" for line in nmea_lines(trial, rates, stamp=stamp, start=start, origin=origin))
     return path
