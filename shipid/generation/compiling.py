@@ -1,6 +1,6 @@
 """Compile once, keep: generated C goes through the machine's compiler into a cache keyed by what it was made of.
 
-Without a compiler the CasADi virtual machine does the same arithmetic 5-12 times slower; that is said once.
+Without a compiler the CasADi virtual machine does the same arithmetic several times slower (`studies/speed.py`); that is said once.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _compiler() -> tuple[str, str] | None:
 @functools.cache
 def _notice(reason: str) -> None:
     warnings.warn(
-        f"generated code is not compiled ({reason}); it runs on CasADi's virtual machine, 5 to 12 times slower.",
+        f"generated code is not compiled ({reason}); it runs on CasADi's virtual machine, several times slower.",
         CompilerNotice,
         stacklevel=4,
     )
