@@ -96,7 +96,7 @@ class Quantity:
     start, low, high : float, str or None
         Where an estimate or a simulation starts, and its bounds, in `unit` (or a string with its own unit).
     spread : float, str or None
-        Standard deviation of what is believed of a parameter before any trial, about `start`.
+        Standard deviation of what is believed of a parameter, or of the initial value of a state, about `start`.
     nominal : float, str or None
         A typical size, used for scaling.
     latex : str or None
@@ -115,7 +115,8 @@ class Quantity:
     measures : str or None
         For an output: the quantity it measures.
     noise : str or None
-        For an output: its standard deviation per sample.
+        For an output: its standard deviation per sample. For a state, an input or a parameter: the white noise a filter
+        lets drive it, per sample in its own unit, or as a density per root second (``"0.01 deg/s^1.5"`` on a rate).
     """
 
     kind: Kind
@@ -174,6 +175,8 @@ def state(
     nominal: Number = None,
     wraps: bool = False,
     latex: str | None = None,
+    spread: Number = None,
+    noise: str | None = None,
 ) -> Any:
     """Declare a state: it needs ``@x.rate`` (continuous) or ``@x.next`` (discrete).
 
@@ -191,11 +194,25 @@ def state(
         Whether the angle wraps at a full turn.
     latex : str, optional
         The symbol in print.
+    spread : float or str, optional
+        Standard deviation of the initial value, where a filter starts.
+    noise : str, optional
+        The white noise a filter lets drive it: per sample, or per root second.
     """
-    return Quantity("state", unit, meaning, start=start, nominal=nominal, wraps=wraps, latex=latex)
+    return Quantity(
+        "state", unit, meaning, start=start, nominal=nominal, wraps=wraps, latex=latex, spread=spread, noise=noise
+    )
 
 
-def given(unit: str, meaning: str, *, default: Number = None, latex: str | None = None, wraps: bool = False) -> Any:
+def given(
+    unit: str,
+    meaning: str,
+    *,
+    default: Number = None,
+    latex: str | None = None,
+    wraps: bool = False,
+    noise: str | None = None,
+) -> Any:
     """Declare what the equations read and this component does not state: an input or another's quantity.
 
     Parameters
@@ -204,8 +221,10 @@ def given(unit: str, meaning: str, *, default: Number = None, latex: str | None 
         As for `state`.
     default : float or str, optional
         Its value where no component states it and no trial holds it.
+    noise : str, optional
+        White noise it carries in a filter: per sample, or times root second.
     """
-    return Quantity("given", unit, meaning, default=default, latex=latex, wraps=wraps)
+    return Quantity("given", unit, meaning, default=default, latex=latex, wraps=wraps, noise=noise)
 
 
 def derived(unit: str, meaning: str, *, latex: str | None = None, wraps: bool = False) -> Any:
@@ -245,6 +264,7 @@ def parameter(
     dimensional: str | None = None,
     prime: bool = False,
     estimated: bool = True,
+    noise: str | None = None,
 ) -> Any:
     """Declare a coefficient that identification may estimate.
 
@@ -263,6 +283,8 @@ def parameter(
         For a dimensional coefficient: `start`, `low` and `high` are in the prime system (powers of L and L/U).
     estimated : bool
         Whether it is estimated unless the user chooses.
+    noise : str, optional
+        How it may wander where a filter estimates it: per sample, or per root second.
     """
     return Quantity(
         "parameter",
@@ -277,6 +299,7 @@ def parameter(
         dimensional=dimensional,
         prime=prime,
         estimated=estimated,
+        noise=noise,
     )
 
 

@@ -5,6 +5,7 @@ Without a compiler the CasADi virtual machine does the same arithmetic several t
 
 from __future__ import annotations
 
+import ctypes
 import functools
 import hashlib
 import os
@@ -12,6 +13,7 @@ import shutil
 import subprocess
 import tempfile
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -64,23 +66,50 @@ def compile_function(function: Any) -> Any:
         The same function as machine code, or unchanged where there is no compiler or it failed (with one notice).
         ``SHIPID_COMPILE=0`` in the environment leaves every function unchanged.
     """
+    return _compiled(function, lambda path: ca.external(function.name(), str(path))) or function
+
+
+def compile_library(function: Any, beside: str, single: bool = False) -> Any:
+    """Compile a CasADi function together with C code of our own that calls it.
+
+    Parameters
+    ----------
+    function : casadi.Function
+        A function without callbacks.
+    beside : str
+        C code that follows the generated one in the same file.
+    single : bool
+        Whether numbers are ``float`` instead of ``double``.
+
+    Returns
+    -------
+    ctypes.CDLL or None
+        None where nothing can be compiled (`compile_function` says when); with one notice.
+    """
+    return _compiled(function, lambda path: ctypes.CDLL(str(path)), beside, single)
+
+
+def _compiled(function: Any, load: Callable[[Path], Any], beside: str = "", single: bool = False) -> Any:
+    """Generate, compile and load; None where that is not to be had."""
     if os.environ.get("SHIPID_COMPILE") == "0":
-        return function
+        return None
     compiler = _compiler()
     if compiler is None:
         _notice("no C compiler found; install gcc or clang, or set CC")
-        return function
-    generator = ca.CodeGenerator("shipid_code.c", {"with_header": False})
+        return None
+    options: dict[str, Any] = {"with_header": False}
+    if single:
+        options["casadi_real"] = "float"
+    generator = ca.CodeGenerator("shipid_code.c", options)
     generator.add(function)
-    source = generator.dump()
+    source = generator.dump() + beside
     key = hashlib.sha256("\0".join((source, *compiler, *FLAGS)).encode()).hexdigest()[:32]
     try:
-        library = _build(source, key, compiler[0])
-        return ca.external(function.name(), str(library))
+        return load(_build(source, key, compiler[0]))
     except (OSError, RuntimeError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", "") or str(error)
         _notice(f"compiling failed: {detail.strip()[:200]}")
-        return function
+        return None
 
 
 def _build(source: str, key: str, compiler: str) -> Path:

@@ -1,0 +1,1 @@
+"""Estimation: Kalman filters and smoothers generated from a declared model."""

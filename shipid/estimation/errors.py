@@ -1,0 +1,27 @@
+"""What can be wrong with a filter: one class a cause."""
+
+from __future__ import annotations
+
+from shipid.declaration.errors import ShipidError, UsageError
+
+
+class NoiseLevelError(UsageError):
+    """A noise level that is missing, zero, negative, or in a unit that fits neither a sample nor a density."""
+
+
+class NotMeasurableError(UsageError):
+    """A measured name that the model does not have, or the record does not hold."""
+
+
+class SensorRateError(UsageError):
+    """A sensor said to be read more often than the record has samples."""
+
+
+class FilterDivergedError(ShipidError):
+    """The estimate ran away to values that are not finite."""
+
+    exit_code = 4
+
+
+class SavedStateError(ShipidError):
+    """A saved filter state that cannot be read, or belongs to another filter."""

@@ -1,0 +1,514 @@
+"""The extended Kalman filter of a declared model: a list of sensors is all it takes."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.augment import augment
+from shipid.declaration.catalogue import find_ship, whole_ship
+from shipid.declaration.errors import UnknownNameError, UsageError
+from shipid.declaration.model import Model
+from shipid.declaration.parameters import ParameterSet, missing_values
+from shipid.declaration.units import prime_factor, to_si
+from shipid.estimation.arrangement import Arrangement, arrange, column_of, read_rates
+from shipid.estimation.equations import make_equations
+from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.noise import Source, process_sources, sensor_levels
+from shipid.estimation.run import FilterRun
+from shipid.estimation.start import parameter_starts, read_deviations, state_spreads
+from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step, total
+from shipid.generation.loop import Loop, make_loop
+from shipid.trials.trial import Trial
+
+
+class ExtendedKalmanFilter:
+    """An extended Kalman filter, generated from a model with exact Jacobians.
+
+    The state is predicted by the model's own generated step and linearised at the estimate after the last sample; sensors
+    are linearised at the predicted state and taken one after the other. A model that is linear in its states runs through
+    the same code, which is then the plain Kalman filter (`linear`).
+
+    Parameters
+    ----------
+    model : Model or component class
+        The ship. What a sensor shows is a state, a derived quantity, or the output of a sensor component.
+    ship : ParameterSet or str, optional
+        Coefficients and particulars.
+    measured : mapping of str to str or None, optional
+        Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
+        output says. By default every declared output.
+    estimated : sequence of str
+        Parameters to estimate along with the state: each walks at random, positive ones by their logarithm.
+    noise : mapping of str to str, optional
+        What drives states, inputs and estimated parameters. In the quantity's own unit it is the standard deviation of one
+        sample; per root second (``"0.01 deg/s^1.5"`` on a rate of turn) a density, of an input times root second. What the
+        declaration says holds where nothing is given.
+    initial : mapping of str to str, optional
+        Standard deviations of the first estimates, with units.
+    start : mapping of str to str, optional
+        First estimates of states and parameters, with units; otherwise the first samples and the ship's values.
+    rates : mapping of str to str, optional
+        How often a sensor is read, ``"2 s"`` or ``"0.5 Hz"``, where it is less often than the record is sampled.
+    inputs : mapping of str to str, optional
+        Constant inputs with units, such as the cruising speed.
+    lost : mapping of str to str, optional
+        Standard deviation of an input while it is missing; its last value stands in.
+    ranges : mapping of str to tuple of str, optional
+        Smallest and largest value a sensor can show, with units; samples outside are left out and counted.
+    gate : float or None
+        Samples whose innovation exceeds so many standard deviations are rejected and counted; None takes in all.
+    patience : str
+        After so long a sensor that keeps being rejected, and whose value changes, is believed again.
+    log : sequence of str, optional
+        Which estimated parameters are positive and estimated by their logarithm; by default those whose lower bound is
+        zero or more. ``()`` estimates all as they are, within their declared bounds.
+    shared_noise : bool
+        Whether noise of an input that a sensor shows as well is one noise for both (exact), or counted as two that know
+        nothing of each other.
+    model_noise : bool
+        Whether states that nothing drives get a small default noise: no model of low order is exact.
+    switchable : bool
+        Whether adaptation can be switched off sample by sample (`filter`, `update`). The gain is then not the optimal
+        one, and the covariance takes Joseph's form.
+    method, hold, substeps
+        Integration of the model, see `shipid.generation.step.make_step`.
+    form : {"covariance", "square-root"}
+        What is carried; the square root stays positive in single precision.
+    compiled, single : bool
+        Whether to compile, and whether to compute in single precision.
+
+    Attributes
+    ----------
+    model : Model
+        The model with estimated parameters as states.
+    measured : tuple of str
+        Quantities with a sensor.
+    parameters : mapping of str to str
+        The state of each estimated parameter.
+
+    Raises
+    ------
+    ShipidError
+        For names, units and levels that do not fit.
+
+    Notes
+    -----
+    Gelb (1974), sections 4.2 and 6.1; sequential updates: Bierman (1977), chapter II.
+    """
+
+    def __init__(
+        self,
+        model: Model | Any,
+        ship: ParameterSet | str | None = None,
+        *,
+        measured: Mapping[str, str | float | None] | None = None,
+        estimated: Sequence[str] = (),
+        noise: Mapping[str, str | float] | None = None,
+        initial: Mapping[str, str | float] | None = None,
+        start: Mapping[str, str | float] | None = None,
+        rates: Mapping[str, str | float] | None = None,
+        inputs: Mapping[str, str | float] | None = None,
+        lost: Mapping[str, str | float] | None = None,
+        ranges: Mapping[str, tuple[str, str]] | None = None,
+        gate: float | None = 5.0,
+        patience: str = "10 s",
+        log: Sequence[str] | None = None,
+        shared_noise: bool = True,
+        model_noise: bool = True,
+        switchable: bool = False,
+        method: str = "rk4",
+        hold: str = "linear",
+        substeps: int = 1,
+        form: str = "covariance",
+        compiled: bool = True,
+        single: bool = False,
+    ) -> None:
+        if form not in FORMS:
+            raise UnknownNameError("form of the filter", form, FORMS)
+        if switchable and form != "covariance":
+            raise UsageError("adaptation that can be switched off needs the covariance form.")
+        if gate is not None and not gate > 0:
+            raise UsageError(
+                f"a gate of {gate:g} standard deviations lets nothing in; give one greater than zero, or None."
+            )
+        self.base = model if isinstance(model, Model) else whole_ship(model)
+        self.ship = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
+        self.model = augment(self.base, estimated, log) if estimated else self.base
+        self.parameters = {n: n if n in self.model.states else f"log_{n}" for n in estimated}
+        self._speed, self._length = (self.ship.particular(*n) for n in (("speed", "m/s"), ("L", "m")))
+        measured = measured if measured is not None else {n: None for n in self.model.outputs}
+        levels = sensor_levels(self.model, measured)
+        self.measured = tuple(levels)
+
+        known = self.ship.values(self.base, speed=self._speed)
+        starts = dict(start or {})
+        self._given_starts = self._read_starts({n: v for n, v in starts.items() if n not in estimated})
+        self._estimates = parameter_starts(
+            self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed
+        )
+        in_log = {n: self._estimates[n][0] for n, s in self.parameters.items() if s != n}
+        self.lost = {n: to_si(v, self.model[n].unit, f"uncertainty of lost '{n}'") for n, v in (lost or {}).items()}
+        declared = {
+            n: e.quantity.noise
+            for n, e in self.model.entries.items()
+            if e.quantity.noise and e.quantity.kind in ("state", "given") and n not in (noise or {})
+        }
+        declared |= {n: q for n in estimated if (q := self.base[n].quantity.noise) and n not in (noise or {})}
+        self.sources = process_sources(
+            self.model, {**declared, **(noise or {})}, self.parameters, in_log, self._length, self._speed, model_noise
+        )
+        driven = {s.name for s in self.sources}
+        self.sources += tuple(Source(n, v, "input", False) for n, v in self.lost.items() if n not in driven)
+
+        self.equations = make_equations(self.model, self.measured, self.sources, method, hold, substeps, shared_noise)
+        self.system = self.equations.system
+        held = {n: v for n, v in known.items() if n not in estimated}
+        held |= {n: 1.0 for n in self.model.constants if n.startswith("unit_") and n not in held}
+        lacking = missing_values(self.model, held, f"ship {self.ship.name}")
+        if lacking:
+            raise lacking
+        self._p = self.system.vector(self.system.coefficients, held)
+        self._q = np.array([s.level for s in self.sources])
+        self._r = np.array(list(levels.values()))
+        self._deviations = read_deviations(self.model, initial or {}, self.parameters)
+        self.rates = read_rates(self.model, self.measured, rates or {})
+        self.inputs = {n: to_si(v, self.model[n].unit, f"input '{n}'") for n, v in (inputs or {}).items()}
+        self.ranges = {
+            n: (to_si(a, self.model[n].unit, f"range of '{n}'"), to_si(b, self.model[n].unit, f"range of '{n}'"))
+            for n, (a, b) in (ranges or {}).items()
+        }
+        self.gate = None if gate is None else Gate(gate, to_si(patience, "s", "the patience"))
+        self.form, self.switchable, self.compiled, self.single = form, switchable, compiled, single
+        self.layout = Layout(self.equations, form, self.gate is not None, switchable)
+
+    def __hash__(self) -> int:
+        return id(self)
+
+    def __repr__(self) -> str:
+        kind = "Kalman filter" if self.linear else "extended Kalman filter"
+        sensors = ", ".join(f"{n} ({level:.3g} {self.model[n].unit})" for n, level in zip(self.measured, self._r))
+        driven = ", ".join(f"{s.name}{' (default)' if s.assumed else ''}" for s in self.sources) or "nothing"
+        return (
+            f"<{kind} of {self.base.name!r}, ship {self.ship.name}: states {', '.join(self.model.states)}; sensors {sensors}; "
+            f"noise on {driven}>"
+        )
+
+    @property
+    def linear(self) -> bool:
+        """Whether neither Jacobian depends on the estimate: then this is the plain Kalman filter, and exact."""
+        return self.equations.linear
+
+    @property
+    def wraps(self) -> np.ndarray:
+        """Which sensors show an angle that wraps, shape (sensors,)."""
+        shown = (self.model[self.model[n].quantity.measures or n] for n in self.measured)
+        return np.array([e.quantity.wraps for e in shown], dtype=bool)
+
+    @functools.cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Bounds of the states: an estimated parameter keeps those it was declared with."""
+        low, high = np.full(self.layout.n, -np.inf), np.full(self.layout.n, np.inf)
+        for name, state in self.parameters.items():
+            if state != name:
+                continue
+            entry, i = self.base[name], self.model.states.index(state)
+            scaled = entry.quantity.prime and self._length and self._speed
+            scale = prime_factor(entry.unit, self._length, self._speed) if scaled else 1.0  # type: ignore[arg-type]
+            least, most = entry.number("low"), entry.number("high")
+            low[i] = -np.inf if least is None else least * scale
+            high[i] = np.inf if most is None else most * scale
+        return low, high
+
+    @functools.cached_property
+    def adapting(self) -> np.ndarray | None:
+        """Which states stop where adaptation is switched off; None where it cannot be."""
+        if not self.switchable:
+            return None
+        return np.array([s in self.parameters.values() for s in self.model.states])
+
+    def step(self, full: bool = False) -> Any:
+        """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.step`.
+
+        Parameters
+        ----------
+        full : bool
+            Whether it returns covariances and predicted values as well.
+        """
+        return make_filter_step(
+            self.equations, self.layout, self.form, self.gate, self.wraps, *self._bounds, self.adapting, full
+        )
+
+    @functools.cached_property
+    def _brief(self) -> Loop:
+        return make_loop(self.step(), self.compiled, self.single)
+
+    @functools.cached_property
+    def _full(self) -> Loop:
+        return make_loop(self.step(full=True), self.compiled, self.single)
+
+    def loop(self, full: bool = False) -> Loop:
+        """Return the step with the loop over samples, compiled once.
+
+        Parameters
+        ----------
+        full : bool
+            See `step`.
+        """
+        return self._full if full else self._brief
+
+    @functools.cached_property
+    def backward(self) -> Loop:
+        """The backward recursion of the smoother, compiled once."""
+        from shipid.estimation.smoother import make_backward
+
+        return make_backward(self)
+
+    @property
+    def constants(self) -> np.ndarray:
+        """Coefficients, noise levels and sensor levels, SI, in the order the step takes them."""
+        return np.concatenate([self._p, self._q, self._r])
+
+    def _read_starts(self, given: Mapping[str, str | float]) -> dict[str, float]:
+        for name in given:
+            if name not in self.model.states:
+                raise UnknownNameError(
+                    f"state of model {self.model.name} to start called", name, [*self.model.states, *self.parameters]
+                )
+        return {n: to_si(v, self.model[n].unit, f"start of '{n}'") for n, v in given.items()}
+
+    def first(self, sample: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+        """Return the first estimate and its standard deviations, SI, shapes (states,).
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            The first sample: what it shows of a state is where the state starts.
+        """
+        shown_by = {self.model[n].quantity.measures or n: i for i, n in enumerate(self.measured)}
+        sensors = {n: float(self._r[i]) for n, i in shown_by.items()}
+        deviation = state_spreads(self.model, self._length, self._speed, sensors)
+        x = np.empty(self.layout.n)
+        for i, name in enumerate(self.model.states):
+            if name in self._given_starts:
+                x[i] = self._given_starts[name]
+            elif name in sample and np.isfinite(sample[name]):
+                x[i] = sample[name]
+            elif name == "u" and (speed := sample.get("cruise", self.inputs.get("cruise", self._speed))) is not None:
+                x[i] = speed
+            else:
+                x[i] = self.model[name].number("start") or 0.0
+        for name, state in self.parameters.items():
+            i = self.model.states.index(state)
+            value, spread = self._estimates[name]
+            x[i] = value if state == name else np.log(value)
+            deviation[i] = spread if state == name else spread / value
+        for name, level in self._deviations.items():
+            state = self.parameters.get(name, name)
+            share = abs(self._estimates[name][0]) if state != name else 1.0
+            deviation[self.model.states.index(state)] = level / share
+        return x, deviation
+
+    def carried(self, sample: Mapping[str, float], inputs: np.ndarray) -> np.ndarray:
+        """Return the carried vector before the first sample.
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            The first sample, SI.
+        inputs : ndarray, shape (inputs,)
+            The inputs there.
+        """
+        x, deviation = self.first(sample)
+        z = np.zeros(total(self.layout.carried))
+        places = self.layout.carried
+        z[places["x"]] = x
+        z[places["u"]] = inputs
+        full = np.zeros(self.layout.joint)
+        full[: self.layout.n] = deviation
+        z[places["P"]] = _diagonal(full, self.form)
+        if self.gate is not None:
+            z[places["last"]] = np.inf
+        return z
+
+    def arrangement(self, record: Trial | Mapping[str, np.ndarray]) -> Arrangement:
+        """Return a record as the filter takes it.
+
+        Parameters
+        ----------
+        record : Trial or mapping of str to ndarray
+            SI columns with ``t``; a mapping may hold NaN where a sample is missing.
+        """
+        columns, name = columns_of(record)
+        return arrange(
+            self.model, columns, name, self.measured, self.inputs, self.needed_inputs, self.rates, self.ranges
+        )
+
+    @functools.cached_property
+    def needed_inputs(self) -> tuple[str, ...]:
+        """Inputs that have an influence on the states and the sensors."""
+        return self.system.inputs_behind([*self.model.states, *self.measured])
+
+    def controls(
+        self,
+        arranged: Arrangement,
+        adapt: np.ndarray | bool = True,
+        scale: Mapping[str, np.ndarray | float] | None = None,
+    ) -> np.ndarray:
+        """Return the controls of every row, shape (N, controls).
+
+        Parameters
+        ----------
+        arranged : Arrangement
+            The record.
+        adapt : bool or ndarray of bool, shape (samples,)
+            Where parameters adapt.
+        scale : mapping of str to float or ndarray
+            Factors on the noise of sources, over the samples: a sea state that changes.
+        """
+        places, rows = self.layout.control, arranged.t.size
+        table = np.zeros((rows, total(places)))
+        table[:, places["u"]] = arranged.inputs
+        table[:, places["T"]] = arranged.intervals[:, None]
+        table[:, places["z"]] = arranged.z
+        table[:, places["there"]] = arranged.there
+        table[:, places["scale"]] = 1.0
+        # Rows that bridge a gap belong to the sample that ends it.
+        sample = np.minimum(np.searchsorted(np.flatnonzero(arranged.shown), np.arange(rows)), arranged.shown.sum() - 1)
+        for i, source in enumerate(self.sources):
+            column = table[:, places["scale"]][:, i]
+            if scale and source.name in scale:
+                factor = np.asarray(scale[source.name], dtype=float)
+                column *= factor[sample] if factor.ndim else factor
+            if source.name in self.lost:
+                missing = arranged.lost[:, self.system.inputs.index(source.name)]
+                usual = 0.0 if source.level == self.lost[source.name] else 1.0
+                column *= np.where(missing, self.lost[source.name] / source.level, usual)
+        if self.switchable:
+            table[:, places["adapting"]] = np.broadcast_to(adapt, arranged.shown.sum())[sample, None]
+        return table
+
+    def filter(
+        self,
+        record: Trial | Mapping[str, np.ndarray],
+        *,
+        adapt: np.ndarray | bool = True,
+        scale: Mapping[str, np.ndarray | float] | None = None,
+    ) -> FilterRun:
+        """Filter a whole record.
+
+        Parameters
+        ----------
+        record : Trial or mapping of str to ndarray
+            SI columns with ``t``; a mapping may hold NaN where a sample is missing.
+        adapt : bool or ndarray of bool, shape (samples,)
+            Where parameters adapt (needs ``switchable=True``).
+        scale : mapping of str to float or ndarray, optional
+            Factors on the noise of states and inputs, for every sample.
+
+        Returns
+        -------
+        FilterRun
+
+        Raises
+        ------
+        FilterDivergedError
+            If the estimate runs away.
+        NotMeasurableError
+            If the record lacks a sensor or an input.
+        """
+        if adapt is not True and not self.switchable:
+            raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
+        arranged = self.arrangement(record)
+        control = self.controls(arranged, adapt, scale)
+        z0 = self.carried(self._first_sample(record), arranged.inputs[0])
+        _, out = self.loop(full=True)(z0, control, self.constants)
+        self._check_finite(out, arranged)
+        return FilterRun(self, columns_of(record)[1], arranged, control, z0, np.asarray(out, dtype=float))
+
+    def _first_sample(self, record: Trial | Mapping[str, np.ndarray]) -> dict[str, float]:
+        columns, _ = columns_of(record)
+        sample = {}
+        for n, c in columns.items():
+            finite = np.flatnonzero(np.isfinite(c))
+            if finite.size:
+                sample[n] = float(c[finite[0]])
+        if "cruise" not in sample and "u" in sample:
+            sample["cruise"] = float(np.nanmedian(columns["u"][:10]))
+        for name in self.measured:
+            column = column_of(self.model, name, sample)
+            if column is not None:
+                sample.setdefault(self.model[name].quantity.measures or name, sample[column])
+        return sample
+
+    def _check_finite(self, out: np.ndarray, arranged: Arrangement) -> None:
+        good = np.isfinite(out[:, self.layout.full["x"]]).all(axis=1) & np.isfinite(
+            out[:, self.layout.full["var"]]
+        ).all(axis=1)
+        if not good.all():
+            raise FilterDivergedError(
+                f"the filter of model {self.base.name} runs away {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
+                "nearer to the truth (start, initial), let the states be driven by more noise, or estimate fewer parameters."
+            )
+
+    def start(self, lag: str | float | None = None) -> Any:
+        """Return the filter for samples that arrive one by one.
+
+        Parameters
+        ----------
+        lag : str, optional
+            Fixed lag, ``"10 s"``: estimates so long ago are smoothed by what came since.
+
+        Returns
+        -------
+        OnlineFilter
+            With ``update(sample)``; see `shipid.estimation.online`.
+        """
+        from shipid.estimation.online import OnlineFilter
+
+        return OnlineFilter(self, None if lag is None else to_si(lag, "s", "the lag"))
+
+    def restore(self, path: str | Path) -> Any:
+        """Return an online filter as `OnlineFilter.save` left it.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file.
+
+        Raises
+        ------
+        SavedStateError
+            If the file cannot be read, or belongs to a filter of another model, with other sensors or noise.
+        """
+        from shipid.estimation.online import OnlineFilter
+
+        return OnlineFilter.restored(self, Path(path))
+
+
+def columns_of(record: Trial | Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str]:
+    """Return the SI columns of a record, and its name.
+
+    Parameters
+    ----------
+    record : Trial or mapping of str to ndarray
+        What is filtered.
+    """
+    if isinstance(record, Trial):
+        return {n: record[n] for n in record.table.columns}, record.name
+    if "t" not in record:
+        raise UsageError(f"a record to filter needs its times 't'; it has {', '.join(record)}.")
+    return {n: np.asarray(c, dtype=float) for n, c in record.items()}, "record"
+
+
+def _diagonal(deviation: np.ndarray, form: str) -> np.ndarray:
+    """The carried vector of a diagonal covariance."""
+    if form == "square-root":
+        return np.diag(deviation).ravel(order="F")
+    out = np.zeros(deviation.size * (deviation.size + 1) // 2)
+    out[np.cumsum(np.arange(1, deviation.size + 1)) - 1] = deviation**2
+    return out

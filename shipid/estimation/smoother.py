@@ -1,0 +1,206 @@
+"""Smoothing: the estimate of each moment that every sample of the record bears on.
+
+Rauch, Tung and Striebel's smoothed estimate, worked out by the recursion of Bryson and Frazier (Bierman 1977, chapter X): an
+adjoint of the state runs back over the record, and nothing is inverted but the variance of one innovation. It therefore
+serves where a covariance is singular, as it is when a parameter has no noise.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.estimation import covariance_form
+from shipid.estimation.run import unpacked
+from shipid.estimation.step import TAKEN
+from shipid.generation.loop import Loop, make_loop
+
+if TYPE_CHECKING:
+    from shipid.estimation.kalman import ExtendedKalmanFilter
+    from shipid.estimation.run import FilterRun
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothed:
+    """Smoothed estimates of a record.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Times of the samples in s.
+    states : tuple of str
+        Names along the estimates.
+    x, std : ndarray, shape (N, states)
+        Estimates and standard deviations, SI.
+    """
+
+    t: np.ndarray
+    states: tuple[str, ...]
+    x: np.ndarray
+    std: np.ndarray
+    _packed: np.ndarray = field(repr=False)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self.x[:, self.states.index(name)]
+
+    @functools.cached_property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the states at each sample, shape (N, states, states)."""
+        return unpacked(self._packed, len(self.states))
+
+
+def make_backward(kalman: ExtendedKalmanFilter) -> Loop:
+    """Return the backward recursion of a filter, as a loop over its rows from the last to the first.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        Whose step is run back.
+
+    Notes
+    -----
+    Carried: adjoint and its covariance after the update of the row. Control of row k: what the forward pass predicted there
+    and ended with, its control, which samples it took, the joint vector and the inputs before it.
+    """
+    eq, layout = kalman.equations, kalman.layout
+    n, size = layout.joint, covariance_form.size(layout.joint)
+    adjoint, spread_packed = ca.SX.sym("l", n), ca.SX.sym("L", size)
+    spread = covariance_form.unpack(spread_packed, n)
+    packed_ahead, packed_after = ca.SX.sym("Pp", size), ca.SX.sym("Pf", size)
+    x_after = ca.SX.sym("xf", layout.n)
+    ahead, before = ca.SX.sym("xp", n), ca.SX.sym("xb", n)
+    z, taken = ca.SX.sym("z", layout.sensors), ca.SX.sym("m", layout.sensors)
+    deviation = ca.SX.sym("r", layout.sensors)
+    switch = ca.SX.sym("a", int(kalman.switchable))
+    factor = ca.SX.ones(n)
+    if kalman.adapting is not None:
+        for i in np.flatnonzero(kalman.adapting).tolist():
+            factor[i] = switch
+
+    after = covariance_form.unpack(packed_after, n)
+    smoothed = x_after - (after @ adjoint)[: layout.n]
+    shrunk = after - after @ spread @ after
+
+    # The sensors of this row once more, forward, to have every gain; then back through them in reverse.
+    sensitivity = ca.substitute(eq.sensitivity, eq.joint, ahead)
+    shown = ca.substitute(eq.shown, eq.joint, ahead)
+    covariance, correction, passed = covariance_form.unpack(packed_ahead, n), ca.SX.zeros(n), []
+    for i in range(layout.sensors):
+        row = sensitivity[i, :]
+        e = z[i] - shown[i]
+        if kalman.wraps[i]:
+            e = e - 2 * np.pi * ca.floor(e / (2 * np.pi) + 0.5)
+        e = e - row @ correction
+        variance = deviation[i] ** 2 + sum(effect[i] ** 2 * power for effect, power in eq.doubled)
+        gain, covariance, s = covariance_form.updated(
+            covariance, row, variance, lambda _, i=i: taken[i], factor if kalman.switchable else None
+        )
+        correction = correction + gain * e
+        passed.append((row, gain, s, e, taken[i]))
+    back, back_spread = adjoint, spread
+    for row, gain, s, e, count in reversed(passed):
+        kept = ca.SX.eye(n) - gain @ row
+        back = kept.T @ back - row.T * (e / s * count)
+        back_spread = kept.T @ back_spread @ kept + (row.T @ row) * (count / s)
+    # Through the prediction, to the end of the row before. Carried noise starts anew with each row.
+    transition = ca.SX.zeros(n, n)
+    transition[: layout.n, :] = ca.substitute(eq.transition, eq.joint, before)
+    moves = eq.T > 0
+    still = ca.SX.zeros(n, n)
+    for i in range(layout.n):
+        still[i, i] = 1
+    transition = ca.if_else(moves, transition, still) if eq.sampled else transition
+    earlier = transition.T @ back
+    earlier_spread = transition.T @ back_spread @ transition
+
+    control = [packed_ahead, packed_after, x_after, ahead, before, eq.u0, eq.u1, eq.T, z, taken, eq.scale, switch]
+    step = ca.Function(
+        "backward",
+        [
+            ca.vertcat(adjoint, spread_packed),
+            ca.vertcat(*(ca.vec(c) for c in control)),
+            ca.vertcat(eq.p, eq.levels, deviation),
+        ],
+        ca.cse(
+            [
+                ca.densify(ca.vertcat(earlier, covariance_form.pack(earlier_spread))),
+                ca.densify(ca.vertcat(smoothed, covariance_form.pack(shrunk[: layout.n, : layout.n]))),
+            ]
+        ),
+    )
+    return make_loop(step, kalman.compiled)
+
+
+def backward_controls(
+    kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray, start: np.ndarray
+) -> np.ndarray:
+    """Return the controls of the backward loop in the order of the rows, shape (N, controls).
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        The filter.
+    control, out : ndarray
+        Controls and full outputs of its forward rows.
+    start : ndarray
+        Carried vector before the first of them.
+    """
+    full, places, carried = kalman.layout.full, kalman.layout.control, kalman.layout.carried
+    first = np.concatenate([start[carried["x"]], start[carried["w"]]])
+    joint = np.concatenate([out[:, full["x"]], out[:, full["w"]]], axis=1)
+    before = np.vstack([first, joint[:-1]])
+    inputs = control[:, places["u"]]
+    inputs_before = np.vstack([start[carried["u"]], inputs[:-1]])
+    parts = [
+        out[:, full["P_ahead"]],
+        out[:, full["P"]],
+        out[:, full["x"]],
+        out[:, full["ahead"]],
+        before,
+        inputs_before,
+        inputs,
+        control[:, places["T"]],
+        control[:, places["z"]],
+        out[:, full["fate"]] == TAKEN,
+        control[:, places["scale"]],
+        control[:, places["adapting"]],
+    ]
+    return np.concatenate(parts, axis=1)
+
+
+def run_back(kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Return smoothed states and their packed covariance along forward rows, shape (N, n + n (n + 1) / 2).
+
+    Parameters
+    ----------
+    kalman, control, out, start
+        See `backward_controls`.
+    """
+    loop = kalman.backward
+    rows = backward_controls(kalman, control, out, start)[::-1]
+    _, shown = loop(np.zeros(loop.sizes[0]), rows, kalman.constants)
+    return shown[::-1]
+
+
+def smooth(run: FilterRun) -> Smoothed:
+    """Smooth a filtered record.
+
+    Parameters
+    ----------
+    run : FilterRun
+        What the filter made of it.
+
+    Returns
+    -------
+    Smoothed
+    """
+    kalman = run.filter
+    n = kalman.layout.n
+    shown = run_back(kalman, run._control, run._out, run._start)[run.arranged.shown]
+    x, packed = shown[:, :n], shown[:, n:]
+    diagonal = np.cumsum(np.arange(1, n + 1)) - 1
+    return Smoothed(run.t, run.states, x, np.sqrt(np.maximum(packed[:, diagonal], 0.0)), packed)

@@ -1,0 +1,130 @@
+"""Where a filter starts: the first estimate of each state, and how sure it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shipid.declaration.errors import UnitError, UnknownNameError
+from shipid.declaration.model import Model
+from shipid.declaration.parameters import ParameterSet
+from shipid.declaration.units import prime_factor, to_si
+from shipid.estimation.errors import NoiseLevelError
+
+#: Default standard deviation of a first estimate: a share of a parameter, and of what L and U make of any other unit.
+PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
+
+
+def parameter_starts(
+    base: Model,
+    names: tuple[str, ...],
+    ship: ParameterSet,
+    known: Mapping[str, float],
+    given: Mapping[str, str | float],
+    length: float | None,
+    speed: float | None,
+) -> dict[str, tuple[float, float]]:
+    """Return first value and standard deviation of each estimated parameter, SI.
+
+    Parameters
+    ----------
+    base : Model
+        The model in which they are parameters.
+    names : tuple of str
+        The estimated ones.
+    ship : ParameterSet
+        Its values and their standard deviations, where it has them.
+    known : mapping of str to float
+        The ship's values, SI.
+    given : mapping of str to str
+        First values that replace them, with units.
+    length, speed : float or None
+        L in m and U in m/s, for starts declared in the prime system.
+
+    Raises
+    ------
+    NoiseLevelError
+        If nothing says where a parameter starts.
+    """
+    result = {}
+    for name in names:
+        entry = base[name]
+        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
+        declared = entry.number("start")
+        if name in given:
+            value = to_si(given[name], entry.unit, f"start of '{name}'")
+        elif name in known:
+            value = known[name]
+        elif declared is not None:
+            value = declared * scale
+        else:
+            raise NoiseLevelError(f"nothing says where the estimate of '{name}' starts: give start={{'{name}': ...}}.")
+        spread = entry.number("spread")
+        held = ship.find(base, name)
+        if held is not None and held.std is not None and name not in given:
+            deviation = abs(to_si((held.std, held.unit), entry.unit, f"standard deviation of '{name}'"))
+        elif spread is not None:
+            deviation = spread * scale
+        else:
+            deviation = PARAMETER_SHARE * max(abs(value), abs((declared or 0.0) * scale))
+        result[name] = (value, deviation)
+    return result
+
+
+def state_spreads(model: Model, length: float | None, speed: float | None, sensors: Mapping[str, float]) -> np.ndarray:
+    """Return the default standard deviation of each first state, SI, shape (states,).
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    length, speed : float or None
+        L in m and U in m/s.
+    sensors : mapping of str to float
+        Noise of the sensor that shows a state, by state: the first estimate comes from its first sample.
+    """
+    result = np.empty(len(model.states))
+    for i, name in enumerate(model.states):
+        spread, nominal = model[name].number("spread"), model[name].number("nominal")
+        if spread is None:
+            try:
+                scaled = STATE_SHARE * prime_factor(model[name].unit, length, speed) if length and speed else None
+            except UnitError:
+                scaled = None
+            spread = scaled if scaled is not None else abs(nominal) if nominal else 1.0
+        result[i] = np.hypot(spread, sensors.get(name, 0.0))
+    return result
+
+
+def read_deviations(model: Model, given: Mapping[str, str | float], estimated: Mapping[str, str]) -> dict[str, float]:
+    """Read standard deviations of first estimates given by the user, SI, by state or parameter.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    given : mapping of str to str
+        By state or estimated parameter, with units.
+    estimated : mapping of str to str
+        The state of each estimated parameter.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no state and no estimated parameter.
+    NoiseLevelError
+        If one is zero or negative.
+    """
+    result = {}
+    for name, value in given.items():
+        if name not in model.states and name not in estimated:
+            raise UnknownNameError(f"state of model {model.name} called", name, [*model.states, *estimated])
+        level = to_si(value, model[name].unit, f"first standard deviation of '{name}'")
+        if not level > 0:
+            raise NoiseLevelError(
+                f"the first standard deviation of '{name}' is {value}; it is greater than zero. What is known exactly "
+                "belongs among the ship's values."
+            )
+        result[name] = level
+    return result

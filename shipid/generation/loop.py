@@ -1,0 +1,245 @@
+"""A step run over a whole record: in C where there is a compiler, on the virtual machine otherwise.
+
+The loop over the samples stands in C beside the generated step, so that a record of any length costs one call, a sample
+that has just arrived costs little more than its arithmetic, and threads run records side by side (the call lets go of
+Python's lock).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.generation.compiling import compile_library
+
+#: The loop: two copies of the carried state take turns, since a step may not write over what it still reads.
+_LOOP = """
+#include <string.h>
+#ifdef _WIN32
+#define SHIPID_EXPORT __declspec(dllexport)
+#else
+#define SHIPID_EXPORT
+#endif
+SHIPID_EXPORT int shipid_loop(const casadi_real* z0, const casadi_real* c, const casadi_real* p, casadi_real* z,
+                              casadi_real* out, long long n) {{
+  static const int nz = {nz}, nc = {nc}, no = {no};
+  const casadi_real* arg[{args}];
+  casadi_real* res[{results}];
+  casadi_int iw[{iw}];
+  casadi_real w[{w}], one[{room}], two[{room}];
+  casadi_real *now = one, *then = two, *swap;
+  long long k;
+  int failed = 0;
+  memcpy(now, z0, nz * sizeof(casadi_real));
+  for (k = 0; k < n && !failed; ++k) {{
+    arg[0] = now; arg[1] = c + k * nc; arg[2] = p;
+    res[0] = then; res[1] = out ? out + k * no : 0;
+    failed = {name}(arg, res, iw, w, 0);
+    swap = now; now = then; then = swap;
+  }}
+  memcpy(z, now, nz * sizeof(casadi_real));
+  return failed;
+}}
+/* One sample; one argument, since each costs Python a conversion. */
+SHIPID_EXPORT int shipid_once(void* const* a) {{
+  return shipid_loop((const casadi_real*)a[0], (const casadi_real*)a[1], (const casadi_real*)a[2], (casadi_real*)a[3],
+                     (casadi_real*)a[4], 1);
+}}
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """The step ``(z, c, p) -> (z_next, out)`` over the samples of a record; made by `make_loop`.
+
+    Attributes
+    ----------
+    step : casadi.Function
+        One sample: carried state z, control c, coefficients p; all dense columns.
+    compiled : bool
+        Whether it runs as machine code.
+    single : bool
+        Whether it computes in single precision (compiled only).
+    """
+
+    step: Any
+    compiled: bool
+    single: bool
+    _call: Any = field(repr=False, default=None)
+    _library: Any = field(repr=False, default=None)
+
+    @property
+    def sizes(self) -> tuple[int, int, int, int]:
+        """Lengths of z, c, p and out."""
+        z, c, p = (self.step.size1_in(i) for i in range(3))
+        return z, c, p, self.step.size1_out(1)
+
+    @property
+    def dtype(self) -> Any:
+        """Type of the numbers it computes with."""
+        return np.float32 if self.single else np.float64
+
+    def __call__(self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Run a record.
+
+        Parameters
+        ----------
+        z0 : ndarray, shape (z,)
+            State before the first sample.
+        controls : ndarray, shape (N, c)
+            One row a sample.
+        p : ndarray, shape (p,)
+            Coefficients.
+
+        Returns
+        -------
+        z : ndarray, shape (z,)
+            State after the last sample.
+        out : ndarray, shape (N, out)
+            Outputs, one row a sample.
+        """
+        nz, nc, n_p, no = self.sizes
+        z0, p = (np.ascontiguousarray(a, dtype=self.dtype) for a in (z0, p))
+        controls = np.ascontiguousarray(controls, dtype=self.dtype)
+        count = controls.shape[0]
+        # The machine code reads plain memory: a wrong shape would not be found there.
+        if z0.shape != (nz,) or p.shape != (n_p,) or controls.shape != (count, nc):
+            raise ValueError(f"shapes {z0.shape}, {controls.shape}, {p.shape} do not fit the step {self.sizes}")
+        if self._call is None:
+            return self._interpreted(z0, controls, p)
+        z, out = np.empty(nz, self.dtype), np.empty((count, no), self.dtype)
+        self._call(z0.ctypes.data, controls.ctypes.data, p.ctypes.data, z.ctypes.data, out.ctypes.data, count)
+        return z, out
+
+    def _interpreted(self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        count = controls.shape[0]
+        if not count:
+            return z0.copy(), np.empty((0, self.sizes[3]))
+        z, out = _accumulated(self, count)(z0, controls.T, p)
+        # A whole record is one call, so the copy through CasADi's matrices is one copy.
+        return z.full()[:, -1], np.ascontiguousarray(out.full().T)
+
+    def map(
+        self,
+        z0: Sequence[np.ndarray],
+        controls: Sequence[np.ndarray],
+        p: Sequence[np.ndarray],
+        threads: int | None = None,
+    ) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Run many records, side by side on several threads where the code is compiled.
+
+        Parameters
+        ----------
+        z0, controls, p : sequence of ndarray
+            As for one record, one entry each.
+        threads : int, optional
+            How many; by default one for each processor.
+        """
+        workers = threads or os.cpu_count() or 1
+        if workers == 1 or self._call is None:
+            return [self(*each) for each in zip(z0, controls, p)]
+        with ThreadPoolExecutor(workers) as pool:
+            return list(pool.map(self, z0, controls, p))
+
+    def one_at_a_time(self, z0: np.ndarray, p: np.ndarray) -> Stepper:
+        """Return the same step for samples that arrive one by one.
+
+        Parameters
+        ----------
+        z0, p : ndarray
+            As for a record.
+        """
+        return Stepper(self, z0, p)
+
+    def __hash__(self) -> int:
+        return id(self)
+
+
+class Stepper:
+    """One sample at a time, on memory that is laid out once.
+
+    Write the sample into `control`, call `step`, and read `out` and `z`.
+
+    Parameters
+    ----------
+    loop : Loop
+        What it steps.
+    z0, p : ndarray
+        State before the first sample, and coefficients.
+    """
+
+    def __init__(self, loop: Loop, z0: np.ndarray, p: np.ndarray) -> None:
+        nz, nc, n_p, no = loop.sizes
+        self.z, self.p = np.array(z0, dtype=loop.dtype), np.array(p, dtype=loop.dtype)
+        if self.z.shape != (nz,) or self.p.shape != (n_p,):
+            raise ValueError(f"shapes {self.z.shape}, {self.p.shape} do not fit the step {loop.sizes}")
+        self.control, self.out = np.zeros(nc, loop.dtype), np.zeros(no, loop.dtype)
+        self._loop = loop
+        if loop._call is None:
+            self.step = self._interpreted
+        else:
+            # The state is copied in before it is written out, so one array serves as both.
+            places = (self.z, self.control, self.p, self.z, self.out)
+            self._pointers = (ctypes.c_void_p * len(places))(*(a.ctypes.data for a in places))
+            once = loop._library.shipid_once
+            once.argtypes, once.restype = [ctypes.c_void_p], ctypes.c_int
+            self.step = functools.partial(once, ctypes.addressof(self._pointers))
+
+    def _interpreted(self) -> int:
+        z, out = self._loop.step(self.z, self.control, self.p)
+        self.z[:], self.out[:] = z.full().ravel(), out.full().ravel()
+        return 0
+
+
+@functools.lru_cache(maxsize=256)
+def _accumulated(loop: Loop, count: int) -> Any:
+    nz, nc, n_p, _ = loop.sizes
+    z0, controls, p = ca.MX.sym("z0", nz), ca.MX.sym("c", nc, count), ca.MX.sym("p", n_p)
+    z, out = loop.step.mapaccum(count)(z0, controls, ca.repmat(p, 1, count))
+    return ca.Function("record", [z0, controls, p], [z, out])
+
+
+def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
+    """Compile a step together with the loop over its samples.
+
+    Parameters
+    ----------
+    step : casadi.Function
+        ``(z, c, p) -> (z_next, out)``: dense columns, no callbacks.
+    compiled : bool
+        Whether to compile; without a compiler the virtual machine runs it, with one notice.
+    single : bool
+        Whether to compute in single precision, as a small target machine does; needs a compiler.
+
+    Returns
+    -------
+    Loop
+    """
+    library = None
+    if compiled or single:
+        nz, no = step.size1_in(0), step.size1_out(1)
+        text = _LOOP.format(
+            nz=nz,
+            nc=step.size1_in(1),
+            no=no,
+            name=step.name(),
+            args=max(3, step.sz_arg()),
+            results=max(2, step.sz_res()),
+            iw=max(1, step.sz_iw()),
+            w=max(1, step.sz_w()),
+            room=max(1, nz),
+        )
+        library = compile_library(step, text, single)
+    if library is None:
+        return Loop(step, False, False)
+    call = library.shipid_loop
+    call.argtypes, call.restype = [ctypes.c_void_p] * 5 + [ctypes.c_longlong], ctypes.c_int
+    return Loop(step, True, single, call, library)
