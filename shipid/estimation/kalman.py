@@ -43,6 +43,8 @@ class ExtendedKalmanFilter:
         The ship. What a sensor shows is a state, a derived quantity, or the output of a sensor component.
     ship : ParameterSet or str, optional
         Coefficients and particulars.
+    values : mapping of str to float, optional
+        Coefficients that go before the ship's, SI: those of a fit.
     measured : mapping of str to str or None, optional
         Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
         output says. By default every declared output.
@@ -89,9 +91,7 @@ class ExtendedKalmanFilter:
     Attributes
     ----------
     model : Model
-        The model with estimated parameters as states.
-    measured : tuple of str
-        Quantities with a sensor.
+        With estimated parameters as states.
     parameters : mapping of str to str
         The state of each estimated parameter.
 
@@ -110,9 +110,10 @@ class ExtendedKalmanFilter:
         model: Model | Any,
         ship: ParameterSet | str | None = None,
         *,
-        measured: Mapping[str, str | float | None] | None = None,
+        values: Mapping[str, float] | None = None,
+        measured: Mapping[str, Any] | None = None,
         estimated: Sequence[str] = (),
-        noise: Mapping[str, str | float] | None = None,
+        noise: Mapping[str, Any] | None = None,
         initial: Mapping[str, str | float] | None = None,
         start: Mapping[str, str | float] | None = None,
         rates: Mapping[str, str | float] | None = None,
@@ -149,7 +150,7 @@ class ExtendedKalmanFilter:
         levels = sensor_levels(self.model, measured)
         self.measured = tuple(levels)
 
-        known = self.ship.values(self.base, speed=self._speed)
+        known = self.ship.values(self.base, speed=self._speed) | dict(values or {})
         starts = dict(start or {})
         self._given_starts = self._read_starts({n: v for n, v in starts.items() if n not in estimated})
         self._estimates = parameter_starts(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from shipid.declaration.errors import UnitError, UnknownNameError
 from shipid.declaration.model import Model
@@ -47,7 +47,7 @@ class Source:
     assumed: bool = False
 
 
-def sensor_levels(model: Model, measured: Mapping[str, str | float | None]) -> dict[str, float]:
+def sensor_levels(model: Model, measured: Mapping[str, Any]) -> dict[str, float]:
     """Return the standard deviation of one sample of each sensor, SI.
 
     Parameters
@@ -88,7 +88,7 @@ def _example(unit: str) -> str:
     return f"'0.2 {unit.replace('rad', 'deg')}'" if unit != "1" else "'0.01'"
 
 
-def _positive(value: str | float, units: Sequence[str], what: str) -> tuple[float, int]:
+def _positive(value: Any, units: Sequence[str], what: str) -> tuple[float, int]:
     """Read a positive level in one of several units; return it in SI, and which unit it was."""
     refused: UnitError | None = None
     for i, unit in enumerate(units):
@@ -109,7 +109,7 @@ def _positive(value: str | float, units: Sequence[str], what: str) -> tuple[floa
 
 def process_sources(
     model: Model,
-    noise: Mapping[str, str | float],
+    noise: Mapping[str, Any],
     estimated: Mapping[str, str],
     sizes: Mapping[str, float],
     length: float | None,
