@@ -84,9 +84,8 @@ def follow(
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     online = kalman.start()
     names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
-    if not as_json:
-        heads = [f"{p}{n} [{kalman.model[n].unit}]" for n in names for p in ("", "std_")]
-        click.echo(",".join(["t [s]", *heads, "rejected"]))
+    heads = [f"{p}{n} [{kalman.model[n].unit}]" for n in names for p in ("", "std_")]
+    header_line = ",".join(["t [s]", *heads, "rejected"])
     for number, line in enumerate(lines, start=2):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
@@ -100,6 +99,10 @@ def follow(
         if as_json:
             click.echo(json.dumps(estimate.to_dict(), allow_nan=False, ensure_ascii=False))
         else:
+            # With the first estimate: a record that cannot be filtered prints nothing.
+            if header_line:
+                click.echo(header_line)
+                header_line = ""
             cells = [f"{v:.9g}" for n in names for v in (estimate[n], estimate.std_of(n))]
             click.echo(",".join([f"{estimate.t:.9g}", *cells, " ".join(estimate.rejected)]))
         sys.stdout.flush()
