@@ -224,6 +224,9 @@ def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
     Loop
     """
     library = None
+    # A name of our own: a library that is loaded already may export one as short as "step", and would be called instead.
+    symbols = step.sx_in() if step.is_a("SXFunction") else step.mx_in()
+    step = ca.Function("shipid_sample", symbols, step.call(symbols))
     if compiled or single:
         nz, no = step.size1_in(0), step.size1_out(1)
         text = _LOOP.format(
