@@ -19,3 +19,7 @@ class NoAnswerError(IdentificationError):
 
 class NothingToFitError(IdentificationError):
     """The trials measure nothing that the model predicts."""
+
+
+class NotRegressableError(IdentificationError):
+    """A method by regression was asked for, and an equation reads what nobody measured."""

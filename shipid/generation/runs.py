@@ -1,0 +1,70 @@
+"""Many runs of one record function in one call: segments of a trial, or walkers of a sampler."""
+
+from __future__ import annotations
+
+import functools
+import os
+from typing import Any
+
+import numpy as np
+
+from shipid.generation.record import Record, _accumulated, _call
+
+#: Runs below which a thread costs more than it brings.
+_WORTH_A_THREAD = 8
+
+
+def run_many(
+    record: Record,
+    x0: np.ndarray,
+    u: np.ndarray,
+    intervals: np.ndarray,
+    p: np.ndarray,
+    bias: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Run a record function many times.
+
+    Parameters
+    ----------
+    record : Record
+        Made by `shipid.generation.record.make_record`.
+    x0 : ndarray, shape (runs, states)
+        Initial states.
+    u : ndarray, shape (runs, inputs, N) or (inputs, N)
+        Inputs at the samples; the same for all runs where there is one only.
+    intervals : ndarray, shape (runs, N) or (N,)
+        Time from each sample to the next, in s; the last one is not used.
+    p : ndarray, shape (runs, coefficients)
+        Parameters and constants.
+    bias : ndarray, shape (runs, inputs), optional
+        Added to every sample of the inputs.
+
+    Returns
+    -------
+    y : ndarray, shape (runs, outputs, N)
+        Outputs; not finite from where the model diverges.
+    dy : ndarray, shape (runs, outputs, unknowns, N)
+        Derivatives of the outputs by the unknowns.
+    """
+    runs, count = len(x0), u.shape[-1]
+    n_y, n_q = len(record.outputs), len(record.unknowns)
+    if not runs or not count:
+        return np.empty((runs, n_y, count)), np.empty((runs, n_y, n_q, count))
+    shifted = np.broadcast_to(u, (runs, *u.shape[-2:]))
+    shifted = shifted if bias is None else shifted + bias[:, :, None]
+    following = np.concatenate([shifted[:, :, 1:], shifted[:, :, -1:]], axis=2)
+    steps = np.array(np.broadcast_to(intervals, (runs, count)), dtype=float)
+    steps[:, -1] = 0.0
+    control = np.concatenate([shifted, following, steps[:, None, :]], axis=1)
+    z0 = np.concatenate([x0, np.broadcast_to(record._seed, (runs, record._seed.size))], axis=1)
+    arguments = (z0.T, control.transpose(1, 0, 2).reshape(control.shape[1], -1), p.T)
+    rows = _call(_mapped(record, count, runs), arguments, n_y * (1 + n_q), runs * count)
+    apart = rows.reshape(-1, runs, count).transpose(1, 0, 2)
+    return apart[:, :n_y], apart[:, n_y:].reshape(runs, n_q, n_y, count).transpose(0, 2, 1, 3)
+
+
+@functools.lru_cache(maxsize=64)
+def _mapped(record: Record, count: int, runs: int) -> Any:
+    cores = os.cpu_count() or 1
+    one = _accumulated(record, count)
+    return one.map(runs) if runs < _WORTH_A_THREAD or cores == 1 else one.map(runs, "thread", min(cores, runs))
