@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from shipid.generation.compiling import compile_function
 from shipid.generation.record import Record, _accumulated, _call
 
-#: Runs below which a thread costs more than it brings.
-_WORTH_A_THREAD = 8
+#: Samples of all runs below which threads cost more than they bring.
+_WORTH_THREADS = 20_000
 
 
 def run_many(
@@ -21,6 +22,7 @@ def run_many(
     intervals: np.ndarray,
     p: np.ndarray,
     bias: np.ndarray | None = None,
+    whole: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run a record function many times.
 
@@ -38,6 +40,9 @@ def run_many(
         Parameters and constants.
     bias : ndarray, shape (runs, inputs), optional
         Added to every sample of the inputs.
+    whole : bool
+        Whether to compile the whole record and not its step: a record that was made without compiling then runs several
+        times faster, at the price of a compilation for each length of record. It pays for thousands of runs.
 
     Returns
     -------
@@ -58,13 +63,16 @@ def run_many(
     control = np.concatenate([shifted, following, steps[:, None, :]], axis=1)
     z0 = np.concatenate([x0, np.broadcast_to(record._seed, (runs, record._seed.size))], axis=1)
     arguments = (z0.T, control.transpose(1, 0, 2).reshape(control.shape[1], -1), p.T)
-    rows = _call(_mapped(record, count, runs), arguments, n_y * (1 + n_q), runs * count)
+    rows = _call(_mapped(record, count, runs, whole), arguments, n_y * (1 + n_q), runs * count)
     apart = rows.reshape(-1, runs, count).transpose(1, 0, 2)
     return apart[:, :n_y], apart[:, n_y:].reshape(runs, n_q, n_y, count).transpose(0, 2, 1, 3)
 
 
 @functools.lru_cache(maxsize=64)
-def _mapped(record: Record, count: int, runs: int) -> Any:
+def _mapped(record: Record, count: int, runs: int, whole: bool) -> Any:
     cores = os.cpu_count() or 1
     one = _accumulated(record, count)
-    return one.map(runs) if runs < _WORTH_A_THREAD or cores == 1 else one.map(runs, "thread", min(cores, runs))
+    one = compile_function(one) if whole else one
+    if cores == 1 or runs == 1 or runs * count < _WORTH_THREADS:
+        return one.map(runs)
+    return one.map(runs, "thread", min(cores, runs))

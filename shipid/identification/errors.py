@@ -23,3 +23,7 @@ class NothingToFitError(IdentificationError):
 
 class NotRegressableError(IdentificationError):
     """A method by regression was asked for, and an equation reads what nobody measured."""
+
+
+class PosteriorError(IdentificationError):
+    """A posterior that cannot be sampled: no sampler, too many unknowns, or no end to it."""

@@ -249,7 +249,7 @@ class Fit:
 
         return findings_of(self) if self.checked else ()
 
-    def sample_posterior(self, draws: int = 4000, seed: int = 0) -> Posterior:
+    def sample_posterior(self, draws: int = 10_000, seed: int = 0) -> Posterior:
         """Return draws from the posterior density of all unknowns, by an ensemble sampler (`shipid[posterior]`).
 
         Parameters

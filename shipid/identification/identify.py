@@ -127,8 +127,10 @@ def identify(
     sailed = everything[: len(trials)]
     check_length(setting, trials)
     sigma, weigh = _weights(shown, noise, setting.unit_time)
+    levels = "noise levels estimated" if weigh else "noise levels given"
     if purpose == "prediction" and noise is None:
         sigma, weigh = scales_of(shown, sailed[0], setting.unit_time), False
+        levels = "weighted by the errors of a low-order model"
     box = search_box(setting)
     fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
     biases = unknown_biases(setting.model, shown, rudder_bias)
@@ -143,7 +145,7 @@ def identify(
         solution, rungs = climb(problem, box, method, how)
         if purpose == "prediction" and noise is None:
             solution = seen_with_own_noise(solution)
-        fit = _result(setting, solution, rungs, box, sailed, weigh, check)
+        fit = _result(setting, solution, rungs, box, sailed, levels, check)
         return fit.validate(validate) if validate else fit
 
 
@@ -183,7 +185,7 @@ def _result(
     rungs: tuple[Rung, ...],
     box: Box,
     sailed: Sequence[Sailed],
-    weigh: bool,
+    levels: str,
     check: bool,
 ) -> Fit:
     problem = solution.problem
@@ -200,7 +202,7 @@ def _result(
     return Fit(
         model=setting.model,
         ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed], used.method),
-        method=_in_words(used, solution, weigh),
+        method=_in_words(used, solution, levels),
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,
@@ -223,13 +225,13 @@ def _result(
     )
 
 
-def _in_words(rung: Rung, solution: Solution, weigh: bool) -> str:
+def _in_words(rung: Rung, solution: Solution, levels: str) -> str:
     """How the coefficients were found."""
     problem = solution.problem
     signals = ", ".join(problem.signals)
     words = [METHODS[rung.method] if solution.covariance is not None else f"{METHODS[rung.method]} on {signals}"]
     if solution.covariance is None:
-        words += ["exact sensitivities", "noise levels estimated" if weigh else "noise levels given"]
+        words += ["exact sensitivities", levels]
         if problem.prior is not None:
             # A least-squares search with beliefs among its residuals ends at the maximum of the posterior density.
             words += ["rudder biases pooled", "maximum a posteriori"]
