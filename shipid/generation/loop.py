@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -129,16 +129,16 @@ class Loop:
 
     def map(
         self,
-        z0: Sequence[np.ndarray],
-        controls: Sequence[np.ndarray],
-        p: Sequence[np.ndarray],
+        z0: Iterable[np.ndarray],
+        controls: Iterable[np.ndarray],
+        p: Iterable[np.ndarray],
         threads: int | None = None,
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Run many records, side by side on several threads where the code is compiled.
 
         Parameters
         ----------
-        z0, controls, p : sequence of ndarray
+        z0, controls, p : iterable of ndarray
             As for one record, one entry each.
         threads : int, optional
             How many; by default one for each processor.

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from shipid.identification.checked import Checked
     from shipid.identification.directions import Direction
     from shipid.identification.ladder import Rung
+    from shipid.identification.levels import Levels
     from shipid.identification.posterior import Posterior
     from shipid.identification.profiles import Profile
     from shipid.identification.residuals import Residuals
@@ -191,6 +192,11 @@ class Fit:
     _predict: Any = field(repr=False, default=None)
 
     @property
+    def levels(self) -> Levels | None:
+        """What drives the states and the noise of the sensors, where prediction error found them."""
+        return self._solution.levels if self._solution is not None else None
+
+    @property
     def estimated(self) -> tuple[str, ...]:
         """Names of the fitted coefficients."""
         return tuple(n for n, e in self.parameters.items() if not e.follows)
@@ -325,6 +331,7 @@ class Fit:
                 for c in (*self.fitted, *self.validation)
             },
             "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
+            **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
                 "condition_number": self.condition_number,
                 "unidentifiable": list(self.unidentifiable),

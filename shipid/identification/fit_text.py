@@ -40,10 +40,30 @@ def text_of(fit: Fit) -> str:
             lines.append(f"             overshoots measured / predicted: {shown} deg")
     if len(fit.ladder) > 1:
         lines += [f"  tried     {_rung_text(r)}" for r in fit.ladder]
+    if fit.levels is not None:
+        lines += [f"  noise     {line}" for line in _levels_text(fit)]
     lines += [f"  check     {f}" for f in fit.findings]
     if fit.posterior is not None:
         lines += ["  " + line for line in repr(fit.posterior).splitlines()]
     return "\n".join(lines)
+
+
+def _levels_text(fit: Fit) -> list[str]:
+    assert fit.levels is not None
+    units = {n: fit.model[n].unit for n in (*fit.levels.process, *fit.levels.sensors)}
+
+    def shown(name: str, level: float) -> tuple[float, str]:
+        wanted = units[name].replace("rad", "deg") if "/rad" not in units[name] else units[name]
+        return level / factor(wanted, units[name]), wanted
+
+    lines = []
+    for name, level in fit.levels.process.items():
+        value, unit = shown(name, level)
+        lines.append(f"drives {name}: {value:.3g} {unit}/s^0.5 (white, per root second)")
+    for name, level in fit.levels.sensors.items():
+        value, unit = shown(name, level)
+        lines.append(f"sensor of {name}: {value:.3g} {unit} in one sample")
+    return lines
 
 
 def _rung_text(rung: Rung) -> str:

@@ -76,10 +76,11 @@ def identify(
         Standard deviation of each signal, with units; estimated from the residuals when not given.
     validate : sequence of Trial, optional
         Trials to predict.
-    purpose : {"prediction"}, optional
+    purpose : {"prediction", "filter"}, optional
         For prediction, rudder biases are pooled: the trials share one, about which each may be off by a tenth of a degree,
-        and initial states stay near what was measured. By default both are free in each trial.
-    method : {"output-error", "equation-error", "instrumental-variables", "multiple-shooting"}, optional
+        and initial states stay near what was measured. By default both are free in each trial. For a filter, coefficients and
+        noise levels come from the likelihood through the Kalman filter (method prediction-error).
+    method : {"output-error", "equation-error", "instrumental-variables", "multiple-shooting", "prediction-error"}, optional
         By default the ladder of them: output error from several starts, one of them by equation error where the states
         are measured, and multiple shooting where it fails. A method that is named is the only one tried.
     loss : {"linear", "huber", "soft-l1"}
@@ -107,7 +108,9 @@ def identify(
     for what, name, known in (("purpose", purpose, PURPOSES), ("method", method, METHODS), ("loss", loss, LOSSES)):
         if name is not None and name not in known:
             raise UnknownNameError(what, name, known)
-    if loss != "linear" and method in ("equation-error", "instrumental-variables"):
+    if purpose == "filter" and method is None:
+        method = PURPOSES[purpose]
+    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
         raise UsageError(f"the loss '{loss}' is one of output error; method {method} knows squares only.")
     if not trials:
         raise UsageError("identify needs at least one trial.")

@@ -18,6 +18,7 @@ import numpy as np
 from shipid.identification.equation_error import Answer, instrumental_variables, least_squares
 from shipid.identification.errors import NotRegressableError
 from shipid.identification.multiple_shooting import shoot
+from shipid.identification.prediction_error import fit_levels
 from shipid.identification.problem import Problem
 from shipid.identification.regression import make_regression
 from shipid.identification.solve import (
@@ -274,9 +275,41 @@ def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple
     return solution, (_rung(method, at, reason, used=True, converged=answer.converged),)
 
 
+def _by_prediction_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    """Output error for a start, then the likelihood through the filter; initial states and biases by output error again."""
+    best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
+    start = refine(problem, best, box, how.weigh, how.tell)
+    rungs = [_rung("output-error", best, f"a start: {start.message}", converged=start.converged)]
+    if not start.finite:
+        return start, (replace(rungs[0], used=True, reason="the model runs away from every start."),)
+    seen = replace(problem, sigma=noise_levels(start))
+    shared = len(problem.estimated)
+    levels = fit_levels(seen, box, start.q[:shared], how.unit_time, how.tell)
+    reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
+    found = _own_unknowns(problem, levels.parameters, levels.covariance, levels.converged, levels.message, box, how)
+    found = replace(found, levels=levels)
+    thin = thinned(problem, how.unit_time)
+    at = replace(found, problem=thin, residual=thin.residuals(found.q)[0])
+    rungs.append(_rung("prediction-error", at, reason, used=True, converged=levels.converged))
+    return found, tuple(rungs)
+
+
 def _with_own_unknowns(problem: Problem, answer: Answer, box: Box, how: Climb) -> Solution:
-    """The coefficients found, with initial states and biases of each trial by output error, and the covariance of both."""
-    values = answer.parameters(box)
+    """The coefficients an equation error found, with each trial's own unknowns."""
+    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
+    return _own_unknowns(problem, answer.parameters(box), answer.covariance(), answer.converged, message, box, how)
+
+
+def _own_unknowns(
+    problem: Problem,
+    values: np.ndarray,
+    covariance: np.ndarray,
+    converged: bool,
+    message: str,
+    box: Box,
+    how: Climb,
+) -> Solution:
+    """Coefficients found by another method, with initial states and biases by output error, and the covariance of both."""
     shared = values.size
     empty = Box(*(np.zeros(0),) * 3)
     held = replace(problem, estimated=(), fixed={**problem.fixed, **dict(zip(problem.estimated, values))})
@@ -289,12 +322,11 @@ def _with_own_unknowns(problem: Problem, answer: Answer, box: Box, how: Climb) -
     by_p, by_own = jacobian[:, :shared], jacobian[:, shared:]
     follows = -np.linalg.pinv(by_own) @ by_p
     both = np.vstack([np.eye(shared), follows])
-    matrix = both @ answer.covariance() @ both.T
+    matrix = both @ covariance @ both.T
     matrix[shared:, shared:] += covariance_of(own).matrix
-    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
     if not own.finite:
         message = f"{message} Run over a whole record, the model runs away with these coefficients."
-    return Solution(seen, q, residual, jacobian, answer.converged and own.finite, message, own.evaluations, matrix)
+    return Solution(seen, q, residual, jacobian, converged and own.finite, message, own.evaluations, matrix)
 
 
 def _rung(method: str, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
@@ -308,4 +340,5 @@ _CLIMBS: dict[str | None, Callable[[Problem, Box, Climb], tuple[Solution, tuple[
     "equation-error": _by_equation_error,
     "instrumental-variables": _by_instrumental_variables,
     "multiple-shooting": _by_multiple_shooting,
+    "prediction-error": _by_prediction_error,
 }

@@ -11,8 +11,9 @@ METHODS = {
     "equation-error": "equation error by least squares",
     "instrumental-variables": "equation error by instrumental variables",
     "multiple-shooting": "multiple shooting, finished by output error",
+    "prediction-error": "prediction error through the Kalman filter",
 }
 #: Purpose: the method it leads to.
-PURPOSES = {"prediction": "output-error"}
+PURPOSES = {"prediction": "output-error", "filter": "prediction-error"}
 #: Losses: squares, and two that count what lies far out less than by its square.
 LOSSES = ("linear", "huber", "soft-l1")

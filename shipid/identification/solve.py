@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.identification.levels import Levels
 from shipid.identification.losses import change_of, reweighted, robust_scale, unweighted
 from shipid.identification.problem import RUNAWAY, Problem
 from shipid.identification.search import search, triangle
@@ -60,6 +61,9 @@ class Solution:
         Runs of all trials, over all starts.
     covariance : ndarray or None
         Of the unknowns, where they are not the minimum of these residuals but come from another method.
+    levels : Levels or None
+        What drives the states and the noise of the sensors, where the likelihood through the filter found them
+        (`shipid.identification.prediction_error`).
     """
 
     problem: Problem
@@ -70,6 +74,7 @@ class Solution:
     message: str
     evaluations: int
     covariance: np.ndarray | None = None
+    levels: Levels | None = None
 
     @property
     def finite(self) -> bool:
