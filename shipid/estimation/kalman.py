@@ -153,7 +153,7 @@ class ExtendedKalmanFilter:
         starts = dict(start or {})
         self._given_starts = self._read_starts({n: v for n, v in starts.items() if n not in estimated})
         self._estimates = parameter_starts(
-            self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed
+            self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed, initial or {}
         )
         in_log = {n: self._estimates[n][0] for n, s in self.parameters.items() if s != n}
         self.lost = {n: to_si(v, self.model[n].unit, f"uncertainty of lost '{n}'") for n, v in (lost or {}).items()}

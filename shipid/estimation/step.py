@@ -98,6 +98,11 @@ def _places(**sizes: int) -> dict[str, slice]:
     return places
 
 
+def _part(vector: Any, place: slice) -> Any:
+    """Take a part of a column; CasADi takes an empty part of a single number for a row."""
+    return vector[place] if place.stop > place.start else ca.SX(0, 1)
+
+
 def total(places: dict[str, slice]) -> int:
     """Return the length of a vector with these places."""
     return max((p.stop for p in places.values()), default=0)
@@ -145,7 +150,7 @@ def make_filter_step(
     constants = ca.SX.sym("constants", total(layout.constants))
 
     def of(vector: Any, places: dict[str, slice], name: str) -> Any:
-        return vector[places[name]]
+        return _part(vector, places[name])
 
     packed, root = rules.symbol(layout.joint)
     u1, interval = of(control, layout.control, "u"), of(control, layout.control, "T")
@@ -211,7 +216,7 @@ def make_filter_step(
             states[i] = ca.fmax(states[i], floor[i])
         if np.isfinite(ceiling[i]):
             states[i] = ca.fmin(states[i], ceiling[i])
-    noise = after[layout.n :]
+    noise = _part(after, slice(layout.n, layout.joint))
     root_after = _unpacked(rules, packed_after, layout.joint)
     following = ca.vertcat(states, noise, u1, packed_after, *memory)
     shown = [states, rules.variances(root_after, layout.n), e, spread, fate, ll]
