@@ -189,6 +189,7 @@ class ExtendedKalmanFilter:
         self.gate = None if gate is None else Gate(gate, to_si(patience, "s", "the patience"))
         self.form, self.switchable, self.compiled, self.single = form, switchable, compiled, single
         self.layout = Layout(self.equations, form, self.gate is not None, switchable)
+        self._loops: dict[tuple[bool, bool], Loop] = {}
 
     def __hash__(self) -> int:
         return id(self)
@@ -220,42 +221,39 @@ class ExtendedKalmanFilter:
             return None
         return np.array([s in self.parameters.values() for s in self.model.states])
 
-    def step(self, full: bool = False) -> Any:
+    def step(self, full: bool = False, gated: bool = True) -> Any:
         """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.step`.
 
         Parameters
         ----------
         full : bool
             Whether it returns covariances and predicted values as well.
+        gated : bool
+            Whether samples are judged, where the filter has a gate.
         """
+        gate = self.gate if gated else None
         return make_filter_step(
             self.equations,
-            self.layout,
+            Layout(self.equations, self.form, gate is not None, self.switchable),
             self.form,
-            self.gate,
+            gate,
             self.wraps,
             *bounds_of(self.base, self.model, self.parameters, self._length, self._speed),
             self.adapting,
             full,
         )
 
-    @functools.cached_property
-    def _brief(self) -> Loop:
-        return make_loop(self.step(), self.compiled, self.single)
-
-    @functools.cached_property
-    def _full(self) -> Loop:
-        return make_loop(self.step(full=True), self.compiled, self.single)
-
-    def loop(self, full: bool = False) -> Loop:
+    def loop(self, full: bool = False, gated: bool = True) -> Loop:
         """Return the step with the loop over samples, compiled once.
 
         Parameters
         ----------
-        full : bool
+        full, gated : bool
             See `step`.
         """
-        return self._full if full else self._brief
+        if (full, gated) not in self._loops:
+            self._loops[full, gated] = make_loop(self.step(full, gated), self.compiled, self.single)
+        return self._loops[full, gated]
 
     @functools.cached_property
     def backward(self) -> Loop:

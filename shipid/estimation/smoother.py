@@ -2,7 +2,11 @@
 
 Rauch, Tung and Striebel's smoothed estimate, worked out by the recursion of Bryson and Frazier (Bierman 1977, chapter X): an
 adjoint of the state runs back over the record, and nothing is inverted but the variance of one innovation. It therefore
-serves where a covariance is singular, as it is when a parameter has no noise.
+serves where a covariance is singular, as it is when a parameter has no noise. Where adaptation was switched off, every sample
+that was taken in counts all the same.
+
+The smoothed covariance is the difference of the filter's and what came later: of a state that was a million times surer in the
+end than at the start, the first standard deviations keep few digits.
 """
 
 from __future__ import annotations
@@ -181,9 +185,27 @@ def run_back(kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray,
         See `backward_controls`.
     """
     loop = kalman.backward
+    if kalman.switchable and not control[:, kalman.layout.control["adapting"]].all():
+        control, out, start = _learning(kalman, control, out, start)
     rows = backward_controls(kalman, control, out, start)[::-1]
     _, shown = loop(np.zeros(loop.sizes[0]), rows, kalman.constants)
     return shown[::-1]
+
+
+def _learning(
+    kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Run forward rows again with parameters that adapt throughout, on the samples that were taken in.
+
+    Innovations of a filter that holds its parameters are correlated, and no recursion back over them is the best estimate:
+    it may even claim to know more than everything. Smoothing asks what all samples say together.
+    """
+    places, bare = kalman.layout.control, start[: kalman.layout.carried["P"].stop]
+    again = control.copy()
+    again[:, places["there"]] = out[:, kalman.layout.full["fate"]] == TAKEN
+    again[:, places["adapting"]] = 1.0
+    _, learnt = kalman.loop(full=True, gated=False)(bare, again, kalman.constants)
+    return again, np.asarray(learnt, dtype=float), start
 
 
 def smooth(run: FilterRun) -> Smoothed:
