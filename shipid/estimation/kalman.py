@@ -189,6 +189,7 @@ class ExtendedKalmanFilter:
         self.gate = None if gate is None else Gate(gate, to_si(patience, "s", "the patience"))
         self.form, self.switchable, self.compiled, self.single = form, switchable, compiled, single
         self.layout = Layout(self.equations, form, self.gate is not None, switchable)
+        self._integration = (method, hold, substeps, shared_noise)
         self._loops: dict[tuple[bool, bool], Loop] = {}
 
     def __hash__(self) -> int:
@@ -392,6 +393,6 @@ class ExtendedKalmanFilter:
         SavedStateError
             If the file cannot be read, or belongs to a filter of another model, with other sensors or noise.
         """
-        from shipid.estimation.online import OnlineFilter
+        from shipid.estimation.saving import restore_state
 
-        return OnlineFilter.restored(self, Path(path))
+        return restore_state(self, Path(path))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,7 +13,7 @@ import numpy as np
 from shipid.declaration.errors import UsageError
 from shipid.estimation.arrangement import column_of
 from shipid.estimation.clock import Clock, steps
-from shipid.estimation.errors import FilterDivergedError, NotMeasurableError, SavedStateError
+from shipid.estimation.errors import FilterDivergedError, NotMeasurableError
 from shipid.estimation.feeding import carried_vector
 from shipid.estimation.smoother import run_back
 from shipid.estimation.step import REJECTED, TAKEN
@@ -23,8 +21,6 @@ from shipid.generation.loop import Stepper
 
 if TYPE_CHECKING:
     from shipid.estimation.kalman import ExtendedKalmanFilter
-
-_SCHEMA = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +113,7 @@ class OnlineFilter:
         self.stepper: Stepper | None = None
         self._clock = Clock()
         self._began: float | None = None
+        self._unseen: set[str] = set()
         self._counts = {n: -1 for n in kalman.rates}
         self._window: deque[tuple[float, np.ndarray, np.ndarray, np.ndarray, bool]] = deque()
 
@@ -185,10 +182,14 @@ class OnlineFilter:
             column = column_of(kalman.model, name, first)
             if column is not None:
                 first.setdefault(kalman.model[name].quantity.measures or name, first[column])
+        self._unseen = {n for n in kalman.measured if self._state_of(n) not in {*first, *kalman._given_starts}}
         # Records before and after rows are only needed to smooth; the brief step is the faster one.
         loop = kalman.loop(full=self.lag is not None)
         self.stepper = loop.one_at_a_time(carried_vector(kalman, first, inputs), kalman.constants)
         self._began = self._clock.now
+
+    def _state_of(self, sensor: str) -> str:
+        return self.filter.model[sensor].quantity.measures or sensor
 
     def _inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Inputs of a sample, and which of them are missing."""
@@ -252,6 +253,11 @@ class OnlineFilter:
                 outside.append(name)
                 continue
             z[i], there[i] = value, 1.0
+            if name in self._unseen:
+                # A state that nothing has shown so far is where its sensor first says.
+                self._unseen.remove(name)
+                if (state := self._state_of(name)) in kalman.model.states:
+                    self.stepper.z[kalman.layout.carried["x"]][kalman.model.states.index(state)] = value
         return tuple(outside)
 
     def _run(self, shown: bool) -> None:
@@ -311,77 +317,6 @@ class OnlineFilter:
         UsageError
             If no sample has come yet.
         """
-        if self.stepper is None:
-            raise UsageError("a filter that has taken no sample has no state to save.")
-        state = {
-            "schema": _SCHEMA,
-            "model": self.filter.base.name,
-            "filter": fingerprint(self.filter),
-            "began": float(self._began or 0.0).hex(),
-            "clock": [v.hex() for v in self._clock.state],
-            "carried": [float(v).hex() for v in self.stepper.z],
-            "out": [float(v).hex() for v in self.stepper.out[: self.filter.layout.brief["ll"].stop]],
-            "counts": self._counts,
-            "rejected": self.rejected,
-            "refused": self.refused,
-        }
-        target = Path(path)
-        scratch = target.with_name(f".{target.name}.part")
-        scratch.write_text(json.dumps(state, indent=1), encoding="utf-8")
-        scratch.replace(target)
+        from shipid.estimation.saving import save_state
 
-    @classmethod
-    def restored(cls, kalman: ExtendedKalmanFilter, path: Path) -> OnlineFilter:
-        """Return a filter as it was saved (see `ExtendedKalmanFilter.restore`).
-
-        Parameters
-        ----------
-        kalman : ExtendedKalmanFilter
-            The same filter as the saved one.
-        path : Path
-            The file.
-        """
-        try:
-            state = json.loads(path.read_text(encoding="utf-8"))
-            numbers = [float.fromhex(v) for v in state["carried"]]
-            out = [float.fromhex(v) for v in state["out"]]
-            began, clock = float.fromhex(state["began"]), [float.fromhex(v) for v in state["clock"]]
-            counts, rejected, refused = dict(state["counts"]), dict(state["rejected"]), int(state["refused"])
-        except OSError as error:
-            raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
-        except (ValueError, KeyError, TypeError):
-            raise SavedStateError(f"{path} is no saved state of a filter: start a new one with start().") from None
-        if state.get("schema") != _SCHEMA or state.get("filter") != fingerprint(kalman):
-            raise SavedStateError(
-                f"{path} was saved by another filter (of model {state.get('model')}): model, sensors, noise and options "
-                "have to be the same. Make the filter as it was, or start a new one."
-            )
-        online = cls(kalman)
-        online.stepper = kalman.loop().one_at_a_time(np.array(numbers), kalman.constants)
-        online.stepper.out[:] = out
-        online._began = began
-        online._clock.state = clock
-        online._counts, online.rejected, online.refused = counts, rejected, refused
-        return online
-
-
-def fingerprint(kalman: ExtendedKalmanFilter) -> str:
-    """Return a hash of everything that makes two filters the same.
-
-    Parameters
-    ----------
-    kalman : ExtendedKalmanFilter
-        A filter.
-    """
-    settings = (
-        kalman.system.digest,
-        kalman.measured,
-        kalman.sources,
-        [float(v).hex() for v in kalman.constants],
-        kalman.form,
-        kalman.gate,
-        kalman.switchable,
-        sorted(kalman.parameters.items()),
-        sorted(kalman.rates.items()),
-    )
-    return hashlib.sha256(repr(settings).encode()).hexdigest()
+        save_state(self, Path(path))
