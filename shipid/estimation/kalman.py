@@ -218,9 +218,12 @@ class ExtendedKalmanFilter:
     @functools.cached_property
     def adapting(self) -> np.ndarray | None:
         """Which states stop where adaptation is switched off; None where it cannot be."""
-        if not self.switchable:
-            return None
-        return np.array([s in self.parameters.values() for s in self.model.states])
+        return ~self.leaping if self.switchable else None
+
+    @functools.cached_property
+    def leaping(self) -> np.ndarray:
+        """Which states leap to a sensor that insists on something else: all but parameters, shape (states,)."""
+        return np.array([s not in self.parameters.values() for s in self.model.states])
 
     def step(self, full: bool = False, gated: bool = True) -> Any:
         """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.step`.
@@ -241,6 +244,7 @@ class ExtendedKalmanFilter:
             self.wraps,
             *bounds_of(self.base, self.model, self.parameters, self._length, self._speed),
             self.adapting,
+            self.leaping,
             full,
         )
 
@@ -340,9 +344,7 @@ class ExtendedKalmanFilter:
         return FilterRun(self, columns_of(record)[1], arranged, control, z0, np.asarray(out, dtype=float))
 
     def _check_finite(self, out: np.ndarray, arranged: Arrangement) -> None:
-        good = np.isfinite(out[:, self.layout.full["x"]]).all(axis=1) & np.isfinite(
-            out[:, self.layout.full["var"]]
-        ).all(axis=1)
+        good = np.isfinite(out[:, : self.layout.full["var"].stop]).all(axis=1)
         if not good.all():
             raise FilterDivergedError(
                 f"the filter of model {self.base.name} runs away {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
