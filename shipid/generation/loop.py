@@ -223,12 +223,15 @@ def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
     -------
     Loop
     """
+    nz, no = step.size1_in(0), step.size1_out(1)
+    # The state of one sample is copied into the next: another length would run over the memory.
+    if step.size_out(0) != step.size_in(0) or step.size2_out(1) != 1:
+        raise ValueError(f"a step returns what it carries, and {step} does not")
     library = None
     # A name of our own: a library that is loaded already may export one as short as "step", and would be called instead.
     symbols = step.sx_in() if step.is_a("SXFunction") else step.mx_in()
     step = ca.Function("shipid_sample", symbols, step.call(symbols))
     if compiled or single:
-        nz, no = step.size1_in(0), step.size1_out(1)
         text = _LOOP.format(
             nz=nz,
             nc=step.size1_in(1),
