@@ -111,15 +111,15 @@ def arrange(
     SensorRateError
         If a sensor is to be read more often than the record is sampled.
     """
-    forward = _forward(columns["t"])
-    columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()}
+    ahead = forward(columns["t"])
+    columns = {n: np.asarray(c, dtype=float)[ahead] for n, c in columns.items()}
     t = columns["t"]
     z = np.column_stack([columns[_column(model, s, columns, record)] for s in sensors])
     there = np.isfinite(z)
     limited = np.zeros(len(sensors), dtype=int)
     for j, name in enumerate(sensors):
         if name in every:
-            there[:, j] &= _read_every(t, every[name], name, record)
+            there[:, j] &= read_every(t, every[name], name, record)
         if name in ranges:
             low, high = ranges[name]
             with np.errstate(invalid="ignore"):
@@ -148,12 +148,18 @@ def arrange(
         for k in np.flatnonzero(long):
             share[at[k - 1] + 1 : at[k] + 1] = gaps[k] / (t[k] - t[k - 1])
         intervals = intervals * share
-    back = int(np.count_nonzero(~forward))
+    back = int(np.count_nonzero(~ahead))
     return Arrangement(rows, intervals, full_inputs, full_z, full_there, full_lost, shown, limited, back)
 
 
-def _forward(t: np.ndarray) -> np.ndarray:
-    """Which samples are later than every one before them."""
+def forward(t: np.ndarray) -> np.ndarray:
+    """Return which samples are later than every one before them, bool, shape (N,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    """
     latest = np.maximum.accumulate(np.where(np.isfinite(t), t, -np.inf))
     return np.isfinite(t) & (t > np.concatenate([[-np.inf], latest[:-1]]))
 
@@ -169,7 +175,23 @@ def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: 
     return found
 
 
-def _read_every(t: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
+def read_every(t: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
+    """Return which samples are read where one is read every so many seconds, bool, shape (N,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    seconds : float
+        Interval between those that are read.
+    name, trial : str
+        What is read, and of which record, for the message.
+
+    Raises
+    ------
+    SensorRateError
+        If the record is sampled less often.
+    """
     sampling = float(np.median(np.diff(t)))
     if seconds < 0.999 * sampling:
         raise SensorRateError(
