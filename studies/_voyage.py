@@ -9,6 +9,7 @@ import numpy as np
 
 import shipid
 from shipid.declaration.catalogue import known_component
+from shipid.estimation.adaptation import AdaptiveFilter
 from shipid.estimation.feeding import carried_vector, controls_of, first_sample
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
@@ -150,8 +151,10 @@ def measured(
     return records
 
 
-def filtered(kalman: shipid.ExtendedKalmanFilter, records: Sequence[Columns]) -> np.ndarray:
-    """Return the estimates of every run, shape (runs, samples, states); the runs side by side on all processors.
+def controls(
+    kalman: shipid.ExtendedKalmanFilter, records: Sequence[Columns]
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return what a filter starts from and what it takes, for each run.
 
     Parameters
     ----------
@@ -162,9 +165,25 @@ def filtered(kalman: shipid.ExtendedKalmanFilter, records: Sequence[Columns]) ->
     """
     arranged = [kalman.arrangement(r) for r in records]
     starts = [carried_vector(kalman, first_sample(kalman, r), a.inputs[0]) for r, a in zip(records, arranged)]
-    controls = [controls_of(kalman, a) for a in arranged]
-    done = kalman.loop().map(starts, controls, [kalman.constants] * len(records))
-    return np.array([out[:, kalman.layout.brief["x"]] for _, out in done])
+    return starts, [controls_of(kalman, a) for a in arranged]
+
+
+def filtered(kalman: shipid.ExtendedKalmanFilter | AdaptiveFilter, records: Sequence[Columns]) -> np.ndarray:
+    """Return the estimates of every run, shape (runs, samples, states); the runs side by side on all processors.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter or AdaptiveFilter
+        The filter.
+    records : sequence of mapping of str to ndarray
+        Records without gaps.
+    """
+    plain = kalman.kalman if isinstance(kalman, AdaptiveFilter) else kalman
+    starts, rows = controls(plain, records)
+    if isinstance(kalman, AdaptiveFilter):
+        starts = [kalman.carried(r, plain.arrangement(r)) for r in records]
+    done = kalman.loop().map(starts, rows, [plain.constants] * len(records))
+    return np.array([out[:, plain.layout.brief["x"]] for _, out in done])
 
 
 def settled(t: np.ndarray, good: np.ndarray) -> np.ndarray:

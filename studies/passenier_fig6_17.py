@@ -148,7 +148,7 @@ def unobservable(runs: int) -> list[Claim]:
     rows += [
         claim(
             "heading error that stays, rms over the runs: seven states",
-            "the issue of an independent first variance: 0.40 deg",
+            "it keeps one (about 0.4 deg)",
             f"{seven:.2f} deg; {started:.2f} deg if psi_wave starts off by 1 deg",
             seven > 3 * six and started > 0.4,
             reading="first heading from the compass, first psi_wave 0 with a standard deviation of 1 deg",
