@@ -121,7 +121,7 @@ def arrange(
     limited = np.zeros(len(sensors), dtype=int)
     for j, name in enumerate(sensors):
         if name in every:
-            there[:, j] = _read_every(t, there[:, j], every[name], name, record)
+            there[:, j] = read_every(t, there[:, j], every[name], name, record)
         if name in ranges:
             low, high = ranges[name]
             with np.errstate(invalid="ignore"):
@@ -166,8 +166,25 @@ def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: 
     return found
 
 
-def _read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
-    """Which samples are read: the first that shows something in each interval."""
+def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
+    """Return which samples are read: the first that shows something in each interval, bool, shape (N,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    there : ndarray of bool, shape (N,)
+        Which samples show something.
+    seconds : float
+        Interval between those that are read.
+    name, trial : str
+        What is read, and of which record, for the message.
+
+    Raises
+    ------
+    SensorRateError
+        If the record is sampled less often.
+    """
     sampling = float(np.median(np.diff(t))) if t.size > 1 else 0.0
     if seconds < 0.999 * sampling:
         raise SensorRateError(

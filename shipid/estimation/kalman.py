@@ -21,7 +21,7 @@ from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.noise import Source, process_sources, sensor_levels
 from shipid.estimation.run import FilterRun
-from shipid.estimation.start import bounds_of, parameter_starts, read_deviations
+from shipid.estimation.start import bounds_of, parameter_starts, read_deviations, walking
 from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step
 from shipid.generation.loop import Loop, make_loop
 from shipid.trials.trial import Trial
@@ -48,8 +48,8 @@ class ExtendedKalmanFilter:
     measured : mapping of str to str or None, optional
         Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
         output says. By default every declared output.
-    estimated : sequence of str
-        Parameters to estimate along with the state: each walks at random, positive ones by their logarithm.
+    estimated : sequence of str, optional
+        Parameters that walk at random, positive ones by their logarithm; by default those that declare how.
     noise : mapping of str to str, optional
         What drives states, inputs and estimated parameters. In the quantity's own unit it is the standard deviation of one
         sample; per root second (``"0.01 deg/s^1.5"`` on a rate of turn) a density, of an input times root second. What the
@@ -90,8 +90,6 @@ class ExtendedKalmanFilter:
 
     Attributes
     ----------
-    model : Model
-        With estimated parameters as states.
     parameters : mapping of str to str
         The state of each estimated parameter.
 
@@ -112,7 +110,7 @@ class ExtendedKalmanFilter:
         *,
         values: Mapping[str, float] | None = None,
         measured: Mapping[str, Any] | None = None,
-        estimated: Sequence[str] = (),
+        estimated: Sequence[str] | None = None,
         noise: Mapping[str, Any] | None = None,
         initial: Mapping[str, str | float] | None = None,
         start: Mapping[str, str | float] | None = None,
@@ -143,6 +141,7 @@ class ExtendedKalmanFilter:
             )
         self.base = model if isinstance(model, Model) else whole_ship(model)
         self.ship = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
+        estimated = walking(self.base) if estimated is None else estimated
         self.model = augment(self.base, estimated, log) if estimated else self.base
         self.parameters = {n: n if n in self.model.states else f"log_{n}" for n in estimated}
         self._speed, self._length = (self.ship.particular(*n) for n in (("speed", "m/s"), ("L", "m")))

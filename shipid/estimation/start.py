@@ -16,6 +16,17 @@ from shipid.estimation.errors import NoiseLevelError
 PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
 
 
+def walking(model: Model) -> tuple[str, ...]:
+    """Return the parameters whose declaration says how they walk: those a filter estimates unless told otherwise.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    return tuple(n for n in model.parameters if model[n].quantity.noise)
+
+
 def parameter_starts(
     base: Model,
     names: tuple[str, ...],
