@@ -229,6 +229,13 @@ def cubic(n: Numbers) -> Numbers:
     return {"r": yaw + n["r_disturbance"], "way": u, "v": n["v"], **planar(n)}
 
 
+def linear_yaw(n: Numbers) -> Numbers:
+    n |= {"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7}
+    # tau* (L/u) r' + (u/L) r* = K* (u/L) delta, r* = r L/u
+    r = ((n["u"] / n["L"]) * 1.6 * n["delta"] - n["r"]) / (1.7 * n["L"] / n["u"]) + n["r_disturbance"]
+    return {"r": r, "K": 1.6, "tau": 1.7, "way": n["u"], **planar(n)}
+
+
 def cubic_wind(n: Numbers) -> Numbers:
     n |= wind_moment(n)
     return cubic(n) | {"r_disturbance": n["r_disturbance"]}
@@ -325,7 +332,7 @@ MODELS: dict[str, Case] = {
     "pershitz-discrete": pershitz_discrete, "pershitz-track": pershitz_track,
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
-    "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag,
+    "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag, "linear-yaw": linear_yaw,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled,
@@ -380,3 +387,10 @@ def test_published_coefficients_give_the_regular_ones_back(name: str) -> None:
     published = {n: float(evaluation[n]) for n in model.derived}
     back = resolve(model, published)
     assert back == pytest.approx({n: values[n] for n in model.parameters}, rel=1e-12)
+
+
+def test_published_gain_and_time_constant_give_the_factors_of_the_linear_yaw() -> None:
+    from shipid.declaration.parameters import resolve
+
+    back = resolve(known_models()["linear-yaw"], {"K": 1.6, "tau": 1.7, "L": 161.0})
+    assert back == pytest.approx({"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7, "L": 161.0}, rel=1e-15)

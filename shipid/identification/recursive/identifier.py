@@ -205,14 +205,14 @@ class RecursiveIdentifier:
         return make_loop(make_recursion(self.regression, self.method, self.layout), self.compiled)
 
     def constants(self, level: float) -> np.ndarray:
-        """Return coefficients, noise and forgetting in the order the recursion takes them.
+        """Return coefficients, noise, first uncertainty and forgetting in the order the recursion takes them.
 
         Parameters
         ----------
         level : float
             Standard deviation of a sample of the measured state, SI.
         """
-        return np.concatenate([self._p, self._q, self._q_density, [level**2, self.forgetting]])
+        return np.concatenate([self._p, self._q, self._q_density, self._deviation**2, [level**2, self.forgetting]])
 
     def carried(self, first: float, inputs: np.ndarray, level: float) -> np.ndarray:
         """Return what is carried into the first sample.

@@ -42,7 +42,7 @@ class Layout:
             y=1, theta=n, u=inputs, P=n * n, P_y=1, joint=triangle, y_aux=1, theta_aux=n, age=1, nis=1, count=1
         )
         self.control = _places(u=inputs, T=1, z=1, there=1)
-        self.constants = _places(p=coefficients, q=joint, q_density=joint, r=1, forgetting=1)
+        self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1)
         self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, gain=1, pole=1, nis=1, count=1)
 
 
@@ -90,7 +90,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     n = layout.n
     old = {k: before[s] for k, s in layout.carried.items()}
     u1, T, z, there = (control[layout.control[k]] for k in ("u", "T", "z", "there"))
-    p, q_sample, q_density, r, forgetting = (constants[s] for s in layout.constants.values())
+    p, q_sample, q_density, first, r, forgetting = (constants[s] for s in layout.constants.values())
     added = q_density * T + q_sample * (T > 0)
 
     ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
@@ -99,8 +99,12 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     joint = _symmetric(transition @ _unpacked(old["joint"], n + 1) @ transition.T + ca.diag(added))
     spread = joint[0, 0] + r
 
-    believed = ca.reshape(old["P"], n, n) + ca.diag(added[1:])
+    believed = ca.reshape(old["P"], n, n)
     y_aux, theta_aux, direction = _instruments(regression, method, old, psi, u1, p, T)
+    if method.instruments:
+        # What least squares learned to get the auxiliary model started is biased: its weight is given back.
+        begins = old["age"] == WARM_UP * n
+        believed = ca.if_else(begins, ca.diag(first), believed)
     along = believed @ direction
     # (4.126): what the output is unsure of before the sample, apart from its parameters.
     own = pole**2 * old["P_y"] + added[0] if method.remembers == "weighted" else added[0]
@@ -120,7 +124,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     theta = old["theta"] + correction * e
     y = ahead + gain * e
     updated = believed - correction @ (psi.T @ believed)
-    updated = ca.if_else(there, updated / memory, believed)
+    updated = ca.if_else(there, updated / memory, believed) + ca.diag(added[1:])
     if not method.instruments:
         updated = _symmetric(updated)
     if method.projects:

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
     from shipid.identification.recursive.identifier import RecursiveIdentifier
 
 _Z95 = 1.959963984540054
-#: Innovations so many times as large as expected, in the last quarter of the record, say that the recursion is lost.
-_LOST = 3.0
+#: A recursion is lost where, in the last quarter of the record, innovations are so many times as large as expected, and what they
+#: have too much is such a share of the variance of the motion. A model that is a little wrong does the one and not the other.
+_LARGE, _UNEXPLAINED = 1.4, 0.1
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -125,6 +126,21 @@ class RecursiveIdentification:
         p = whiteness(self._normalised) if np.isfinite(self._normalised).all() else None
         return p if p is not None and np.isfinite(p) else None
 
+    @property
+    def _excess(self) -> tuple[float, float]:
+        """Size of the last innovations in that expected, and their excess power as a share of the motion's variance."""
+        last = slice(-max(1, self._normalised.size // 4), None)
+        e, spread, z = (
+            a[self._taken][last] for a in (self._rows("e")[:, 0], self.innovation_variances, self._measured)
+        )
+        power = float(np.mean(e**2 - spread)) / max(float(np.var(z)), float(np.finfo(float).tiny))
+        return float(np.sqrt(np.mean(self._normalised[last] ** 2))), power
+
+    @property
+    def _measured(self) -> np.ndarray:
+        z: np.ndarray = self.arranged.z[self.arranged.shown, 0]
+        return z
+
     @functools.cached_property
     def why_diverged(self) -> str:
         """Why the last estimate is not to be believed; empty where it is."""
@@ -137,12 +153,14 @@ class RecursiveIdentification:
             if (low is not None and value < low) or (high is not None and value > high):
                 unit = pretty(model[name].unit)
                 return f"'{name}' ends at {value:.4g} {unit}, outside the bounds it is declared with."
-        quarter = self._normalised[-max(1, self._normalised.size // 4) :]
-        size = float(np.sqrt(np.mean(quarter**2))) if quarter.size else 0.0
-        if self.identifier.method.believes_noise and size > _LOST:
+        if self._normalised.size < FEW:
+            return ""
+        size, share = self._excess
+        if size > _LARGE and share > _UNEXPLAINED:
             return (
-                f"the last innovations are {size:.3g} times as large as expected: the recursion has lost the ship, or the "
-                "noise level is too low."
+                f"at the end the innovations are {size:.3g} times as large as expected, and what they have too much is "
+                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, less sure or "
+                "surer of it (start, initial), or let the parameters wander (noise)."
             )
         return ""
 
