@@ -205,14 +205,16 @@ class RecursiveIdentifier:
         return make_loop(make_recursion(self.regression, self.method, self.layout), self.compiled)
 
     def constants(self, level: float) -> np.ndarray:
-        """Return coefficients, noise, first uncertainty and forgetting in the order the recursion takes them.
+        """Return coefficients, noise, first uncertainty, forgetting and start in the order the recursion takes them.
 
         Parameters
         ----------
         level : float
             Standard deviation of a sample of the measured state, SI.
         """
-        return np.concatenate([self._p, self._q, self._q_density, self._deviation**2, [level**2, self.forgetting]])
+        return np.concatenate(
+            [self._p, self._q, self._q_density, self._deviation**2, [level**2, self.forgetting, self.starts_at_sample]]
+        )
 
     def carried(self, first: float, inputs: np.ndarray, level: float) -> np.ndarray:
         """Return what is carried into the first sample.
@@ -280,8 +282,6 @@ class RecursiveIdentifier:
         control[:, places["T"]] = arranged.intervals[:, None]
         control[:, places["z"]] = arranged.z
         control[:, places["there"]] = arranged.there
-        if self.starts_at_sample:
-            control[there[0], places["there"]] = 0.0
         carried = self.carried(float(arranged.z[there[0], 0]), arranged.inputs[0], level)
         return _Prepared(name, arranged, carried, control, self.constants(level), level)
 

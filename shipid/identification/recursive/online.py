@@ -85,14 +85,6 @@ class OnlineIdentifier:
         if self._stepper is None:
             carried = made.carried(z if there else 0.0, inputs, self._level)
             self._stepper = made.loop.one_at_a_time(carried, made.constants(self._level))
-            self._first = not there
-            there = there and not made.starts_at_sample
-        elif self._first and there:
-            # Nothing was measured so far: the state starts here.
-            if made.starts_at_sample:
-                self._stepper.z[made.layout.carried["y"]] = self._stepper.z[made.layout.carried["y_aux"]] = z
-                there = False
-            self._first = False
         gap = 0.0 if self.t is None else min(t - self.t, LONGEST_GAP)
         control = self._stepper.control
         begin = self._stepper.z[made.layout.carried["u"]].copy()
@@ -155,7 +147,6 @@ class OnlineIdentifier:
             "refused": self.refused,
             "usual": self._usual,
             "pending": self._pending,
-            "first": getattr(self, "_first", None),
             "carried": None if self._stepper is None else self._stepper.z.tolist(),
         }
         temporary = path.with_name(f".{path.name}.{os.getpid()}")
@@ -183,7 +174,7 @@ class OnlineIdentifier:
             belongs = state["belongs_to"]
             online = cls(identifier)
             online.t, online.refused = state["t"], state["refused"]
-            online._usual, online._pending, online._first = state["usual"], state["pending"], state["first"]
+            online._usual, online._pending = state["usual"], state["pending"]
             carried = state["carried"]
         except OSError as error:
             raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None

@@ -42,7 +42,7 @@ class Layout:
             y=1, theta=n, u=inputs, P=n * n, P_y=1, joint=triangle, y_aux=1, theta_aux=n, age=1, nis=1, count=1
         )
         self.control = _places(u=inputs, T=1, z=1, there=1)
-        self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1)
+        self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1, settles=1)
         self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, gain=1, pole=1, nis=1, count=1)
 
 
@@ -90,8 +90,11 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     n = layout.n
     old = {k: before[s] for k, s in layout.carried.items()}
     u1, T, z, there = (control[layout.control[k]] for k in ("u", "T", "z", "there"))
-    p, q_sample, q_density, first, r, forgetting = (constants[s] for s in layout.constants.values())
+    p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
     added = q_density * T + q_sample * (T > 0)
+    # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
+    begins = settles * there * (old["age"] == 0)
+    there = there - begins
 
     ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
     e = z - ahead
@@ -103,8 +106,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     y_aux, theta_aux, direction = _instruments(regression, method, old, psi, u1, p, T)
     if method.instruments:
         # What least squares learned to get the auxiliary model started is biased: its weight is given back.
-        begins = old["age"] == WARM_UP * n
-        believed = ca.if_else(begins, ca.diag(first), believed)
+        believed = ca.if_else(old["age"] == WARM_UP * n, ca.diag(first), believed)
     along = believed @ direction
     # (4.126): what the output is unsure of before the sample, apart from its parameters.
     own = pole**2 * old["P_y"] + added[0] if method.remembers == "weighted" else added[0]
@@ -133,6 +135,12 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     column = joint[:, 0]
     joint = _symmetric(joint - all_gains @ column.T - column @ all_gains.T + (all_gains * spread) @ all_gains.T)
 
+    uncertain = (1 - gain) * (own + quadratic)  # (4.131)
+    y, y_aux, uncertain = (ca.if_else(begins, new, kept) for new, kept in ((z, y), (z, y_aux), (r, uncertain)))
+    joint[0, 0] = ca.if_else(begins, r, joint[0, 0])
+    for k in range(1, n + 1):
+        joint[0, k] = joint[k, 0] = ca.if_else(begins, 0.0, joint[0, k])
+
     nis = old["nis"] + there * e**2 / spread
     count = old["count"] + there
     following = {
@@ -140,11 +148,11 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         "theta": theta,
         "u": u1,
         "P": ca.vec(updated),
-        "P_y": (1 - gain) * (own + quadratic),  # (4.131)
+        "P_y": uncertain,
         "joint": _packed(joint),
         "y_aux": y_aux,
         "theta_aux": theta_aux,
-        "age": old["age"] + there,
+        "age": old["age"] + there + begins,
         "nis": nis,
         "count": count,
     }

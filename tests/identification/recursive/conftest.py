@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from shipid import Component, Model, given, join, parameter, state
 
@@ -36,9 +37,7 @@ def noisy() -> Callable[..., dict[str, np.ndarray]]:
     def make(sigma: float, seed: int = 0, count: int = 1500) -> dict[str, np.ndarray]:
         k = np.arange(count)
         v = np.where(k % 120 < 60, 1.0, -1.0)
-        y = np.zeros(count)
-        for i in range(count - 1):
-            y[i + 1] = TRUTH @ [y[i], v[i]]
+        y = lfilter([0.0, TRUTH[1]], [1.0, -TRUTH[0]], v)
         return {"t": k.astype(float), "v": v, "y": y + sigma * np.random.default_rng(seed).standard_normal(count)}
 
     return make
