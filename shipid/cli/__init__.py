@@ -27,8 +27,11 @@ _COMMANDS = {
     "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
     "plan": ("shipid.cli.plan", "Plan which manoeuvres tell the most within a time."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
+    "filter": ("shipid.cli.filter", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "criteria": ("shipid.cli.criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }
+#: Functions that are not named as their command: `filter` is a word of Python's.
+_FUNCTIONS = {"filter": "filter_trial"}
 
 
 class _LazyGroup(click.Group):
@@ -42,7 +45,7 @@ class _LazyGroup(click.Group):
         """Import a command."""
         if cmd_name not in _COMMANDS:
             return None
-        command: Any = getattr(importlib.import_module(_COMMANDS[cmd_name][0]), cmd_name)
+        command: Any = getattr(importlib.import_module(_COMMANDS[cmd_name][0]), _FUNCTIONS.get(cmd_name, cmd_name))
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -6,7 +6,7 @@ from shipid.declaration.errors import ShipidError, UsageError
 
 
 class NoiseLevelError(UsageError):
-    """A noise level that is missing, zero, negative, or in a unit that fits neither a sample nor a density."""
+    """A noise level that is missing, zero or negative."""
 
 
 class NotMeasurableError(UsageError):

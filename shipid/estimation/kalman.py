@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,16 +14,20 @@ from shipid.declaration.catalogue import find_ship, whole_ship
 from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet, missing_values
-from shipid.declaration.units import prime_factor, to_si
-from shipid.estimation.arrangement import Arrangement, arrange, column_of, read_rates
+from shipid.declaration.units import to_si
+from shipid.estimation.arrangement import Arrangement, arrange, read_rates
 from shipid.estimation.equations import make_equations
 from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.noise import Source, process_sources, sensor_levels
 from shipid.estimation.run import FilterRun
-from shipid.estimation.start import parameter_starts, read_deviations, state_spreads
-from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step, total
+from shipid.estimation.start import bounds_of, parameter_starts, read_deviations
+from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step
 from shipid.generation.loop import Loop, make_loop
 from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    from shipid.estimation.likelihood import Likelihood
 
 
 class ExtendedKalmanFilter:
@@ -39,6 +43,8 @@ class ExtendedKalmanFilter:
         The ship. What a sensor shows is a state, a derived quantity, or the output of a sensor component.
     ship : ParameterSet or str, optional
         Coefficients and particulars.
+    values : mapping of str to float, optional
+        Coefficients that go before the ship's, SI: those of a fit.
     measured : mapping of str to str or None, optional
         Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
         output says. By default every declared output.
@@ -85,9 +91,7 @@ class ExtendedKalmanFilter:
     Attributes
     ----------
     model : Model
-        The model with estimated parameters as states.
-    measured : tuple of str
-        Quantities with a sensor.
+        With estimated parameters as states.
     parameters : mapping of str to str
         The state of each estimated parameter.
 
@@ -106,9 +110,10 @@ class ExtendedKalmanFilter:
         model: Model | Any,
         ship: ParameterSet | str | None = None,
         *,
-        measured: Mapping[str, str | float | None] | None = None,
+        values: Mapping[str, float] | None = None,
+        measured: Mapping[str, Any] | None = None,
         estimated: Sequence[str] = (),
-        noise: Mapping[str, str | float] | None = None,
+        noise: Mapping[str, Any] | None = None,
         initial: Mapping[str, str | float] | None = None,
         start: Mapping[str, str | float] | None = None,
         rates: Mapping[str, str | float] | None = None,
@@ -145,7 +150,7 @@ class ExtendedKalmanFilter:
         levels = sensor_levels(self.model, measured)
         self.measured = tuple(levels)
 
-        known = self.ship.values(self.base, speed=self._speed)
+        known = self.ship.values(self.base, speed=self._speed) | dict(values or {})
         starts = dict(start or {})
         self._given_starts = self._read_starts({n: v for n, v in starts.items() if n not in estimated})
         self._estimates = parameter_starts(
@@ -210,21 +215,6 @@ class ExtendedKalmanFilter:
         return np.array([e.quantity.wraps for e in shown], dtype=bool)
 
     @functools.cached_property
-    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds of the states: an estimated parameter keeps those it was declared with."""
-        low, high = np.full(self.layout.n, -np.inf), np.full(self.layout.n, np.inf)
-        for name, state in self.parameters.items():
-            if state != name:
-                continue
-            entry, i = self.base[name], self.model.states.index(state)
-            scaled = entry.quantity.prime and self._length and self._speed
-            scale = prime_factor(entry.unit, self._length, self._speed) if scaled else 1.0  # type: ignore[arg-type]
-            least, most = entry.number("low"), entry.number("high")
-            low[i] = -np.inf if least is None else least * scale
-            high[i] = np.inf if most is None else most * scale
-        return low, high
-
-    @functools.cached_property
     def adapting(self) -> np.ndarray | None:
         """Which states stop where adaptation is switched off; None where it cannot be."""
         if not self.switchable:
@@ -240,7 +230,14 @@ class ExtendedKalmanFilter:
             Whether it returns covariances and predicted values as well.
         """
         return make_filter_step(
-            self.equations, self.layout, self.form, self.gate, self.wraps, *self._bounds, self.adapting, full
+            self.equations,
+            self.layout,
+            self.form,
+            self.gate,
+            self.wraps,
+            *bounds_of(self.base, self.model, self.parameters, self._length, self._speed),
+            self.adapting,
+            full,
         )
 
     @functools.cached_property
@@ -268,6 +265,13 @@ class ExtendedKalmanFilter:
 
         return make_backward(self)
 
+    @functools.cached_property
+    def gramian(self) -> Loop:
+        """The loop that adds up what the samples tell of the first state, compiled once."""
+        from shipid.estimation.observability import make_gramian
+
+        return make_gramian(self)
+
     @property
     def constants(self) -> np.ndarray:
         """Coefficients, noise levels and sensor levels, SI, in the order the step takes them."""
@@ -280,60 +284,6 @@ class ExtendedKalmanFilter:
                     f"state of model {self.model.name} to start called", name, [*self.model.states, *self.parameters]
                 )
         return {n: to_si(v, self.model[n].unit, f"start of '{n}'") for n, v in given.items()}
-
-    def first(self, sample: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first estimate and its standard deviations, SI, shapes (states,).
-
-        Parameters
-        ----------
-        sample : mapping of str to float
-            The first sample: what it shows of a state is where the state starts.
-        """
-        shown_by = {self.model[n].quantity.measures or n: i for i, n in enumerate(self.measured)}
-        sensors = {n: float(self._r[i]) for n, i in shown_by.items()}
-        deviation = state_spreads(self.model, self._length, self._speed, sensors)
-        x = np.empty(self.layout.n)
-        for i, name in enumerate(self.model.states):
-            if name in self._given_starts:
-                x[i] = self._given_starts[name]
-            elif name in sample and np.isfinite(sample[name]):
-                x[i] = sample[name]
-            elif name == "u" and (speed := sample.get("cruise", self.inputs.get("cruise", self._speed))) is not None:
-                x[i] = speed
-            else:
-                x[i] = self.model[name].number("start") or 0.0
-        for name, state in self.parameters.items():
-            i = self.model.states.index(state)
-            value, spread = self._estimates[name]
-            x[i] = value if state == name else np.log(value)
-            deviation[i] = spread if state == name else spread / value
-        for name, level in self._deviations.items():
-            state = self.parameters.get(name, name)
-            share = abs(self._estimates[name][0]) if state != name else 1.0
-            deviation[self.model.states.index(state)] = level / share
-        return x, deviation
-
-    def carried(self, sample: Mapping[str, float], inputs: np.ndarray) -> np.ndarray:
-        """Return the carried vector before the first sample.
-
-        Parameters
-        ----------
-        sample : mapping of str to float
-            The first sample, SI.
-        inputs : ndarray, shape (inputs,)
-            The inputs there.
-        """
-        x, deviation = self.first(sample)
-        z = np.zeros(total(self.layout.carried))
-        places = self.layout.carried
-        z[places["x"]] = x
-        z[places["u"]] = inputs
-        full = np.zeros(self.layout.joint)
-        full[: self.layout.n] = deviation
-        z[places["P"]] = _diagonal(full, self.form)
-        if self.gate is not None:
-            z[places["last"]] = np.inf
-        return z
 
     def arrangement(self, record: Trial | Mapping[str, np.ndarray]) -> Arrangement:
         """Return a record as the filter takes it.
@@ -352,45 +302,6 @@ class ExtendedKalmanFilter:
     def needed_inputs(self) -> tuple[str, ...]:
         """Inputs that have an influence on the states and the sensors."""
         return self.system.inputs_behind([*self.model.states, *self.measured])
-
-    def controls(
-        self,
-        arranged: Arrangement,
-        adapt: np.ndarray | bool = True,
-        scale: Mapping[str, np.ndarray | float] | None = None,
-    ) -> np.ndarray:
-        """Return the controls of every row, shape (N, controls).
-
-        Parameters
-        ----------
-        arranged : Arrangement
-            The record.
-        adapt : bool or ndarray of bool, shape (samples,)
-            Where parameters adapt.
-        scale : mapping of str to float or ndarray
-            Factors on the noise of sources, over the samples: a sea state that changes.
-        """
-        places, rows = self.layout.control, arranged.t.size
-        table = np.zeros((rows, total(places)))
-        table[:, places["u"]] = arranged.inputs
-        table[:, places["T"]] = arranged.intervals[:, None]
-        table[:, places["z"]] = arranged.z
-        table[:, places["there"]] = arranged.there
-        table[:, places["scale"]] = 1.0
-        # Rows that bridge a gap belong to the sample that ends it.
-        sample = np.minimum(np.searchsorted(np.flatnonzero(arranged.shown), np.arange(rows)), arranged.shown.sum() - 1)
-        for i, source in enumerate(self.sources):
-            column = table[:, places["scale"]][:, i]
-            if scale and source.name in scale:
-                factor = np.asarray(scale[source.name], dtype=float)
-                column *= factor[sample] if factor.ndim else factor
-            if source.name in self.lost:
-                missing = arranged.lost[:, self.system.inputs.index(source.name)]
-                usual = 0.0 if source.level == self.lost[source.name] else 1.0
-                column *= np.where(missing, self.lost[source.name] / source.level, usual)
-        if self.switchable:
-            table[:, places["adapting"]] = np.broadcast_to(adapt, arranged.shown.sum())[sample, None]
-        return table
 
     def filter(
         self,
@@ -424,26 +335,11 @@ class ExtendedKalmanFilter:
         if adapt is not True and not self.switchable:
             raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
         arranged = self.arrangement(record)
-        control = self.controls(arranged, adapt, scale)
-        z0 = self.carried(self._first_sample(record), arranged.inputs[0])
+        control = controls_of(self, arranged, adapt, scale)
+        z0 = carried_vector(self, first_sample(self, record), arranged.inputs[0])
         _, out = self.loop(full=True)(z0, control, self.constants)
         self._check_finite(out, arranged)
         return FilterRun(self, columns_of(record)[1], arranged, control, z0, np.asarray(out, dtype=float))
-
-    def _first_sample(self, record: Trial | Mapping[str, np.ndarray]) -> dict[str, float]:
-        columns, _ = columns_of(record)
-        sample = {}
-        for n, c in columns.items():
-            finite = np.flatnonzero(np.isfinite(c))
-            if finite.size:
-                sample[n] = float(c[finite[0]])
-        if "cruise" not in sample and "u" in sample:
-            sample["cruise"] = float(np.nanmedian(columns["u"][:10]))
-        for name in self.measured:
-            column = column_of(self.model, name, sample)
-            if column is not None:
-                sample.setdefault(self.model[name].quantity.measures or name, sample[column])
-        return sample
 
     def _check_finite(self, out: np.ndarray, arranged: Arrangement) -> None:
         good = np.isfinite(out[:, self.layout.full["x"]]).all(axis=1) & np.isfinite(
@@ -454,6 +350,20 @@ class ExtendedKalmanFilter:
                 f"the filter of model {self.base.name} runs away {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
                 "nearer to the truth (start, initial), let the states be driven by more noise, or estimate fewer parameters."
             )
+
+    def likelihood(self, record: Trial | Mapping[str, np.ndarray], unknowns: Sequence[str]) -> Likelihood:
+        """Return the likelihood of a record as a function of unknowns, with its exact gradient.
+
+        Parameters
+        ----------
+        record : Trial or mapping of str to ndarray
+            What was measured.
+        unknowns : sequence of str
+            Coefficients by name, ``noise:NAME`` and ``sensor:NAME`` (logarithms of levels), ``x0:STATE``, ``bias:INPUT``.
+        """
+        from shipid.estimation.likelihood import make_likelihood
+
+        return make_likelihood(self, record, unknowns)
 
     def start(self, lag: str | float | None = None) -> Any:
         """Return the filter for samples that arrive one by one.
@@ -488,27 +398,3 @@ class ExtendedKalmanFilter:
         from shipid.estimation.online import OnlineFilter
 
         return OnlineFilter.restored(self, Path(path))
-
-
-def columns_of(record: Trial | Mapping[str, np.ndarray]) -> tuple[dict[str, np.ndarray], str]:
-    """Return the SI columns of a record, and its name.
-
-    Parameters
-    ----------
-    record : Trial or mapping of str to ndarray
-        What is filtered.
-    """
-    if isinstance(record, Trial):
-        return {n: record[n] for n in record.table.columns}, record.name
-    if "t" not in record:
-        raise UsageError(f"a record to filter needs its times 't'; it has {', '.join(record)}.")
-    return {n: np.asarray(c, dtype=float) for n, c in record.items()}, "record"
-
-
-def _diagonal(deviation: np.ndarray, form: str) -> np.ndarray:
-    """The carried vector of a diagonal covariance."""
-    if form == "square-root":
-        return np.diag(deviation).ravel(order="F")
-    out = np.zeros(deviation.size * (deviation.size + 1) // 2)
-    out[np.cumsum(np.arange(1, deviation.size + 1)) - 1] = deviation**2
-    return out

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from shipid.declaration.errors import UnitError, UnknownNameError
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.units import prime_factor, to_si, unit
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
 
 #: Default density of the noise that drives a state, in the prime system: a model of low order is wrong by about as much.
@@ -47,7 +47,7 @@ class Source:
     assumed: bool = False
 
 
-def sensor_levels(model: Model, measured: Mapping[str, str | float | None]) -> dict[str, float]:
+def sensor_levels(model: Model, measured: Mapping[str, Any]) -> dict[str, float]:
     """Return the standard deviation of one sample of each sensor, SI.
 
     Parameters
@@ -64,6 +64,8 @@ def sensor_levels(model: Model, measured: Mapping[str, str | float | None]) -> d
         If the model does not have the quantity, or it is no such quantity.
     NoiseLevelError
         If a level is missing, zero or negative.
+    UnitError
+        If its unit does not fit.
     """
     if not measured:
         raise NotMeasurableError("a filter needs at least one measured quantity, as in measured={'psi': '0.2 deg'}.")
@@ -84,16 +86,16 @@ def sensor_levels(model: Model, measured: Mapping[str, str | float | None]) -> d
     return levels
 
 
-def _example(unit: str) -> str:
-    return f"'0.2 {unit.replace('rad', 'deg')}'" if unit != "1" else "'0.01'"
+def _example(own: str) -> str:
+    return f"'0.2 {own.replace('rad', 'deg')}'" if own != "1" else "'0.01'"
 
 
-def _positive(value: str | float, units: Sequence[str], what: str) -> tuple[float, int]:
+def _positive(value: Any, units: Sequence[str], what: str) -> tuple[float, int]:
     """Read a positive level in one of several units; return it in SI, and which unit it was."""
     refused: UnitError | None = None
-    for i, unit in enumerate(units):
+    for i, wanted in enumerate(units):
         try:
-            level = to_si(value, unit, what)
+            level = to_si(value, wanted, what)
         except UnitError as error:
             refused = refused or error
             continue
@@ -103,13 +105,16 @@ def _positive(value: str | float, units: Sequence[str], what: str) -> tuple[floa
                 "leave the noise out."
             )
         return level, i
-    choices = " or ".join(units)
-    raise NoiseLevelError(f"{refused} A noise level here is in {choices}.")
+    assert refused is not None
+    if len(units) == 1:
+        raise refused
+    choices = " or ".join(f"{u.replace('**', '^')} ({w})" for u, w in zip(units, ("for one sample", "a density")))
+    raise UnitError(f"{refused} A noise level here is in {choices}.")
 
 
 def process_sources(
     model: Model,
-    noise: Mapping[str, str | float],
+    noise: Mapping[str, Any],
     estimated: Mapping[str, str],
     sizes: Mapping[str, float],
     length: float | None,
@@ -138,20 +143,22 @@ def process_sources(
     UnknownNameError
         If a name is no state, input or estimated parameter.
     NoiseLevelError
-        If a level is zero or negative, or its unit fits neither a sample nor a density.
+        If a level is zero or negative.
+    UnitError
+        If its unit fits neither a sample nor a density.
     """
     found: list[Source] = []
     for name, value in noise.items():
         state = estimated.get(name, name)
         if state in model.states:
             share = sizes.get(name)
-            unit = model[name].unit if share is not None else model[state].unit
-            level, density = _positive(value, (unit, _times(unit, "1/s^0.5")), f"noise of '{name}'")
-            found.append(Source(state, level / abs(share or 1.0), "state", bool(density)))
+            own = model[name].unit if share is not None else model[state].unit
+            level, dense = _positive(value, (own, _times(own, "1/s^0.5")), f"noise of '{name}'")
+            found.append(Source(state, level / abs(share or 1.0), "state", bool(dense)))
         elif name in model.inputs:
-            unit = model[name].unit
-            level, density = _positive(value, (unit, _times(unit, "s^0.5")), f"noise of '{name}'")
-            found.append(Source(name, level, "input", bool(density)))
+            own = model[name].unit
+            level, dense = _positive(value, (own, _times(own, "s^0.5")), f"noise of '{name}'")
+            found.append(Source(name, level, "input", bool(dense)))
         else:
             raise UnknownNameError(
                 f"state, input or estimated parameter of model {model.name} to put noise on called",
@@ -162,8 +169,8 @@ def process_sources(
         driven = {s.name for s in found} | set(estimated.values()) | set(_COORDINATES)
         for name in model.states:
             if name not in driven and _walks(model, name):
-                unit = _times(model[name].unit, "1/s^0.5")
-                found.append(Source(name, MODEL_NOISE * prime_factor(unit, length, speed), "state", True, True))
+                density = _times(model[name].unit, "1/s^0.5")
+                found.append(Source(name, MODEL_NOISE * prime_factor(density, length, speed), "state", True, True))
     return tuple(found)
 
 
@@ -177,5 +184,6 @@ def _walks(model: Model, name: str) -> bool:
     return equation is not None and equation.kind == "rate"
 
 
-def _times(unit: str, factor: str) -> str:
-    return factor if unit == "1" else f"({unit})*{factor}"
+def _times(first: str, second: str) -> str:
+    """The product of two units, as it is written."""
+    return f"{unit(first) * unit(second):~C}"

@@ -80,6 +80,11 @@ class ParameterEstimate:
     std: float
     interval: tuple[float, float]
 
+    @property
+    def determined(self) -> bool:
+        """Whether the standard deviation is below half the value, as for a fit."""
+        return self.std < 0.5 * abs(self.value)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FilterRun:
@@ -219,7 +224,14 @@ class FilterRun:
             "record": self.record,
             "samples": int(self.t.size),
             "parameters": {
-                n: {"value": p.value, "unit": p.unit, "std": p.std, "interval95": list(p.interval)}
+                n: {
+                    "value": p.value,
+                    "unit": p.unit,
+                    "std": p.std,
+                    "ci95": list(p.interval),
+                    "identifiable": p.determined,
+                    "meaning": p.meaning,
+                }
                 for n, p in self.parameters.items()
             },
             "states": {

@@ -128,3 +128,29 @@ def read_deviations(model: Model, given: Mapping[str, str | float], estimated: M
             )
         result[name] = level
     return result
+
+
+def bounds_of(
+    base: Model, model: Model, estimated: Mapping[str, str], length: float | None, speed: float | None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds of the states, SI, shapes (states,): an estimated parameter keeps those it was declared with.
+
+    Parameters
+    ----------
+    base, model : Model
+        Without and with the estimated parameters as states.
+    estimated : mapping of str to str
+        The state of each estimated parameter; a logarithm needs no bounds.
+    length, speed : float or None
+        L in m and U in m/s, for bounds declared in the prime system.
+    """
+    low, high = np.full(len(model.states), -np.inf), np.full(len(model.states), np.inf)
+    for name, state in estimated.items():
+        if state != name:
+            continue
+        entry, i = base[name], model.states.index(state)
+        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
+        least, most = entry.number("low"), entry.number("high")
+        low[i] = -np.inf if least is None else least * scale
+        high[i] = np.inf if most is None else most * scale
+    return low, high

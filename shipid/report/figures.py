@@ -21,6 +21,10 @@ _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.1, 0.5, 0.45, 0.27
 _STYLES: dict[str, dict[str, Any]] = {
     "measured": {"color": "#2f7fc4", "linestyle": "-", "linewidth": 1.3},
     "predicted": {"color": "#d9700a", "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
+    "estimate": {"color": "#d9700a", "linestyle": "-", "linewidth": 1.4},
+    "95 % band": {"color": "#d9700a", "linestyle": (0, (1, 1.5)), "linewidth": 1.0},
+    "innovation": {"color": "#2f7fc4", "linestyle": "none", "marker": ".", "markersize": 2.0},
+    "95 % bounds": {"color": _MUTED, "linestyle": (0, (4, 1.6)), "linewidth": 1.0},
     "residual": {"color": "#2f7fc4", "linestyle": "-", "linewidth": 0.8},
     "rudder": {"color": "black", "linestyle": "-", "linewidth": 1.1},
     "order": {"color": _MUTED, "linestyle": ":", "linewidth": 1.2},

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from shipid.declaration.errors import UsageError
-from shipid.identification.fit import Fit
 from shipid.trials.replacing import check_place, replacing
 
 
@@ -17,7 +16,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit
+    result : Fit or FilterRun
         What to report.
     path : str or Path
         The file to write.
@@ -51,7 +50,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit
+    result : Fit or FilterRun
         What to report.
 
     Raises
@@ -59,11 +58,22 @@ def render(result: Any) -> str:
     UsageError
         If there is no report for this kind of result.
     """
-    if not isinstance(result, Fit):
-        raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: Fit.")
-    from shipid.report.fit_view import fit_view
+    from shipid.estimation.run import FilterRun
+    from shipid.identification.fit import Fit
 
-    return _environment().get_template("fit.html").render(view=fit_view(result))
+    if isinstance(result, Fit):
+        from shipid.report.fit_view import fit_view
+
+        return _page("fit.html", fit_view(result))
+    if isinstance(result, FilterRun):
+        from shipid.report.filter_view import filter_view
+
+        return _page("filter.html", filter_view(result))
+    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: Fit, FilterRun.")
+
+
+def _page(template: str, view: Any) -> str:
+    return str(_environment().get_template(template).render(view=view))
 
 
 def _environment() -> Any:

@@ -1,0 +1,400 @@
+"""The same filter for samples that arrive one by one, with its state saved to and restored from a file."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shipid.declaration.errors import UsageError
+from shipid.estimation.arrangement import LONGEST_GAP, LONGEST_STEP, column_of
+from shipid.estimation.errors import FilterDivergedError, NotMeasurableError, SavedStateError
+from shipid.estimation.feeding import carried_vector
+from shipid.estimation.smoother import run_back
+from shipid.estimation.step import REJECTED, TAKEN
+from shipid.generation.loop import Stepper
+
+if TYPE_CHECKING:
+    from shipid.estimation.kalman import ExtendedKalmanFilter
+
+_SCHEMA = 1
+
+
+@dataclass(frozen=True, eq=False)
+class OnlineEstimate:
+    """What is known after a sample.
+
+    Attributes
+    ----------
+    t : float
+        Time of the sample in s.
+    x, std : ndarray, shape (states,)
+        Estimates and standard deviations, SI.
+    taken, rejected : tuple of str
+        Sensors whose sample was taken in, and whose sample was beyond the gate or out of range.
+    refused : str
+        Why the whole sample was refused; empty where it was not.
+    lagged : tuple or None
+        ``(t, x, std)`` of the moment one lag ago, smoothed by what came since.
+    """
+
+    t: float
+    x: np.ndarray
+    std: np.ndarray
+    taken: tuple[str, ...]
+    rejected: tuple[str, ...]
+    refused: str
+    lagged: tuple[float, np.ndarray, np.ndarray] | None
+    _filter: ExtendedKalmanFilter = field(repr=False)
+
+    def __getitem__(self, name: str) -> float:
+        """Return the estimate of a state or an estimated parameter, SI."""
+        return self._value(name)[0]
+
+    def std_of(self, name: str) -> float:
+        """Return the standard deviation of a state or an estimated parameter, SI.
+
+        Parameters
+        ----------
+        name : str
+            A state or an estimated parameter.
+        """
+        return self._value(name)[1]
+
+    def _value(self, name: str) -> tuple[float, float]:
+        state = self._filter.parameters.get(name, name)
+        i = self._filter.model.states.index(state)
+        x, std = float(self.x[i]), float(self.std[i])
+        return (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, SI."""
+        names = [s for s in self._filter.model.states if s not in self._filter.parameters.values()]
+        names += list(self._filter.parameters)
+        return {
+            "t": self.t,
+            "estimates": {n: {"value": self[n], "std": self.std_of(n)} for n in names},
+            "taken": list(self.taken),
+            "rejected": list(self.rejected),
+            "refused": self.refused,
+        }
+
+
+class OnlineFilter:
+    """A filter that takes one sample at a time; made by `ExtendedKalmanFilter.start`.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        What it runs.
+    lag : float or None
+        Fixed lag in s.
+
+    Attributes
+    ----------
+    rejected : dict of str to int
+        Samples of each sensor beyond the gate or out of range so far.
+    refused : int
+        Whole samples refused so far: the clock did not go forward.
+    stepper : Stepper or None
+        The bare step on memory laid out once (`control`, `step()`, `out`), for a loop in which microseconds count; None
+        before the first sample.
+    """
+
+    def __init__(self, kalman: ExtendedKalmanFilter, lag: float | None = None) -> None:
+        if lag is not None and not lag > 0:
+            raise UsageError(f"a lag of {lag:g} s smooths nothing; give one greater than zero.")
+        self.filter, self.lag = kalman, lag
+        self.rejected = dict.fromkeys(kalman.measured, 0)
+        self.refused = 0
+        self.stepper: Stepper | None = None
+        self._t = self._typical = 0.0
+        self._began: float | None = None
+        self._counts = {n: -1 for n in kalman.rates}
+        self._window: deque[tuple[float, np.ndarray, np.ndarray, np.ndarray, bool]] = deque()
+
+    @property
+    def t(self) -> float | None:
+        """Time of the last sample in s; None before the first."""
+        return None if self.stepper is None else self._t
+
+    def update(
+        self, sample: Mapping[str, float], *, adapt: bool = True, scale: Mapping[str, float] | None = None
+    ) -> OnlineEstimate:
+        """Take in a sample.
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            ``t`` in s and, SI, what there is of sensors and inputs. A sensor that is missing or NaN showed nothing; an input
+            that is missing keeps its last value.
+        adapt : bool
+            Whether parameters adapt (needs ``switchable=True``).
+        scale : mapping of str to float
+            Factors on the noise of states and inputs.
+
+        Returns
+        -------
+        OnlineEstimate
+
+        Raises
+        ------
+        UsageError
+            If the sample has no time, or adaptation is to be switched off where it cannot be.
+        NotMeasurableError
+            If the first sample lacks an input that has no default.
+        FilterDivergedError
+            If the estimate runs away.
+        """
+        t = sample.get("t")
+        if t is None or not np.isfinite(t):
+            raise UsageError("a sample needs its time 't' in s, a finite number.")
+        if not adapt and not self.filter.switchable:
+            raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
+        if self.stepper is None:
+            self._begin(float(t), sample)
+            inputs, lost = self._inputs(sample, None)
+            intervals = [0.0]
+        else:
+            elapsed = float(t) - self._t
+            if elapsed <= 0:
+                self.refused += 1
+                return self._estimate((), (), f"its time {t:g} s is not later than the last one, {self._t:g} s")
+            inputs, lost = self._inputs(sample, self.stepper.z[self.filter.layout.carried["u"]])
+            intervals = self._bridge(elapsed)
+        assert self.stepper is not None
+        last = np.array(self.stepper.z[self.filter.layout.carried["u"]], dtype=float)
+        for k, interval in enumerate(intervals, start=1):
+            share = k / len(intervals)
+            self._write(interval, last + share * (inputs - last), lost, adapt, scale)
+            if k == len(intervals):
+                rejected = self._show(sample, float(t))
+            self._run(float(t), k == len(intervals))
+        self._t = float(t)
+        return self._outcome(rejected)
+
+    def _begin(self, t: float, sample: Mapping[str, float]) -> None:
+        kalman = self.filter
+        first = {n: float(v) for n, v in sample.items() if v is not None and np.isfinite(v)}
+        for name in kalman.measured:
+            column = column_of(kalman.model, name, first)
+            if column is not None:
+                first.setdefault(kalman.model[name].quantity.measures or name, first[column])
+        inputs, _ = self._inputs(sample, None)
+        # Records before and after rows are only needed to smooth; the brief step is the faster one.
+        loop = kalman.loop(full=self.lag is not None)
+        self.stepper = loop.one_at_a_time(carried_vector(kalman, first, inputs), kalman.constants)
+        self._t = self._began = t
+
+    def _inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """Inputs of a sample, and which of them are missing."""
+        kalman = self.filter
+        values, lost = np.empty(len(kalman.model.inputs)), np.zeros(len(kalman.model.inputs), dtype=bool)
+        for i, name in enumerate(kalman.model.inputs):
+            value = kalman.inputs.get(name, sample.get(name))
+            if value is not None and np.isfinite(value):
+                values[i] = value
+                continue
+            lost[i] = name in sample or name in kalman.lost
+            default = kalman.model[name].number("default")
+            if held is not None:
+                values[i] = held[i]
+            elif name == "cruise" and (speed := sample.get("u", kalman.ship.particular("speed", "m/s"))) is not None:
+                values[i] = speed
+            elif default is not None or name not in kalman.needed_inputs:
+                values[i] = default or 0.0
+            else:
+                raise NotMeasurableError(
+                    f"the first sample lacks '{name}' ({kalman.model[name].quantity.meaning}), which model "
+                    f"{kalman.base.name} reads. It has {', '.join(sample)}."
+                )
+        return values, lost
+
+    def _bridge(self, elapsed: float) -> list[float]:
+        """Cut a gap into steps no longer than a few samples."""
+        if not self._typical:
+            self._typical = elapsed
+        paused = min(elapsed, LONGEST_GAP)
+        count = max(1, int(np.ceil(paused / (LONGEST_STEP * self._typical))))
+        if count == 1:
+            self._typical += 0.05 * (elapsed - self._typical)
+            return [elapsed]
+        return [paused / count] * count
+
+    def _write(
+        self, interval: float, inputs: np.ndarray, lost: np.ndarray, adapt: bool, scale: Mapping[str, float] | None
+    ) -> None:
+        assert self.stepper is not None
+        places, control, kalman = self.filter.layout.control, self.stepper.control, self.filter
+        control[places["u"]] = inputs
+        control[places["T"]] = interval
+        control[places["z"]] = control[places["there"]] = 0.0
+        factors = control[places["scale"]]
+        for i, source in enumerate(kalman.sources):
+            factors[i] = 1.0 if scale is None else scale.get(source.name, 1.0)
+            if source.name in kalman.lost:
+                missing = lost[kalman.system.inputs.index(source.name)]
+                usual = 0.0 if source.level == kalman.lost[source.name] else 1.0
+                factors[i] *= kalman.lost[source.name] / source.level if missing else usual
+        if kalman.switchable:
+            control[places["adapting"]] = float(adapt)
+
+    def _show(self, sample: Mapping[str, float], t: float) -> tuple[str, ...]:
+        """Write what the sensors show; return those out of range."""
+        assert self.stepper is not None and self._began is not None
+        kalman, outside = self.filter, []
+        z, there = (self.stepper.control[kalman.layout.control[n]] for n in ("z", "there"))
+        for i, name in enumerate(kalman.measured):
+            column = column_of(kalman.model, name, sample)
+            value = None if column is None else sample[column]
+            if value is None or not np.isfinite(value):
+                continue
+            if name in kalman.rates:
+                number = int((t - self._began + 0.5 * self._typical) // kalman.rates[name])
+                if number <= self._counts[name]:
+                    continue
+                self._counts[name] = number
+            low, high = kalman.ranges.get(name, (-np.inf, np.inf))
+            if not low <= value <= high:
+                outside.append(name)
+                continue
+            z[i], there[i] = value, 1.0
+        return tuple(outside)
+
+    def _run(self, t: float, shown: bool) -> None:
+        assert self.stepper is not None
+        before = self.stepper.z.copy() if self.lag is not None else None
+        self.stepper.step()
+        if before is not None:
+            self._window.append((t, before, self.stepper.control.copy(), self.stepper.out.copy(), shown))
+
+    def _outcome(self, outside: tuple[str, ...]) -> OnlineEstimate:
+        assert self.stepper is not None
+        kalman = self.filter
+        fate = self.stepper.out[kalman.layout.brief["fate"]]
+        rejected = outside + tuple(n for n, f in zip(kalman.measured, fate) if f == REJECTED)
+        for name in rejected:
+            self.rejected[name] += 1
+        estimate = self._estimate(tuple(n for n, f in zip(kalman.measured, fate) if f == TAKEN), rejected, "")
+        if not np.isfinite(estimate.x).all():
+            raise FilterDivergedError(
+                f"the filter of model {kalman.base.name} runs away at {self._t:.5g} s. Restore an earlier state, or start "
+                "nearer to the truth with more noise on the states."
+            )
+        return estimate
+
+    def _estimate(self, taken: tuple[str, ...], rejected: tuple[str, ...], refused: str) -> OnlineEstimate:
+        assert self.stepper is not None
+        brief = self.filter.layout.brief
+        x = np.array(self.stepper.out[brief["x"]], dtype=float)
+        std = np.sqrt(np.maximum(np.array(self.stepper.out[brief["var"]], dtype=float), 0.0))
+        return OnlineEstimate(self._t, x, std, taken, rejected, refused, self._lagged(), self.filter)
+
+    def _lagged(self) -> tuple[float, np.ndarray, np.ndarray] | None:
+        if self.lag is None:
+            return None
+        window = self._window
+        # The oldest sample kept is the one a lag ago, or the first after it.
+        while len(window) > 1 and (not window[0][4] or self._t - window[1][0] >= self.lag - 1e-9 * max(1.0, self._t)):
+            window.popleft()
+        if not window or self._t - window[0][0] < 0.999 * self.lag:
+            return None
+        control, out = np.array([w[2] for w in window]), np.array([w[3] for w in window])
+        first = run_back(self.filter, control, out, window[0][1])[0]
+        n = self.filter.layout.n
+        variance = first[n:][np.cumsum(np.arange(1, n + 1)) - 1]
+        return window[0][0], first[:n], np.sqrt(np.maximum(variance, 0.0))
+
+    def save(self, path: str | Path) -> None:
+        """Write the state to a file, whole or not at all; every number exactly.
+
+        Parameters
+        ----------
+        path : str or Path
+            A JSON file; one that exists is replaced.
+
+        Raises
+        ------
+        UsageError
+            If no sample has come yet.
+        """
+        if self.stepper is None:
+            raise UsageError("a filter that has taken no sample has no state to save.")
+        state = {
+            "schema": _SCHEMA,
+            "model": self.filter.base.name,
+            "filter": fingerprint(self.filter),
+            "t": self._t.hex(),
+            "began": float(self._began or 0.0).hex(),
+            "typical": float(self._typical).hex(),
+            "carried": [float(v).hex() for v in self.stepper.z],
+            "out": [float(v).hex() for v in self.stepper.out[: self.filter.layout.brief["ll"].stop]],
+            "counts": self._counts,
+            "rejected": self.rejected,
+            "refused": self.refused,
+        }
+        target = Path(path)
+        scratch = target.with_name(f".{target.name}.part")
+        scratch.write_text(json.dumps(state, indent=1), encoding="utf-8")
+        scratch.replace(target)
+
+    @classmethod
+    def restored(cls, kalman: ExtendedKalmanFilter, path: Path) -> OnlineFilter:
+        """Return a filter as it was saved (see `ExtendedKalmanFilter.restore`).
+
+        Parameters
+        ----------
+        kalman : ExtendedKalmanFilter
+            The same filter as the saved one.
+        path : Path
+            The file.
+        """
+        try:
+            state = json.loads(path.read_text(encoding="utf-8"))
+            numbers = [float.fromhex(v) for v in state["carried"]]
+            out = [float.fromhex(v) for v in state["out"]]
+            t, began, typical = (float.fromhex(state[n]) for n in ("t", "began", "typical"))
+            counts, rejected, refused = dict(state["counts"]), dict(state["rejected"]), int(state["refused"])
+        except OSError as error:
+            raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
+        except (ValueError, KeyError, TypeError):
+            raise SavedStateError(f"{path} is no saved state of a filter: start a new one with start().") from None
+        if state.get("schema") != _SCHEMA or state.get("filter") != fingerprint(kalman):
+            raise SavedStateError(
+                f"{path} was saved by another filter (of model {state.get('model')}): model, sensors, noise and options "
+                "have to be the same. Make the filter as it was, or start a new one."
+            )
+        online = cls(kalman)
+        online.stepper = kalman.loop().one_at_a_time(np.array(numbers), kalman.constants)
+        online.stepper.out[:] = out
+        online._t, online._began, online._typical = t, began, typical
+        online._counts, online.rejected, online.refused = counts, rejected, refused
+        return online
+
+
+def fingerprint(kalman: ExtendedKalmanFilter) -> str:
+    """Return a hash of everything that makes two filters the same.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        A filter.
+    """
+    settings = (
+        kalman.system.digest,
+        kalman.measured,
+        kalman.sources,
+        [float(v).hex() for v in kalman.constants],
+        kalman.form,
+        kalman.gate,
+        kalman.switchable,
+        sorted(kalman.parameters.items()),
+        sorted(kalman.rates.items()),
+    )
+    return hashlib.sha256(repr(settings).encode()).hexdigest()

@@ -1,0 +1,139 @@
+"""``shipid filter`` as its user meets it: a record, samples as they arrive, and what it refuses."""
+
+from __future__ import annotations
+
+import io
+import json
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
+NOMOTO = ("--model", "nomoto", "--ship", "soesterberg")
+SENSORS = ("--measured", "psi=0.2 deg,r=0.02 deg/s")
+
+
+@pytest.fixture
+def lines() -> list[str]:
+    return [line for line in TRIAL.read_text().splitlines() if not line.startswith("#")]
+
+
+def test_estimates_come_with_intervals_and_the_whiteness_of_the_innovations(call):
+    answer = call("filter", TRIAL, *NOMOTO, *SENSORS)
+    assert answer.code == 0
+    assert "K  " in answer.out and "rate of turn per rudder angle" in answer.out
+    assert "innovations of psi" in answer.out and "whiteness" in answer.out
+
+
+def test_json_names_parameters_and_innovations(call):
+    answer = call("filter", TRIAL, *NOMOTO, *SENSORS, "--json")
+    result = json.loads(answer.out)
+    assert set(result["parameters"]) == {"K", "tau"}
+    for estimate in result["parameters"].values():
+        assert {"value", "unit", "std", "ci95", "identifiable", "meaning"} <= set(estimate)
+        assert estimate["ci95"][0] < estimate["value"] < estimate["ci95"][1]
+    for innovation in result["innovations"].values():
+        assert {"nis_mean", "white_p", "rejected"} <= set(innovation)
+
+
+def test_a_folder_holds_a_table_a_result_and_a_report(call, tmp_path):
+    out = tmp_path / "made" / "here"
+    assert call("filter", TRIAL, *NOMOTO, *SENSORS, "--out", out).code == 0
+    assert sorted(p.name for p in out.iterdir()) == ["estimates.csv", "report.html", "result.json"]
+    table = pd.read_csv(out / "estimates.csv")
+    assert len(table) == 738 and np.isfinite(table.to_numpy()).all()
+    assert {"t [s]", "r [rad/s]", "std_r [rad/s]", "K [1/s]", "tau [s]"} <= set(table.columns)
+    result = json.loads((out / "result.json").read_text())
+    assert result["parameters"]["K"]["value"] == pytest.approx(table["K [1/s]"].iloc[-1], rel=1e-8)
+    assert "nan" not in (out / "report.html").read_text().lower().replace("nan)", "")
+    again = call("filter", TRIAL, *NOMOTO, *SENSORS, "--out", out)
+    assert again.code == 2 and "--overwrite" in again.said
+
+
+def test_the_window_is_that_of_the_trial(call):
+    answer = call("filter", TRIAL, *NOMOTO, *SENSORS, "--window", "100:300", "--json")
+    assert json.loads(answer.out)["samples"] == 201
+
+
+def test_samples_that_arrive_give_what_the_record_gives(call, lines, monkeypatch, tmp_path):
+    out = tmp_path / "out"
+    assert call("filter", TRIAL, *NOMOTO, *SENSORS, "--out", out).code == 0
+    record = pd.read_csv(out / "estimates.csv")
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(lines) + "\n"))
+    answer = call("filter", "--follow", "-", *NOMOTO, *SENSORS)
+    assert answer.code == 0
+    table = pd.read_csv(io.StringIO(answer.out))
+    for name in ("t [s]", "psi [rad]", "K [1/s]", "std_tau [s]"):
+        np.testing.assert_allclose(table[name], record[name], rtol=1e-8, atol=1e-12)
+
+
+def test_a_growing_file_is_followed(call, lines, tmp_path):
+    path = tmp_path / "growing.csv"
+    path.write_text("\n".join(lines[:50]) + "\n" + lines[50][:10])
+
+    def grow() -> None:
+        time.sleep(0.2)
+        with path.open("a") as stream:
+            stream.write(lines[50][10:] + "\n" + "\n".join(lines[51:60]) + "\n")
+
+    writer = threading.Thread(target=grow)
+    writer.start()
+    answer = call("filter", "--follow", path, "--wait", "1 s", *NOMOTO, *SENSORS, "--json")
+    writer.join()
+    assert [json.loads(line)["t"] for line in answer.out.splitlines()] == [float(k) for k in range(59)]
+
+
+def test_a_line_that_is_no_sample_is_left_out_and_said(call, lines, monkeypatch):
+    broken = [*lines[:20], "not,a,sample", *lines[20:25], lines[10], *lines[25:30]]
+    missing = lines[30].split(",")
+    missing[3] = ""
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join([*broken, ",".join(missing)]) + "\n"))
+    answer = call("filter", "--follow", "-", *NOMOTO, *SENSORS, "--json")
+    assert answer.code == 0
+    estimates = [json.loads(line) for line in answer.out.splitlines()]
+    assert len(estimates) == 30
+    assert estimates[-1]["taken"] == ["r"]
+    assert "line 21: 3 fields" in answer.said and "line 27: refused" in answer.said
+
+
+@pytest.mark.parametrize(
+    ("code", "arguments", "words"),
+    [
+        (2, ["--measured", "psi=0 deg"], ("psi", "greater than zero")),
+        (2, ["--measured", "psi=-1 deg"], ("psi", "greater than zero")),
+        (2, ["--measured", "heading=1 deg"], ("heading", "Known")),
+        (2, ["--measured", "v=1 m/s"], ("v",)),
+        (3, ["--measured", "psi=0.2"], ("bare number", "rad")),
+        (2, ["--rates", "psi=0.1 s"], ("psi", "sampled every 1 s")),
+        (2, ["--rates", "u=2 s"], ("u", "not measured")),
+        (3, ["--noise", "r=0.1 m"], ("rad/s", "density")),
+        (2, ["--noise", "q=1 m"], ("q", "Known")),
+        (2, ["--initial", "r=0 deg/s"], ("r", "greater than zero")),
+        (2, ["--estimate", "zeta"], ("zeta",)),
+        (2, ["--gate", "-1"], ("gate", "greater than zero")),
+        (2, ["--follow", "-"], ("--follow", "not both")),
+    ],
+)
+def test_refusals(refused, code, arguments, words):
+    sensors = () if "--measured" in arguments else SENSORS
+    refused(code, ["filter", TRIAL, *NOMOTO, *sensors, *arguments], *words)
+
+
+def test_what_cannot_be_followed(refused, tmp_path, lines):
+    refused(3, ["filter", "--follow", tmp_path / "none.csv", *NOMOTO], "no file")
+    empty = tmp_path / "empty.csv"
+    empty.write_text("\n")
+    refused(3, ["filter", "--follow", empty, "--wait", "0.1 s", *NOMOTO], "header")
+    unitless = tmp_path / "unitless.csv"
+    unitless.write_text("t,psi\n0,0\n")
+    refused(3, ["filter", "--follow", unitless, "--wait", "0.1 s", *NOMOTO], "says no unit")
+    lacking = tmp_path / "lacking.csv"
+    lacking.write_text("t [s],psi [deg]\n0,0\n")
+    refused(2, ["filter", "--follow", lacking, "--wait", "0.1 s", *NOMOTO], "delta", "first sample")
+    refused(2, ["filter", *NOMOTO], "TRIAL")
+    refused(2, ["filter", "--follow", "-", "--out", tmp_path / "out", *NOMOTO], "--out")
+    assert len(lines) > 700
