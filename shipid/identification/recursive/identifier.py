@@ -17,7 +17,7 @@ from shipid.declaration.parameters import ParameterSet, missing_values
 from shipid.declaration.units import prime_factor, to_si
 from shipid.estimation.arrangement import Arrangement, arrange, column_of
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
-from shipid.estimation.kalman import columns_of
+from shipid.estimation.feeding import columns_of
 from shipid.estimation.noise import process_sources
 from shipid.estimation.start import parameter_starts, read_deviations
 from shipid.generation.loop import Loop, make_loop

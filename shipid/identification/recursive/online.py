@@ -2,26 +2,92 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import json
 import os
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.estimation.arrangement import LONGEST_GAP, LONGEST_STEP, column_of, input_table
 from shipid.estimation.errors import SavedStateError
-from shipid.estimation.run import ParameterEstimate, unpacked
-from shipid.identification.recursive.following import following
+from shipid.estimation.run import unpacked
+from shipid.identification.recursive.following import followers, following
 from shipid.identification.recursive.recursion import FEW
 
 if TYPE_CHECKING:
     from shipid.generation.loop import Stepper
     from shipid.identification.recursive.identifier import RecursiveIdentifier
 
-_Z95 = 1.959963984540054
+
+@dataclass(frozen=True, eq=False)
+class RecursiveEstimate:
+    """What is known after a sample.
+
+    Attributes
+    ----------
+    t : float
+        Time of the sample in s.
+    y : float
+        The measured state as the recursion remembers it, SI.
+    theta : ndarray, shape (parameters,)
+        Estimates, SI.
+    covariance : ndarray, shape (parameters, parameters)
+        Their covariance.
+    refused : str
+        Why the whole sample was refused; empty where it was not.
+    """
+
+    t: float
+    y: float
+    theta: np.ndarray
+    covariance: np.ndarray
+    refused: str
+    _identifier: RecursiveIdentifier = field(repr=False)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The parameters, and the published coefficients that follow from them."""
+        made = self._identifier
+        return (*made.names, *followers(made.model, made.names))
+
+    @functools.cached_property
+    def _values(self) -> dict[str, tuple[float, float]]:
+        made = self._identifier
+        std = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        also = following(made.model, made.names, made.known, self.theta[None, :], self.covariance[None])
+        own = {n: (float(self.theta[i]), float(std[i])) for i, n in enumerate(made.names)}
+        return own | {n: (float(v[0]), float(s[0])) for n, (v, s) in also.items()}
+
+    def __getitem__(self, name: str) -> float:
+        """Return the estimate of a parameter, or of what follows from them, SI."""
+        if name not in self.names:
+            raise UnknownNameError("estimated parameter", name, self.names)
+        return self._values[name][0]
+
+    def std_of(self, name: str) -> float:
+        """Return a standard deviation, SI.
+
+        Parameters
+        ----------
+        name : str
+            A parameter, or a published coefficient that follows from them.
+        """
+        _ = self[name]
+        return self._values[name][1]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, SI, free of NaN."""
+        return {
+            "t": self.t,
+            "estimates": {n: {"value": _plain(v), "std": _plain(s)} for n, (v, s) in self._values.items()},
+            "refused": self.refused,
+        }
 
 
 class OnlineIdentifier:
@@ -47,9 +113,9 @@ class OnlineIdentifier:
         self._level = identifier.level_of()
         self._stepper: Stepper | None = None
         self._usual: float | None = None
-        self._pending: dict[str, float] = {}
+        self._held: dict[str, float] = {}
 
-    def update(self, sample: Mapping[str, float]) -> dict[str, float]:
+    def update(self, sample: Mapping[str, float]) -> RecursiveEstimate:
         """Take in one sample.
 
         Parameters
@@ -59,27 +125,24 @@ class OnlineIdentifier:
 
         Returns
         -------
-        dict of str to float
-            The estimates after it, SI.
+        RecursiveEstimate
+
+        Raises
+        ------
+        UsageError
+            If the sample has no time.
+        NotMeasurableError
+            If the first sample lacks an input.
         """
         made, places = self.identifier, self.identifier.layout.control
-        t = float(sample["t"])
+        t = float(sample.get("t", np.nan))
+        if not np.isfinite(t):
+            raise UsageError("a sample needs its time 't' in s, a finite number.")
         if self.t is not None and not t > self.t:
             self.refused += 1
-            return self.estimates
-        self._pending |= {n: float(v) for n, v in sample.items() if np.isfinite(v)}
-        model = made.regression.system.model
-        columns = {n: np.array([v]) for n, v in (self._pending | {"t": t}).items()}
-        inputs = input_table(model, columns, "of samples", made.inputs, made.regression.needed)[0]
-        # The cruising speed is the one before the manoeuvre, not the one now.
-        if (
-            "cruise" in model.inputs
-            and "cruise" not in self._pending
-            and "u" in columns
-            and "cruise" not in made.inputs
-        ):
-            self._pending["cruise"] = float(columns["u"][0])
-        column = column_of(model, made.sensor, sample)
+            return self._estimate(f"its time {t:g} s is not later than the last one, {self.t:g} s")
+        inputs = self._inputs(sample)
+        column = column_of(made.regression.system.model, made.sensor, sample)
         z = float(sample[column]) if column is not None else np.nan
         there = bool(np.isfinite(z))
         if self._stepper is None:
@@ -89,65 +152,70 @@ class OnlineIdentifier:
         control = self._stepper.control
         begin = self._stepper.z[made.layout.carried["u"]].copy()
         pieces = self._pieces(gap)
-        for k in range(pieces):
-            last = k == pieces - 1
-            control[places["u"]] = begin + (inputs - begin) * (k + 1) / pieces
+        for k in range(1, pieces + 1):
+            shows = there and k == pieces
+            control[places["u"]] = begin + (inputs - begin) * (k / pieces)
             control[places["T"]] = gap / pieces
-            control[places["z"]] = z if there and last else 0.0
-            control[places["there"]] = float(there and last)
+            control[places["z"]] = z if shows else 0.0
+            control[places["there"]] = float(shows)
             self._stepper.step()
-        if self.t is not None and pieces == 1:
-            self._usual = gap if self._usual is None else self._usual
+        if self._usual is None and self.t is not None:
+            self._usual = gap
         self.t = t
-        return self.estimates
+        return self._estimate("")
+
+    def _inputs(self, sample: Mapping[str, float]) -> np.ndarray:
+        made, model = self.identifier, self.identifier.regression.system.model
+        self._held |= {n: float(v) for n, v in sample.items() if np.isfinite(v)}
+        # The cruising speed is the one before the manoeuvre, not the one now.
+        if "cruise" in made.regression.needed and "u" in self._held and "cruise" not in made.inputs:
+            self._held.setdefault("cruise", self._held["u"])
+        columns = {n: np.array([v]) for n, v in self._held.items()}
+        inputs: np.ndarray = input_table(model, columns, "of samples", made.inputs, made.regression.needed)[0]
+        return inputs
 
     def _pieces(self, gap: float) -> int:
         """In how many steps a gap is bridged, so that the integration stays accurate."""
         return 1 if not self._usual else max(1, int(np.ceil(gap / (LONGEST_STEP * self._usual) - 1e-9)))
 
     @property
-    def estimates(self) -> dict[str, float]:
-        """Parameters, and what follows from them, after the last sample, SI."""
-        return {n: p.value for n, p in self.parameters.items()}
+    def estimate(self) -> RecursiveEstimate | None:
+        """What is known after the last sample; None before the first."""
+        return None if self._stepper is None else self._estimate("")
 
-    @property
-    def parameters(self) -> dict[str, ParameterEstimate]:
-        """Parameters, and what follows from them, after the last sample, with 95 % intervals."""
-        made, layout = self.identifier, self.identifier.layout
-        if self._stepper is None:
-            return {}
-        z = self._stepper.z
-        theta = np.array(z[layout.carried["theta"]])
+    def _estimate(self, refused: str) -> RecursiveEstimate:
+        assert self._stepper is not None and self.t is not None
+        made, layout, z = self.identifier, self.identifier.layout, self._stepper.z
         covariance = unpacked(z[layout.carried["joint"]][None, :], layout.n + 1)[0, 1:, 1:]
         count = float(z[layout.carried["count"]][0])
         if not made.method.believes_noise and count >= FEW * layout.n:
-            covariance = covariance * float(z[layout.carried["nis"]][0]) / count
-        values = {n: (theta[i], np.sqrt(max(covariance[i, i], 0.0))) for i, n in enumerate(made.names)}
-        also = following(made.model, made.names, made.known, theta[None, :], covariance[None])
-        values |= {n: (v[0], s[0]) for n, (v, s) in also.items()}
-        result = {}
-        for name, (value, std) in values.items():
-            entry, value, std = made.model[name], float(value), float(std)
-            ends = (value - _Z95 * std, value + _Z95 * std)
-            result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, std, ends)
-        return result
+            covariance = covariance * (float(z[layout.carried["nis"]][0]) / count)
+        theta = np.array(z[layout.carried["theta"]])
+        return RecursiveEstimate(self.t, float(z[layout.carried["y"]][0]), theta, covariance, refused, made)
 
     def save(self, path: str | Path) -> None:
-        """Write the state to a file, whole or not at all.
+        """Write the state to a file, whole or not at all; every number exactly.
 
         Parameters
         ----------
         path : str or Path
-            The file; it is replaced in one step.
+            A JSON file; one that exists is replaced.
+
+        Raises
+        ------
+        UsageError
+            If no sample has come yet.
         """
+        if self._stepper is None:
+            raise UsageError("a recursion that has taken no sample has no state to save.")
         path = Path(path)
         state: dict[str, Any] = {
             "belongs_to": signature(self.identifier),
             "t": self.t,
             "refused": self.refused,
             "usual": self._usual,
-            "pending": self._pending,
-            "carried": None if self._stepper is None else self._stepper.z.tolist(),
+            "held": self._held,
+            "carried": self._stepper.z.tolist(),
         }
         temporary = path.with_name(f".{path.name}.{os.getpid()}")
         temporary.write_text(json.dumps(state), encoding="utf-8")
@@ -169,13 +237,12 @@ class OnlineIdentifier:
         SavedStateError
             If the file cannot be read, or belongs to another recursion.
         """
+        online = cls(identifier)
         try:
             state = json.loads(path.read_text(encoding="utf-8"))
-            belongs = state["belongs_to"]
-            online = cls(identifier)
+            belongs, carried = state["belongs_to"], np.array(state["carried"], dtype=float)
             online.t, online.refused = state["t"], state["refused"]
-            online._usual, online._pending = state["usual"], state["pending"]
-            carried = state["carried"]
+            online._usual, online._held = state["usual"], state["held"]
         except OSError as error:
             raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
         except (ValueError, KeyError, TypeError):
@@ -185,8 +252,7 @@ class OnlineIdentifier:
                 f"the saved state {path} belongs to another recursion: model, ship, method, parameters and noise have to be those "
                 "it was saved with. Make it with the same arguments, or start anew."
             )
-        if carried is not None:
-            online._stepper = identifier.loop.one_at_a_time(np.array(carried), identifier.constants(online._level))
+        online._stepper = identifier.loop.one_at_a_time(carried, identifier.constants(online._level))
         return online
 
 
@@ -209,3 +275,8 @@ def signature(identifier: RecursiveIdentifier) -> str:
         identifier.constants(identifier.level_of()).tolist(),
     )
     return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+def _plain(value: float) -> float | None:
+    """A number for JSON, which knows neither NaN nor infinity."""
+    return value if np.isfinite(value) else None
