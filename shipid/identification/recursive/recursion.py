@@ -17,6 +17,8 @@ from shipid.identification.recursive.regression import Regression
 LARGEST_POLE = 0.9999
 #: Samples after which the auxiliary model drives the instruments, times the number of parameters; before, it is least squares.
 WARM_UP = 20
+#: Warm-ups after which the auxiliary model's parameters follow the estimate.
+SETTLED = 5
 #: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
 AUXILIARY_SHARE = 0.02
 #: Innovations before their size is trusted to say how large the noise is, times the number of parameters.
@@ -180,8 +182,10 @@ def _instruments(
     """The auxiliary model's output and parameters, and the direction in which the parameters are corrected."""
     if not method.instruments:
         return old["y_aux"], old["theta_aux"], psi
-    slow = old["theta_aux"] + AUXILIARY_SHARE * (old["theta"] - old["theta_aux"])
     warming = old["age"] < WARM_UP * old["theta"].shape[0]
+    # Fresh instruments begin with wild estimates: the auxiliary model waits until they have settled.
+    settled = old["age"] >= SETTLED * WARM_UP * old["theta"].shape[0]
+    slow = old["theta_aux"] + AUXILIARY_SHARE * settled * (old["theta"] - old["theta_aux"])
     slow = ca.if_else(warming, old["theta"], slow)
     slow = _stable(regression, old["y_aux"], slow, ca.SX.eye(slow.shape[0]), old["u"], u1, p, T)
     y_aux, _, clean = regression.predict(old["y_aux"], slow, old["u"], u1, p, T)
