@@ -391,7 +391,9 @@ def draw(found: dict[tuple[str, float], Outcome], path: Path) -> None:
         axes = figure.subplots(2, 2, sharex=True, sharey=True)
         for ax, ratio in zip(axes.flat, RATIOS):
             for method in shown:
-                ax.semilogy(np.maximum(100 * found[method, ratio].curve, 1e-2), label=method, linewidth=1.2)
+                ax.semilogy(
+                    range(0, SAMPLES, 6), np.maximum(100 * found[method, ratio].curve[::6], 1e-2), label=method, lw=1.2
+                )
             ax.axhline(20, color="0.6", linewidth=0.8, linestyle=":")
             ax.set_title(f"noise/signal {ratio:.2f}", loc="left", fontsize=9)
         for ax in axes[:, 0]:

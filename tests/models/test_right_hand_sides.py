@@ -229,6 +229,17 @@ def cubic(n: Numbers) -> Numbers:
     return {"r": yaw + n["r_disturbance"], "way": u, "v": n["v"], **planar(n)}
 
 
+def wave_level(n: Numbers) -> Numbers:
+    n |= {"slow": 0.004, "slower": -0.001, "power": 3e-6, "age": 61.0, "r_expected": 0.0021}
+    n |= {"wave_time": 2.7, "wave_frequency": 0.7, "wave_memory": 190.0, "wave_margin": 2.5}
+    once = n["r"] - 0.0021 - 0.004
+    fast, kept = once + 0.001, (0.7 * 2.7) ** 2 / (1 + (0.7 * 2.7) ** 2)
+    power = (fast**2 - 3e-6) / (61.0 - 5 * 2.7)
+    rms = sqrt(3e-6) / kept
+    shown = {"fast": fast, "wave_rms": rms, "sigma_w": 2.5 * rms}
+    return {"slow": once / 2.7, "slower": fast / 2.7, "power": power, "age": 1.0, **shown}
+
+
 def linear_yaw(n: Numbers) -> Numbers:
     n |= {"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7}
     # tau* (L/u) r' + (u/L) r* = K* (u/L) delta, r* = r L/u
@@ -333,6 +344,7 @@ MODELS: dict[str, Case] = {
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
     "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag, "linear-yaw": linear_yaw,
+    "wave-level": wave_level,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled,
