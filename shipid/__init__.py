@@ -40,6 +40,8 @@ _HOMES = {
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
     "Fit": "shipid.identification.fit",
     "compare_models": "shipid.identification.comparing",
+    "RecursiveIdentifier": "shipid.identification.recursive.identifier",
+    "identify_recursively": "shipid.identification.recursive.identifier",
     "identify": "shipid.identification.identify",
     "plan_trials": "shipid.identification.planning",
     "manoeuvring_criteria": "shipid.identification.criteria",

@@ -16,7 +16,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit or FilterRun
+    result : Fit, FilterRun or RecursiveIdentification
         What to report.
     path : str or Path
         The file to write.
@@ -50,7 +50,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit or FilterRun
+    result : Fit, FilterRun or RecursiveIdentification
         What to report.
 
     Raises
@@ -60,6 +60,7 @@ def render(result: Any) -> str:
     """
     from shipid.estimation.run import FilterRun
     from shipid.identification.fit import Fit
+    from shipid.identification.recursive.result import RecursiveIdentification
 
     if isinstance(result, Fit):
         from shipid.report.fit_view import fit_view
@@ -69,7 +70,13 @@ def render(result: Any) -> str:
         from shipid.report.filter_view import filter_view
 
         return _page("filter.html", filter_view(result))
-    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: Fit, FilterRun.")
+    if isinstance(result, RecursiveIdentification):
+        from shipid.report.recursive_view import recursive_view
+
+        return _page("filter.html", recursive_view(result))
+    raise UsageError(
+        f"there is no report for a {type(result).__name__}. Reports exist for: Fit, FilterRun, RecursiveIdentification."
+    )
 
 
 def _page(template: str, view: Any) -> str:

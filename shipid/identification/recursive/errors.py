@@ -1,0 +1,18 @@
+"""What can be wrong with a recursive identification: one class a cause."""
+
+from __future__ import annotations
+
+from shipid.declaration.errors import UsageError
+from shipid.identification.errors import IdentificationError
+
+
+class NonlinearParameterError(IdentificationError):
+    """A parameter that enters the equation nonlinearly, so that no regression is linear in it."""
+
+
+class NoRegressionError(IdentificationError):
+    """A model or a choice of parameters of which no equation of one measured state can be made."""
+
+
+class ForgettingError(UsageError):
+    """A forgetting factor out of range, or given to a method that has none."""

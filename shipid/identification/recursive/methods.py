@@ -1,0 +1,138 @@
+"""The family: what tells its members apart is which output they remember, and which gain they take.
+
+All of them predict one output a sample ahead with the model, ``ybar = psi' theta``, and correct output and parameters by the
+innovation: ``yhat = ybar + K_y e``, ``theta = theta + K_theta e``. Passenier (1989), section 4.5.3, shows each as an extended
+Kalman filter in which something is left out of the covariance; here each is written as just that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from shipid.declaration.errors import UnknownNameError
+
+
+@dataclass(frozen=True)
+class Method:
+    """One member of the family.
+
+    Attributes
+    ----------
+    name, line : str
+        Its name on the command line, and what it is in one line.
+    source : str
+        Where its equations are printed.
+    remembers : {"measured", "predicted", "weighted", "optimal"}
+        The output the next prediction starts from: the measurement (K_y = 1), the model's own (K_y = 0), or a mean of the two
+        by their variances, without or with the correlation between output and parameters.
+    forgets : bool
+        Whether it takes a forgetting factor.
+    believes_noise : bool
+        Whether the noise level it is given counts. Otherwise only its ratio to the first uncertainty does, and intervals are
+        scaled by the size of the innovations.
+    instruments : bool
+        Whether parameters are corrected along an auxiliary model's output, which measurement noise does not touch.
+    projects : bool
+        Whether the model it runs is kept stable.
+    linear : bool
+        Whether the model has to be linear in the parameters.
+    separate : bool
+        Whether the output is weighted apart from the parameters: the uncertainty of the output has then no part in K_theta.
+    """
+
+    name: str
+    line: str
+    source: str
+    remembers: Literal["measured", "predicted", "weighted", "optimal"]
+    forgets: bool = False
+    believes_noise: bool = True
+    instruments: bool = False
+    projects: bool = False
+    linear: bool = True
+    separate: bool = False
+
+
+_ALL = (
+    Method(
+        "ekf",
+        "extended Kalman filter of output and parameters: tightest, and needs a start it can believe",
+        "Passenier (1989), eq. (4.111)-(4.119)",
+        "optimal",
+        linear=False,
+    ),
+    Method(
+        "rls",
+        "recursive least squares, with forgetting: quick, and biased by measurement noise",
+        "Passenier (1989), eq. (4.57)-(4.64)",
+        "measured",
+        forgets=True,
+        believes_noise=False,
+    ),
+    Method(
+        "series-parallel",
+        "series-parallel MRAS, the same recursion as rls",
+        "Passenier (1989), eq. (4.62)",
+        "measured",
+        forgets=True,
+        believes_noise=False,
+    ),
+    Method(
+        "mras-parallel",
+        "parallel MRAS (output error), kept stable: without bias, and slow",
+        "Passenier (1989), eq. (4.63); Landau (1976)",
+        "predicted",
+        forgets=True,
+        believes_noise=False,
+        projects=True,
+    ),
+    Method(
+        "minimum-variance",
+        "minimum variance (Markov): least squares that believes its noise level; biased as rls",
+        "Passenier (1989), eq. (4.134)-(4.139)",
+        "measured",
+    ),
+    Method(
+        "combined",
+        "combined MRAS: starts as series-parallel, ends as parallel; robust, without much bias",
+        "Passenier (1989), eq. (4.126)-(4.132)",
+        "weighted",
+    ),
+    Method(
+        "combined-heuristic",
+        "combined MRAS as first derived: output and parameters weighted apart",
+        "Passenier (1989), eq. (4.83)-(4.94), with the 1 of (4.74) read as R: it is printed in units of the noise",
+        "weighted",
+        separate=True,
+    ),
+    Method(
+        "instrumental-variables",
+        "least squares along an auxiliary model's output: without bias, wider than ekf",
+        "Young (1970); Söderström and Stoica (1989), section 9.3",
+        "measured",
+        forgets=True,
+        believes_noise=False,
+        instruments=True,
+    ),
+)
+
+#: Every method by its name on the command line.
+METHODS: dict[str, Method] = {m.name: m for m in _ALL}
+
+
+def find_method(name: str) -> Method:
+    """Return a method by name.
+
+    Parameters
+    ----------
+    name : str
+        A key of `METHODS`.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none.
+    """
+    if name not in METHODS:
+        raise UnknownNameError("method of recursive identification called", name, METHODS)
+    return METHODS[name]

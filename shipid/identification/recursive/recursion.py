@@ -1,0 +1,229 @@
+"""One sample of a recursive identification, as a generated function ``(carried, control, constants) -> (carried, outputs)``.
+
+Every method is a gain in one frame. The frame also carries the covariance that output and parameters really have under that
+gain (Joseph's form, which holds for any gain), so that each method says how sure it is in the same way, whatever it believes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from shipid.identification.recursive.methods import Method
+from shipid.identification.recursive.regression import Regression
+
+#: The pole of the model that is run stays within this: a time constant of ten thousand samples.
+LARGEST_POLE = 0.9999
+#: Samples after which the auxiliary model drives the instruments, times the number of parameters; before, it is least squares.
+WARM_UP = 20
+#: Warm-ups after which the auxiliary model's parameters follow the estimate.
+SETTLED = 5
+#: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
+AUXILIARY_SHARE = 0.02
+#: Innovations before their size is trusted to say how large the noise is, times the number of parameters.
+FEW = 10
+
+
+class Layout:
+    """Where everything stands in the vectors of a recursion.
+
+    Parameters
+    ----------
+    parameters : int
+        How many are estimated.
+    inputs, coefficients : int
+        How many the model has.
+    """
+
+    def __init__(self, parameters: int, inputs: int, coefficients: int) -> None:
+        n, joint = parameters, parameters + 1
+        triangle = joint * (joint + 1) // 2
+        self.n = n
+        self.carried = _places(
+            y=1, theta=n, u=inputs, P=n * n, P_y=1, joint=triangle, y_aux=1, theta_aux=n, age=1, nis=1, count=1
+        )
+        self.control = _places(u=inputs, T=1, z=1, there=1)
+        self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1, settles=1)
+        self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, gain=1, pole=1, nis=1, count=1)
+
+
+def _places(**sizes: int) -> dict[str, slice]:
+    places, at = {}, 0
+    for name, count in sizes.items():
+        places[name] = slice(at, at + count)
+        at += count
+    return places
+
+
+def length(places: dict[str, slice]) -> int:
+    """Return the length of a vector with these places."""
+    return max(p.stop for p in places.values())
+
+
+def make_recursion(regression: Regression, method: Method, layout: Layout) -> Any:
+    """Generate the function of one sample.
+
+    Parameters
+    ----------
+    regression : Regression
+        What is predicted.
+    method : Method
+        Which gain.
+    layout : Layout
+        Where everything stands.
+
+    Returns
+    -------
+    casadi.Function
+
+    Notes
+    -----
+    The numbers of the equations are those of Passenier (1989). Without a measurement the model is run and nothing else.
+    """
+    before, control, constants = (
+        ca.SX.sym(name, length(places))
+        for name, places in (
+            ("carried", layout.carried),
+            ("control", layout.control),
+            ("constants", layout.constants),
+        )
+    )
+    n = layout.n
+    old = {k: before[s] for k, s in layout.carried.items()}
+    u1, T, z, there = (control[layout.control[k]] for k in ("u", "T", "z", "there"))
+    p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
+    added = q_density * T + q_sample * (T > 0)
+    # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
+    begins = settles * there * (old["age"] == 0)
+    there = there - begins
+
+    ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
+    e = z - ahead
+    transition = ca.vertcat(ca.horzcat(pole, psi.T), ca.horzcat(ca.SX.zeros(n, 1), ca.SX.eye(n)))
+    joint = _symmetric(transition @ _unpacked(old["joint"], n + 1) @ transition.T + ca.diag(added))
+    spread = joint[0, 0] + r
+
+    believed = ca.reshape(old["P"], n, n)
+    y_aux, theta_aux, direction = _instruments(regression, method, old, psi, u1, p, T)
+    if method.instruments:
+        # What least squares learned to get the auxiliary model started is biased: its weight is given back.
+        believed = ca.if_else(old["age"] == WARM_UP * n, ca.diag(first), believed)
+    along = believed @ direction
+    # (4.126): what the output is unsure of before the sample, apart from its parameters.
+    own = pole**2 * old["P_y"] + added[0] if method.remembers == "weighted" else added[0]
+    quadratic = ca.dot(psi, along)
+    memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
+    if method.remembers == "optimal":
+        gains = joint[:, 0] / spread  # (4.115)
+        gain, correction = gains[0], gains[1:]
+    else:
+        unsure = own + quadratic
+        gain = {"measured": 1.0, "predicted": 0.0, "weighted": unsure / (unsure + r)}[method.remembers]
+        # (4.74) leaves out the uncertainty of the output, (4.130) counts it.
+        correction = along / (memory * (r if method.separate else own + r) + quadratic)
+        gain = ca.SX(gain)
+
+    gain, correction = gain * there, correction * there
+    theta = old["theta"] + correction * e
+    y = ahead + gain * e
+    updated = believed - correction @ (psi.T @ believed)
+    updated = ca.if_else(there, updated / memory, believed) + ca.diag(added[1:])
+    if not method.instruments:
+        updated = _symmetric(updated)
+    if method.projects:
+        theta = _stable(regression, y, theta, updated, old["u"], u1, p, T)
+    all_gains = ca.vertcat(gain, correction)
+    column = joint[:, 0]
+    joint = _symmetric(joint - all_gains @ column.T - column @ all_gains.T + (all_gains * spread) @ all_gains.T)
+
+    uncertain = (1 - gain) * (own + quadratic)  # (4.131)
+    y, y_aux, uncertain = (ca.if_else(begins, new, kept) for new, kept in ((z, y), (z, y_aux), (r, uncertain)))
+    joint[0, 0] = ca.if_else(begins, r, joint[0, 0])
+    for k in range(1, n + 1):
+        joint[0, k] = joint[k, 0] = ca.if_else(begins, 0.0, joint[0, k])
+
+    nis = old["nis"] + there * e**2 / spread
+    count = old["count"] + there
+    following = {
+        "y": y,
+        "theta": theta,
+        "u": u1,
+        "P": ca.vec(updated),
+        "P_y": uncertain,
+        "joint": _packed(joint),
+        "y_aux": y_aux,
+        "theta_aux": theta_aux,
+        "age": old["age"] + there + begins,
+        "nis": nis,
+        "count": count,
+    }
+    shown = {
+        "y": y,
+        "theta": theta,
+        "joint": _packed(joint),
+        "e": e,
+        "S": spread,
+        "gain": gain,
+        "pole": pole,
+        "nis": nis,
+        "count": count,
+    }
+    results = [
+        ca.densify(ca.vertcat(*(ca.SX(values[k]) for k in places)))
+        for values, places in ((following, layout.carried), (shown, layout.outputs))
+    ]
+    return ca.Function("recursion", [before, control, constants], ca.cse(results))
+
+
+def _instruments(
+    regression: Regression, method: Method, old: dict[str, Any], psi: Any, u1: Any, p: Any, T: Any
+) -> tuple[Any, Any, Any]:
+    """The auxiliary model's output and parameters, and the direction in which the parameters are corrected."""
+    if not method.instruments:
+        return old["y_aux"], old["theta_aux"], psi
+    warming = old["age"] < WARM_UP * old["theta"].shape[0]
+    # Fresh instruments begin with wild estimates: the auxiliary model waits until they have settled.
+    settled = old["age"] >= SETTLED * WARM_UP * old["theta"].shape[0]
+    slow = old["theta_aux"] + AUXILIARY_SHARE * settled * (old["theta"] - old["theta_aux"])
+    slow = ca.if_else(warming, old["theta"], slow)
+    slow = _stable(regression, old["y_aux"], slow, ca.SX.eye(slow.shape[0]), old["u"], u1, p, T)
+    y_aux, _, clean = regression.predict(old["y_aux"], slow, old["u"], u1, p, T)
+    return y_aux, slow, ca.if_else(warming, psi, clean)
+
+
+def _stable(regression: Regression, y: Any, theta: Any, metric: Any, u0: Any, u1: Any, p: Any, T: Any) -> Any:
+    """Project parameters on those of a stable model, in the metric of their covariance; exact where the pole is linear."""
+    symbols = [
+        ca.SX.sym("y"),
+        ca.SX.sym("theta", theta.shape[0]),
+        *(ca.SX.sym("s", a.shape[0]) for a in (u0, u1, p, T)),
+    ]
+    pole = regression.predict(*symbols)[1]
+    limits = ca.Function("limits", symbols, [pole, ca.densify(ca.jacobian(pole, symbols[1]).T)])
+    pole, slope = limits(y, theta, u0, u1, p, T)
+    beyond = pole - ca.fmax(ca.fmin(pole, LARGEST_POLE), -LARGEST_POLE)
+    along = metric @ slope
+    # Where no parameter moves the pole there is nothing to project.
+    power = ca.dot(slope, along)
+    share = ca.if_else((T > 0) * (power > 0), beyond / ca.if_else(power > 0, power, 1.0), 0.0)
+    return theta - along * share
+
+
+def _symmetric(matrix: Any) -> Any:
+    """Keep the upper triangle and mirror it: symmetric by construction."""
+    return ca.densify(ca.triu2symm(ca.triu(matrix)))
+
+
+def _packed(matrix: Any) -> Any:
+    size = matrix.shape[0]
+    return ca.vertcat(*(matrix[i, j] for j in range(size) for i in range(j + 1)))
+
+
+def _unpacked(packed: Any, size: int) -> Any:
+    full, k = ca.SX(size, size), 0
+    for j in range(size):
+        for i in range(j + 1):
+            full[i, j] = full[j, i] = packed[k]
+            k += 1
+    return full

@@ -1,0 +1,278 @@
+"""What a recursion made of a record: parameters along it, how sure they are, and whether they can be believed."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shipid.declaration.units import pretty
+from shipid.estimation.arrangement import Arrangement
+from shipid.estimation.consistency import whiteness
+from shipid.estimation.run import ParameterEstimate, unpacked
+from shipid.identification.recursive.following import following
+from shipid.identification.recursive.recursion import FEW
+
+if TYPE_CHECKING:
+    from shipid.identification.recursive.identifier import RecursiveIdentifier
+
+_Z95 = 1.959963984540054
+#: A recursion is lost where, in the last quarter of the record, innovations are so many times as large as expected, and what they
+#: have too much is such a share of the variance of the motion. A model that is a little wrong does the one and not the other.
+_LARGE, _UNEXPLAINED = 1.4, 0.1
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RecursiveIdentification:
+    """A record and what the recursion made of it; N samples, n parameters.
+
+    Attributes
+    ----------
+    identifier : RecursiveIdentifier
+        Which recursion.
+    record : str
+        Name of the record.
+    arranged : Arrangement
+        The record as the recursion took it.
+    noise_level : float
+        Standard deviation of a sample of the measured state, given or found in the record, SI.
+    """
+
+    identifier: RecursiveIdentifier
+    record: str
+    arranged: Arrangement
+    noise_level: float
+    _out: np.ndarray = field(repr=False)
+
+    def _rows(self, name: str) -> np.ndarray:
+        return self._out[self.arranged.shown][:, self.identifier.layout.outputs[name]]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The estimated parameters."""
+        return self.identifier.names
+
+    @property
+    def t(self) -> np.ndarray:
+        """Times of the samples in s, shape (N,)."""
+        return self.arranged.t[self.arranged.shown]
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Estimates of the parameters after each sample, SI, shape (N, n)."""
+        return self._rows("theta")
+
+    @property
+    def y(self) -> np.ndarray:
+        """The measured state as the recursion remembers it after each sample, SI, shape (N,)."""
+        return self._rows("y")[:, 0]
+
+    @functools.cached_property
+    def noise_ratio(self) -> np.ndarray:
+        """Size of the innovations so far, in that expected: 1 where the noise level is right; shape (N,).
+
+        The intervals of methods that do not believe the noise level are scaled by it.
+        """
+        ratio = self._rows("nis")[:, 0] / np.maximum(self._rows("count")[:, 0], 1.0)
+        return np.sqrt(np.where(self._rows("count")[:, 0] < FEW * len(self.names), 1.0, ratio))
+
+    @functools.cached_property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the parameters after each sample, SI, shape (N, n, n): what the gains that were taken make of it.
+
+        It counts the scatter by noise and by the unknown start. The bias of a method that has one is not in it.
+        """
+        joint = unpacked(self._rows("joint"), len(self.names) + 1)[:, 1:, 1:]
+        return joint if self.identifier.method.believes_noise else joint * self.noise_ratio[:, None, None] ** 2
+
+    @property
+    def std(self) -> np.ndarray:
+        """Standard deviations of the parameters after each sample, SI, shape (N, n)."""
+        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0))
+
+    @property
+    def innovations(self) -> np.ndarray:
+        """What was measured less what was predicted, SI, shape (N,); NaN where nothing was measured."""
+        return np.where(self._taken, self._rows("e")[:, 0], np.nan)
+
+    @property
+    def innovation_variances(self) -> np.ndarray:
+        """Their variances as the gains and the noise level make them, SI, shape (N,)."""
+        return self._rows("S")[:, 0]
+
+    @property
+    def _taken(self) -> np.ndarray:
+        there: np.ndarray = self.arranged.there[self.arranged.shown, 0].copy()
+        if self.identifier.starts_at_sample and there.any():
+            there[int(np.argmax(there))] = False
+        return there
+
+    @functools.cached_property
+    def _normalised(self) -> np.ndarray:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return (self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken]
+
+    @property
+    def nis_mean(self) -> float | None:
+        """Mean of the squared innovations, each over its variance: 1 where the recursion is consistent."""
+        mean = float(np.mean(self._normalised**2)) if self._normalised.size else np.nan
+        return mean if np.isfinite(mean) else None
+
+    @property
+    def white_p(self) -> float | None:
+        """Probability of correlations as large as these if the innovations were white (Ljung-Box)."""
+        p = whiteness(self._normalised) if np.isfinite(self._normalised).all() else None
+        return p if p is not None and np.isfinite(p) else None
+
+    @property
+    def _excess(self) -> tuple[float, float]:
+        """Size of the last innovations in that expected, and their excess power as a share of the motion's variance."""
+        last = slice(-max(1, self._normalised.size // 4), None)
+        e, spread, z = (
+            a[self._taken][last] for a in (self._rows("e")[:, 0], self.innovation_variances, self._measured)
+        )
+        power = float(np.mean(e**2 - spread)) / max(float(np.var(z)), float(np.finfo(float).tiny))
+        return float(np.sqrt(np.mean(self._normalised[last] ** 2))), power
+
+    @property
+    def _measured(self) -> np.ndarray:
+        z: np.ndarray = self.arranged.z[self.arranged.shown, 0]
+        return z
+
+    @functools.cached_property
+    def why_diverged(self) -> str:
+        """Why the last estimate is not to be believed; empty where it is."""
+        if not np.isfinite(self._rows("theta")).all() or not np.isfinite(self._rows("S")).all():
+            lost = ~np.isfinite(self._rows("theta")).all(axis=1) | ~np.isfinite(self._rows("S")[:, 0])
+            return f"the estimates run away {self.t[int(np.argmax(lost))]:.5g} s into the record."
+        model = self.identifier.model
+        for i, name in enumerate(self.names):
+            value, low, high = float(self.theta[-1, i]), *(self.identifier.bound(name, k) for k in ("low", "high"))
+            if (low is not None and value < low) or (high is not None and value > high):
+                unit = pretty(model[name].unit)
+                return f"'{name}' ends at {value:.4g} {unit}, outside the bounds it is declared with."
+        if self._normalised.size < FEW:
+            return ""
+        size, share = self._excess
+        if size > _LARGE and share > _UNEXPLAINED:
+            return (
+                f"at the end the innovations are {size:.3g} times as large as expected, and what they have too much is "
+                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, less sure or "
+                "surer of it (start, initial), or let the parameters wander (noise)."
+            )
+        return ""
+
+    @property
+    def diverged(self) -> bool:
+        """Whether the recursion has lost the ship; `why_diverged` says how that shows."""
+        return bool(self.why_diverged)
+
+    @functools.cached_property
+    def follow(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Published coefficients that follow along the record: values and standard deviations, SI, each of shape (N,)."""
+        return following(
+            self.identifier.model, self.names, self.identifier.known, self.theta, np.nan_to_num(self.covariance)
+        )
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return the estimates of a parameter, or of a published coefficient that follows, along the record, SI."""
+        if name in self.names:
+            return self.theta[:, self.names.index(name)]
+        return self._following(name)[0]
+
+    def std_of(self, name: str) -> np.ndarray:
+        """Return standard deviations along the record, SI, shape (N,).
+
+        Parameters
+        ----------
+        name : str
+            A parameter, or a published coefficient that follows from them.
+        """
+        return self.std[:, self.names.index(name)] if name in self.names else self._following(name)[1]
+
+    def _following(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        from shipid.declaration.errors import UnknownNameError
+
+        if name not in self.follow:
+            raise UnknownNameError("estimated parameter", name, [*self.names, *self.follow])
+        return self.follow[name]
+
+    @functools.cached_property
+    def parameters(self) -> dict[str, ParameterEstimate]:
+        """The last estimate of each parameter, and of what follows from them, with 95 % intervals."""
+        result = {}
+        for name in (*self.names, *self.follow):
+            entry = self.identifier.model[name]
+            value, std = float(self[name][-1]), float(self.std_of(name)[-1])
+            ends = (value - _Z95 * std, value + _Z95 * std)
+            result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, std, ends)
+        return result
+
+    def to_frame(self) -> Any:
+        """Return a pandas table: time, estimates and standard deviations, SI, units in the headers."""
+        import pandas as pd
+
+        model, output = self.identifier.model, self.identifier.output
+        columns: dict[str, np.ndarray] = {"t [s]": self.t, f"{output} [{model[output].unit}]": self.y}
+        for name in (*self.names, *self.follow):
+            unit = model[name].unit
+            columns[f"{name} [{unit}]"] = self[name]
+            columns[f"std_{name} [{unit}]"] = self.std_of(name)
+        columns[f"innovation_{output} [{model[output].unit}]"] = self.innovations
+        return pd.DataFrame(columns)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the result as plain values, free of NaN."""
+        model, output = self.identifier.model, self.identifier.output
+        return {
+            "method": self.identifier.method.name,
+            "model": model.name,
+            "ship": self.identifier.ship.name,
+            "record": self.record,
+            "samples": int(self.t.size),
+            "diverged": self.diverged,
+            "why": self.why_diverged,
+            "parameters": {
+                n: {
+                    "value": _plain(p.value),
+                    "unit": p.unit,
+                    "std": _plain(p.std),
+                    "ci95": [_plain(v) for v in p.interval],
+                    "identifiable": p.determined and not self.diverged,
+                    "why": self.why_diverged,
+                    "follows": n not in self.names,
+                    "meaning": p.meaning,
+                }
+                for n, p in self.parameters.items()
+            },
+            "noise": {output: {"std": self.noise_level, "unit": model[output].unit}},
+            "innovations": {
+                output: {
+                    "nis_mean": self.nis_mean,
+                    "white_p": self.white_p,
+                    "rejected": 0,
+                    "samples": int(self._normalised.size),
+                }
+            },
+            "clock_went_back": self.arranged.back,
+        }
+
+    def __repr__(self) -> str:
+        lines = [
+            f"{self.identifier!r}",
+            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+        ]
+        for name, p in self.parameters.items():
+            lines.append(f"  {name:<12s}{p.value:11.4g} ± {p.std:.2g} {pretty(p.unit)}   {p.meaning}")
+        mean, white = ("-" if v is None else f"{v:.3g}" for v in (self.nis_mean, self.white_p))
+        lines.append(f"  innovations of {self.identifier.output}: NIS {mean} (1 is right), whiteness p {white}")
+        if self.diverged:
+            lines.append(f"  NOT TO BE BELIEVED: {self.why_diverged}")
+        return "\n".join(lines)
+
+
+def _plain(value: float) -> float | None:
+    """A number for JSON, which knows neither NaN nor infinity."""
+    return float(value) if np.isfinite(value) else None
