@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 import shipid
 from shipid.declaration.catalogue import find_model, find_ship, whole_ship
 from shipid.declaration.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.declaration.joint import Joint
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value, missing_values
 from shipid.declaration.units import prime_factor, to_si
@@ -282,7 +283,7 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
     condition = covariance.condition_number if np.isfinite(covariance.condition_number) else None
     return Fit(
         model=setting.model,
-        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed]),
+        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed], correlation_of(block)),
         method=f"output error on {', '.join(problem.signals)}, exact sensitivities, {levels}{pooled}",
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
@@ -304,7 +305,11 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
 
 
 def _identified_ship(
-    setting: _Setting, parameters: Mapping[str, Any], fixed: Mapping[str, float], trials: Sequence[Trial]
+    setting: _Setting,
+    parameters: Mapping[str, Any],
+    fixed: Mapping[str, float],
+    trials: Sequence[Trial],
+    correlation: np.ndarray,
 ) -> ParameterSet:
     where = f"identified by output error from {', '.join(t.name for t in trials)} (shipid {shipid.__version__})"
     section = {}
@@ -321,7 +326,11 @@ def _identified_ship(
         target = particulars if name == "L" else section
         target[name] = Value(name, value, setting.model[name].unit, source)
     sections = {**setting.ship.sections, PARTICULARS: particulars, setting.model.name: section}
-    return replace(setting.ship, sections=sections)
+    speeds = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+    # As written: a set that is read again says the same.
+    matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in correlation)
+    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds else None)
+    return replace(setting.ship, sections=sections, joint={**setting.ship.joint, setting.model.name: joint})
 
 
 def _provenance(model: Model, trials: Sequence[Trial]) -> dict[str, Any]:
