@@ -191,6 +191,18 @@ class Autopilot:
 
         return closed_poles(self.plants(np.array([speed]), condition).at(0), self.gains(speed, condition))
 
+    def natural_frequency(self, speed: float) -> float:
+        """Return the natural frequency of the heading in rad/s: the one asked for, or that of the two slowest poles.
+
+        Parameters
+        ----------
+        speed : float
+            In m/s.
+        """
+        if "omega_n" in self.request:
+            return self.request["omega_n"] * speed / self.service_speed
+        return float(np.sqrt(np.prod(np.sort(np.abs(self.poles(speed)))[:2])))
+
     def to_control(self, speed: float | None = None, condition: int = 0, nonlinear: bool = False) -> Any:
         """Return the closed loop for python-control, from ``psi_order`` to ``psi``, ``r`` and ``delta``.
 

@@ -43,6 +43,8 @@ class CourseChange:
         Of the rudder by more than half a degree, a minute.
     cross_track_m : float or None
         Width of the track across the new course once the heading is reached.
+    sea_filter : bool
+        Whether heading and rate went through the sea filter.
     lost : bool
         Whether the model ran away.
     """
@@ -57,6 +59,7 @@ class CourseChange:
     rms_rudder_deg: float | None
     reversals: float | None
     cross_track_m: float | None
+    sea_filter: bool = False
     lost: bool = False
 
     def to_dict(self) -> dict[str, Any]:
@@ -231,7 +234,9 @@ class Judgement:
             elif s.overshoot_deg > 0:
                 found.append(Weakest("overshoot", where, s.overshoot_deg, limit, "deg", limit / s.overshoot_deg))
         errors = [
-            (abs(s.mean_error_deg), s) for s in self.weathered if s.mean_error_deg is not None and not s.change_deg
+            (abs(s.mean_error_deg), s)
+            for s in self.weathered
+            if s.mean_error_deg is not None and s.sea_filter and not s.change_deg
         ]
         if errors:
             value, s = max(errors, key=lambda e: e[0])

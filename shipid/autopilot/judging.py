@@ -9,9 +9,10 @@ import numpy as np
 
 from shipid.autopilot.autopilot import Autopilot
 from shipid.autopilot.judgement import LIMITS, CourseChange, Judgement, Robustness
-from shipid.autopilot.margins import Margins, disk_margins, loop_polynomials, margins_at
+from shipid.autopilot.margins import Margins, disk_margins, loop_polynomials, margins_at, notched
 from shipid.autopilot.plant import linear_plant
 from shipid.autopilot.sailing import Sailed, clock_of, sail, scaled_draws
+from shipid.autopilot.sea_filter import ABOVE, WIDTH
 from shipid.autopilot.weather import yardstick
 from shipid.declaration.drawing import Drawn, draw_coefficients
 from shipid.generation.record import make_record
@@ -25,7 +26,7 @@ SAMPLE_CHANGE = 60.0
 _FROM = {0.0: "astern", 45.0: "the port quarter", 90.0: "port", 135.0: "the port bow", 180.0: "ahead",
          225.0: "the starboard bow", 270.0: "starboard", 315.0: "the starboard quarter"}  # fmt: skip
 #: Weather is measured after this many L/u.
-_BEGUN = 10.0
+_BEGUN = 45.0
 #: Histories kept for the figure, and samples of each.
 _SHOWN, _POINTS = 24, 240
 #: Over and under reading of the log, and how much slower a slow steering machine is.
@@ -64,7 +65,7 @@ def judge(pilot: Autopilot, samples: int, seed: int, progress: Callable[[str], A
     tell("course changes")
     steps = _steps(pilot)
     tell("wind and waves")
-    weather = yardstick(pilot.length)
+    weather = yardstick(pilot.length, pilot.service_speed)
     weathered, words = _weathered(pilot, seed)
     lost = sorted({abs(s.change_deg) for s in steps if s.lost})
     if lost:
@@ -126,6 +127,7 @@ def _robustness(
         variants["steering machine of half the rate and twice the lag"] = _variant(
             float(_disks(pilot, condition, None, lag).min()), slowly
         )
+    variants["sea filter on"] = _filtered(pilot, condition, speed, change)
     for log in _LOG:
         off = sail(pilot, [speed], [change], condition=condition, values={"log_scale": log})
         variants[f"log reads {log - 1:+.0%}"] = _variant(float(_disks(pilot, condition, None, {}, log).min()), off)
@@ -143,6 +145,17 @@ def _robustness(
         variants=variants,
     )
     return found, histories(pilot, [speed], [change], condition, drawn)
+
+
+def _filtered(pilot: Autopilot, condition: int, speed: float, change: float) -> dict[str, float | None]:
+    """The loop with the notch of the sea filter at the frequency of the waves, the ship at rest among them."""
+    waves = yardstick(pilot.length, pilot.service_speed).wave_frequency
+    frequency = np.array([max(waves, ABOVE * pilot.natural_frequency(float(v))) for v in pilot.speeds])
+    plants = pilot.plants(pilot.speeds, condition, steered=True)
+    loop = loop_polynomials(plants, pilot.schedule.at(pilot.speeds, condition))
+    disks = disk_margins(*notched(*loop, frequency, WIDTH), pilot.speeds / pilot.length)
+    own = {"sea_frequency": max(waves, ABOVE * pilot.natural_frequency(speed))}
+    return _variant(float(disks.min()), sail(pilot, [speed], [change], condition=condition, values=own, filtered=True))
 
 
 def _variant(disk: float, sailed: Sailed) -> dict[str, float | None]:
@@ -225,7 +238,7 @@ def _steps(pilot: Autopilot) -> tuple[CourseChange, ...]:
 
 def _weathered(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], list[str]]:
     speed = float(np.clip(pilot.service_speed, pilot.speeds[0], pilot.speeds[-1]))
-    weather = yardstick(pilot.length)
+    weather = yardstick(pilot.length, pilot.service_speed)
     directions = np.array(list(_FROM))
     words = []
     if not weather.components(pilot.model)[:-1]:
@@ -235,20 +248,24 @@ def _weathered(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], l
             f"assumed: ship {pilot.ship.name} states no wind coefficients; those of a ship of its length are taken, and what is "
             "said of wind is of that size and no more."
         )
-    kept = sail(
-        pilot, np.full(8, speed), np.zeros(8), weather=weather, headings=np.deg2rad(directions), measured_from=_BEGUN,
-        lengths=90.0, seed=seed,
+    kept, raw = (
+        sail(
+            pilot, np.full(8, speed), np.zeros(8), weather=weather, headings=np.deg2rad(directions), measured_from=_BEGUN,
+            lengths=2 * _BEGUN, seed=seed, filtered=filtered,
+        )
+        for filtered in (True, False)
     )  # fmt: skip
     turned = sail(
         pilot, np.full(8, speed), np.full(8, np.deg2rad(SAMPLE_CHANGE)), weather=weather,
-        headings=np.deg2rad(directions), seed=seed,
+        headings=np.deg2rad(directions), seed=seed, filtered=True,
     )  # fmt: skip
-    found = [_change(kept, i, f"weather from {w}") for i, w in enumerate(_FROM.values())]
-    found += [_change(turned, i, f"weather from {w}") for i, w in enumerate(_FROM.values())]
+    found = []
+    for sailed, filtered in ((kept, True), (raw, False), (turned, True)):
+        found += [_change(sailed, i, f"weather from {w}", filtered) for i, w in enumerate(_FROM.values())]
     return tuple(found), words
 
 
-def _change(sailed: Sailed, i: int, weather: str) -> CourseChange:
+def _change(sailed: Sailed, i: int, weather: str, filtered: bool = False) -> CourseChange:
     return CourseChange(
         speed=float(sailed.speed[i]),
         change_deg=round(float(np.rad2deg(sailed.change[i])), 9),
@@ -260,6 +277,7 @@ def _change(sailed: Sailed, i: int, weather: str) -> CourseChange:
         rms_rudder_deg=_plain(np.rad2deg(sailed.rms_rudder[i])),
         reversals=_plain(sailed.reversals[i]),
         cross_track_m=_plain(sailed.cross_track[i]),
+        sea_filter=filtered,
         lost=not np.isfinite(sailed.overshoot[i]),
     )
 

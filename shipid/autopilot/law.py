@@ -71,23 +71,20 @@ class IntegralCourseController(CourseController):
 
     gain_Ki = given("1/s", "rudder per heading error and second, scheduled", latex="K_i")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
-    delta_rate = constant("rad/s", "largest rate of the rudder")
-    tau_delta = constant("s", "time constant of the servo inside its limits", default="0.5 s")
     psi_integral = state("rad*s", "integral of the heading error", nominal=1.0)
 
     @psi_integral.rate
     def integrate(self) -> Any:
         """Conditional integration (Astrom and Hagglund 2006, "Advanced PID control", section 3.5).
 
-        The integral stands still while the law asks for more than the limit, while the error alone is outside the
-        proportional band, and while the rudder runs at its largest rate: then the error is that of a course change, and
-        says nothing of a steady moment.
+        The integral stands still while the law asks for more than the limit and while the rudder, for its rate, lags behind
+        the order by half the limit; and it grows no faster than for an error of a fifth of the proportional band. More is the
+        error of a course change, and says nothing of a steady moment.
         """
-        error = self.psi_order - self.psi_seen
-        inside = np.logical_and(
-            np.abs(self.rudder_wanted) < self.rudder_limit, np.abs(self.gain_Kp * error) < self.rudder_limit
-        )
-        follows = np.abs(self.delta_order - self.delta) < self.delta_rate * self.tau_delta
+        inside = np.abs(self.rudder_wanted) < self.rudder_limit
+        follows = np.abs(self.delta_order - self.delta) < 0.5 * self.rudder_limit
+        band = 0.2 * self.rudder_limit / np.abs(self.gain_Kp)
+        error = np.minimum(np.maximum(self.psi_order - self.psi_seen, -band), band)
         return np.where(np.logical_and(inside, follows), error, 0.0 * error)
 
     def law(self) -> Any:

@@ -82,6 +82,33 @@ def loop_polynomials(plant: Plant, gains: dict[str, np.ndarray] | Gains) -> tupl
     return numerator, np.concatenate([plant.denominator, zero], axis=-1)
 
 
+def notched(
+    numerator: np.ndarray, denominator: np.ndarray, frequency: np.ndarray, width: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return loops with the notch of the sea filter in them, ``(s^2 + omega^2) / (s^2 + 2 zeta omega s + omega^2)``.
+
+    Parameters
+    ----------
+    numerator, denominator : ndarray, shape (..., k)
+        Of the loops.
+    frequency : ndarray, shape (...)
+        Of the notch in rad/s.
+    width : float
+        Its damping ratio.
+    """
+    one, zero = np.ones_like(frequency), np.zeros_like(frequency)
+    top = np.stack([one, zero, frequency**2], axis=-1)
+    bottom = np.stack([one, 2 * width * frequency, frequency**2], axis=-1)
+    return _times(numerator, top), _times(denominator, bottom)
+
+
+def _times(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    product = np.zeros((*a.shape[:-1], a.shape[-1] + b.shape[-1] - 1))
+    for k in range(b.shape[-1]):
+        product[..., k : k + a.shape[-1]] += a * b[..., [k]]
+    return product
+
+
 def disk_margins(numerator: np.ndarray, denominator: np.ndarray, pace: np.ndarray | float) -> np.ndarray:
     """Return the disk margins of many loops; 0 where a loop is unstable.
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from shipid.autopilot.autopilot import Autopilot
+from shipid.autopilot.law import Measured
 from shipid.autopilot.meter import CourseMeter
+from shipid.autopilot.sea_filter import ABOVE, SeaFiltered
 from shipid.autopilot.weather import Weather
 from shipid.declaration.component import Component
 from shipid.declaration.drawing import Drawn
@@ -100,6 +102,7 @@ def sail(
     measured_from: float = 0.0,
     lengths: float = LENGTHS,
     seed: int = 0,
+    filtered: bool = False,
 ) -> Sailed:
     """Sail course changes, every one a run of its own.
 
@@ -125,6 +128,8 @@ def sail(
         Duration in L/u.
     seed : int
         Of the waves.
+    filtered : bool
+        Whether the autopilot sees heading and rate through its sea filter, set to the frequency of encounter.
 
     Returns
     -------
@@ -132,7 +137,7 @@ def sail(
     """
     speeds, changes = np.asarray(speeds, dtype=float), np.asarray(changes, dtype=float)
     parts: list[type[Component]] = [CourseMeter, *(weather.components(pilot.model) if weather else ())]
-    model = pilot.loop(*parts)
+    model = pilot.loop(*parts, measured=SeaFiltered if filtered else Measured)
     varying = ("wave_noise",) if "wave_noise" in model.inputs else ()
     batch = make_batch(model, varying)
     system, runs = batch.system, speeds.size
@@ -150,6 +155,8 @@ def sail(
         directions = np.zeros(runs) if headings is None else np.asarray(headings, dtype=float)
         inputs |= weather.inputs(directions)
         own |= {n: np.full(runs, v) for n, v in weather.values(pilot, model, condition).items()}
+        if filtered:
+            own["sea_frequency"] = sea_frequency(pilot, weather, speeds, directions - 0.5 * changes)
     known = _columns(pilot, model, speeds, condition)
     if drawn is not None:
         known |= scaled_draws(drawn, known)
@@ -166,6 +173,24 @@ def sail(
         noise = weather.noise(count, intervals, seed)[None]
     end = dict(zip(system.states, batch(x0, held, p, intervals, count, noise)))
     return _read(end, speeds, changes, intervals * count, begin)
+
+
+def sea_frequency(pilot: Autopilot, weather: Weather, speeds: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Return what the sea filter is set to: the frequency of encounter, but well above that of the heading, in rad/s.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    weather : Weather
+        The sea.
+    speeds, directions : ndarray, shape (runs,)
+        Of the ship in m/s, and where the waves go to from its heading, in rad.
+    """
+    met = np.abs(weather.wave_frequency - weather.wave_frequency**2 * speeds * np.cos(directions) / 9.81)
+    different, place = np.unique(speeds, return_inverse=True)
+    natural = np.array([pilot.natural_frequency(float(v)) for v in different])[place]
+    return np.asarray(np.maximum(met, ABOVE * natural))
 
 
 def _columns(pilot: Autopilot, model: Model, speeds: np.ndarray, condition: int) -> dict[str, np.ndarray]:

@@ -118,15 +118,15 @@ class Weather:
         }
 
 
-def yardstick(length: float, sea: float = 1.0) -> Weather:
-    """Return the weather a ship of a length is judged in: 12 m/s of wind, waves of 0.6 rad/s, 1 m/s of current, or less.
+def yardstick(length: float, speed: float) -> Weather:
+    """Return the weather a ship is judged in: 12 m/s of wind, waves of 0.6 rad/s, 1 m/s of current, or less.
 
     Parameters
     ----------
     length : float
         In m.
-    sea : float
-        Times the heading by the waves, half a degree.
+    speed : float
+        The ship's own, in m/s; the wind is at most half as fast again, as a slow ship lies to a stronger one.
     """
     share = float(np.sqrt(min(length, _FULL) / _FULL))
-    return Weather(12.0 * share, 0.6 / share, float(np.deg2rad(0.5)) * sea, 1.0 * share)
+    return Weather(min(12.0 * share, 1.5 * speed), 0.6 / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed))

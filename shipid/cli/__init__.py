@@ -27,6 +27,7 @@ _COMMANDS = {
     "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
     "plan": ("shipid.cli.plan", "Plan which manoeuvres tell the most within a time."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
+    "tune": ("shipid.cli.tune", "Tune a gain-scheduled autopilot, with its report."),
     "criteria": ("shipid.cli.criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }
 

@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from shipid.autopilot.autopilot import Autopilot
+from shipid.autopilot.comparing import TuningComparison
+from shipid.autopilot.judgement import Judgement
 from shipid.declaration.errors import UsageError
 from shipid.identification.fit import Fit
 from shipid.trials.replacing import check_place, replacing
@@ -17,7 +20,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit
+    result : Fit, Autopilot, Judgement or TuningComparison
         What to report.
     path : str or Path
         The file to write.
@@ -51,7 +54,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit
+    result : Fit, Autopilot, Judgement or TuningComparison
         What to report.
 
     Raises
@@ -59,20 +62,37 @@ def render(result: Any) -> str:
     UsageError
         If there is no report for this kind of result.
     """
-    if not isinstance(result, Fit):
-        raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: Fit.")
-    from shipid.report.fit_view import fit_view
+    if isinstance(result, Fit):
+        from shipid.report.fit_view import fit_view
 
-    return _environment().get_template("fit.html").render(view=fit_view(result))
+        return _page("fit.html", fit_view(result))
+    if isinstance(result, Autopilot):
+        result = result.judgement
+    if isinstance(result, Judgement):
+        from shipid.report.tuning_view import tuning_view
+
+        return _page("tuning.html", tuning_view(result))
+    if isinstance(result, TuningComparison):
+        from shipid.report.tuning_view import comparison_view
+
+        return _page("tunings.html", comparison_view(result))
+    known = "Fit, Autopilot, Judgement, TuningComparison"
+    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
+
+
+def _page(template: str, view: Any) -> str:
+    return str(_environment().get_template(template).render(view=view))
 
 
 def _environment() -> Any:
     import jinja2
 
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("shipid.report", ""),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["zip"] = zip
+    return environment

@@ -10,7 +10,15 @@ import pytest
 
 import shipid
 from shipid.autopilot.judgement import LIMITS
-from shipid.autopilot.margins import disk_margins, disk_on, growth, loop_polynomials, margins_at, to_transfer_function
+from shipid.autopilot.margins import (
+    disk_margins,
+    disk_on,
+    growth,
+    loop_polynomials,
+    margins_at,
+    notched,
+    to_transfer_function,
+)
 from shipid.autopilot.placement import Gains
 
 
@@ -81,6 +89,17 @@ def test_disk_margin_of_an_integrator_with_delay_free_gain():
     loop = 0.5 / (1j * omega * (1j * omega + 1))
     assert found[0] == pytest.approx(2 / np.abs((1 - loop) / (1 + loop)).max(), rel=1e-6)
     assert found[1] == 0.0  # positive feedback: unstable
+
+
+def test_a_notch_in_the_loop():
+    """Against the product of the two transfer functions, of two loops at once."""
+    loop = np.array([[0.0, 0.0, 0.5], [0.0, 0.3, 0.5]]), np.array([[1.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
+    numerator, denominator = notched(*loop, np.array([0.6, 0.9]), 0.7)
+    for k, frequency in enumerate((0.6, 0.9)):
+        notch = control.tf([1, 0, frequency**2], [1, 1.4 * frequency, frequency**2])
+        whole = notch * control.tf(loop[0][k], loop[1][k])
+        s = 0.3 + 0.4j
+        assert np.polyval(numerator[k], s) / np.polyval(denominator[k], s) == pytest.approx(whole(s), rel=1e-12)
 
 
 def test_growth_of_many():

@@ -53,7 +53,7 @@ def test_reversals_are_counted():
     weather = Weather(0.0, 0.6, 0.0, 0.0)
     pilot = shipid.design_autopilot("de-keizer", "soesterberg", speeds=[9.5])
     assert sail(pilot, [9.5], [0.0], weather=weather).reversals[0] == 0.0
-    found = sail(pilot, [9.5] * 6, [0.0] * 6, weather=yardstick(226.0), measured_from=5.0, headings=[np.pi] * 6)
+    found = sail(pilot, [9.5] * 6, [0.0] * 6, weather=yardstick(226.0, 9.5), measured_from=5.0, headings=[np.pi] * 6)
     # Narrow-band waves from ahead at 0.6 + 0.6^2 9.5/9.81 rad/s: two reversals each period, some swings too small to count.
     assert 0.7 * 2 * 0.949 / (2 * np.pi) * 60 < found.reversals.mean() <= 1.35 * 2 * 0.949 / (2 * np.pi) * 60
 
@@ -98,6 +98,30 @@ def test_the_track_is_the_same_in_ship_lengths_at_any_speed(sized):
     found = sail(pilot, [4.75, 9.5, 19.0], np.deg2rad([60] * 3))
     np.testing.assert_allclose(found.cross_track / 226.0, found.cross_track[1] / 226.0, atol=1e-6)
     np.testing.assert_allclose(found.settling * found.speed, found.settling[1] * 9.5, rtol=1e-6)
+
+
+def test_the_sea_filter_spares_the_rudder_and_keeps_the_course(container):
+    """Waves from ahead: the notch halves the rudder at least, and the heading is kept no worse."""
+    raw, clean = (
+        sail(container, [9.5] * 6, [0.0] * 6, weather=Weather(0.0, 0.6, np.deg2rad(0.2), 0.0), headings=[np.pi] * 6,
+             measured_from=5.0, filtered=f)
+        for f in (False, True)
+    )  # fmt: skip
+    assert clean.rms_rudder.mean() < 0.5 * raw.rms_rudder.mean()
+    assert clean.rms_error.mean() < raw.rms_error.mean() + np.deg2rad(0.05)
+
+
+def test_the_sea_filter_is_a_notch(container):
+    """In the declared loop: what passes at its frequency is nothing, and a steady rate passes whole."""
+    from shipid.autopilot.sea_filter import SeaFiltered
+
+    model = shipid.join("filter", SeaFiltered)
+    linear = shipid.linearise(
+        model, {"sea_frequency": 0.6, "sea_depth": 1.0, "sea_width": 0.7, "log_scale": 1.0}, ["r_swing", "r_band"], ["r"],
+        ["r_seen"],
+    ).to_state_space()  # fmt: skip
+    response = np.abs(linear(1j * np.array([1e-6, 0.6, 60.0])))
+    np.testing.assert_allclose(response, [1.0, 0.0, 1.0], atol=2e-3)
 
 
 def test_draws_are_sailed(uncertain_pilot):
