@@ -73,7 +73,7 @@ def render(result: Any) -> str:
 
         return _page("tuning.html", tuning_view(result))
     if isinstance(result, TuningComparison):
-        from shipid.report.tuning_view import comparison_view
+        from shipid.report.tunings_view import comparison_view
 
         return _page("tunings.html", comparison_view(result))
     known = "Fit, Autopilot, Judgement, TuningComparison"
