@@ -28,7 +28,7 @@ _FROM = {0.0: "astern", 45.0: "the port quarter", 90.0: "port", 135.0: "the port
 #: Weather is measured after this many L/u.
 _BEGUN = 45.0
 #: Histories kept for the figure, and samples of each.
-_SHOWN, _POINTS = 24, 240
+_SHOWN, _POINTS = 24, 400
 #: Over and under reading of the log, and how much slower a slow steering machine is.
 _LOG, _SLOW = (0.9, 1.1), 0.5
 
@@ -130,7 +130,9 @@ def _robustness(
     variants["sea filter on"] = _filtered(pilot, condition, speed, change)
     for log in _LOG:
         off = sail(pilot, [speed], [change], condition=condition, values={"log_scale": log})
-        variants[f"log reads {log - 1:+.0%}"] = _variant(float(_disks(pilot, condition, None, {}, log).min()), off)
+        variants[f"log reads {abs(log - 1):.0%} too {'low' if log < 1 else 'high'}"] = _variant(
+            float(_disks(pilot, condition, None, {}, log).min()), off
+        )
     found = Robustness(
         samples=0 if drawn is None else disks.shape[1],
         source=source,

@@ -271,8 +271,8 @@ class Known:
 def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapping[str, float] | None = None) -> Known:
     """Return the coefficients of a ship at a speed it may not have been tried at.
 
-    Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they are published, the
-    ship's own or that of a table; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
+    Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they were identified or
+    published, that of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
 
     Parameters
     ----------
@@ -294,14 +294,15 @@ def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapp
     tables = [v for v in (ship.find(model, n) for n in model.entries) if v is not None and v.speed]
     limits = [[s * factor(v.speed_unit, "m/s") for s in (v.speed[0], v.speed[-1])] for v in tables]
     span = (max(a for a, _ in limits), min(b for _, b in limits)) if limits else None
-    reference = float(np.clip(speed, *span)) if span else own
+    spoken = _spoken(ship, model)
+    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(spoken) if spoken else own
     known = ship.values(model, speed=reference) | dict(values or {})
     lacking = missing_values(model, known, f"ship {ship.name}")
     if lacking:
         raise lacking
     dimensional = [n for n in model.parameters if model[n].quantity.prime]
     if not dimensional or speed == reference:
-        return Known(known, span or _spoken(ship, model), False)
+        return Known(known, span or spoken, False)
     if reference is None or length is None or not length > 0:
         what = "speed" if reference is None else "length L"
         raise ParameterSetError(
@@ -311,7 +312,7 @@ def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapp
     for name in dimensional:
         unit = model[name].unit
         known[name] *= prime_factor(unit, length, speed) / prime_factor(unit, length, reference)
-    return Known(known, span or _spoken(ship, model), True)
+    return Known(known, span or spoken, True)
 
 
 def _spoken(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
