@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from shipid.cli.folder import results_folder, write_results
+from shipid.cli.folder import fill, result_folder
 from shipid.cli.shared import (
     assignments,
     format_option,
@@ -123,7 +123,7 @@ def filter_trial(
         raise UsageError("give a TRIAL to filter, or --follow FILE for samples as they arrive, and not both.")
     if follow is not None and out is not None:
         raise UsageError("--follow writes estimates to standard output as they are made; redirect it instead of --out.")
-    folder = results_folder(out, overwrite, _FILES)
+    folder = result_folder(out, _FILES, overwrite)
     found, known = find_model(model), find_ship(ship) if ship else None
     names = parameters_to_estimate(found) if estimate is None else () if estimate == "none" else names_of(estimate)
     settings: dict[str, Any] = {
@@ -218,7 +218,7 @@ def _write(run: Any, result: dict[str, Any], folder: Path) -> None:
     from shipid.report.report import write_report
 
     text = json.dumps(result, indent=1, allow_nan=False, ensure_ascii=False)
-    write_results(
+    fill(
         folder,
         {
             _FILES[0]: lambda p: run.to_frame().to_csv(p, index=False, float_format="%.9g"),

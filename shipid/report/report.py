@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from shipid.autopilot.autopilot import Autopilot
+from shipid.autopilot.comparing import TuningComparison
+from shipid.autopilot.judgement import Judgement
 from shipid.declaration.errors import UsageError
 from shipid.trials.replacing import check_place, replacing
 
@@ -16,7 +19,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit, FilterRun or RecursiveIdentification
+    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
     path : str or Path
         The file to write.
@@ -50,7 +53,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit, FilterRun or RecursiveIdentification
+    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
 
     Raises
@@ -74,9 +77,18 @@ def render(result: Any) -> str:
         from shipid.report.recursive_view import recursive_view
 
         return _page("filter.html", recursive_view(result))
-    raise UsageError(
-        f"there is no report for a {type(result).__name__}. Reports exist for: Fit, FilterRun, RecursiveIdentification."
-    )
+    if isinstance(result, Autopilot):
+        result = result.judgement
+    if isinstance(result, Judgement):
+        from shipid.report.tuning_view import tuning_view
+
+        return _page("tuning.html", tuning_view(result))
+    if isinstance(result, TuningComparison):
+        from shipid.report.tunings_view import comparison_view
+
+        return _page("tunings.html", comparison_view(result))
+    known = "Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
+    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
 
 
 def _page(template: str, view: Any) -> str:
@@ -86,10 +98,12 @@ def _page(template: str, view: Any) -> str:
 def _environment() -> Any:
     import jinja2
 
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("shipid.report", ""),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["zip"] = zip
+    return environment

@@ -141,7 +141,18 @@ def test_what_cannot_be_followed(refused, tmp_path, lines):
 
 @pytest.mark.parametrize("method", ["rls", "mras-parallel", "combined", "instrumental-variables"])
 def test_the_family_of_recursive_identification(call, method, tmp_path):
-    arguments = ("filter", TRIAL, "--model", "linear-yaw", "--ship", "soesterberg", "--method", method, "--out", tmp_path)
+    arguments = (
+        "filter",
+        TRIAL,
+        "--model",
+        "linear-yaw",
+        "--ship",
+        "soesterberg",
+        "--method",
+        method,
+        "--out",
+        tmp_path,
+    )
     assert call(*arguments).code == 0
     result = json.loads((tmp_path / "result.json").read_text())
     assert result["method"] == method and not result["diverged"]
