@@ -80,6 +80,12 @@ def check_steerable(model: Model) -> None:
     """
     if "psi" not in model.states:
         raise NotSteerableError(f"model {model.name} has no heading 'psi' among its states: join it with PlanarMotion.")
+    sampled = [s for s in model.states if model[s].equation is not None and model[s].equation.kind == "next"]  # type: ignore[union-attr]
+    if sampled:
+        raise NotSteerableError(
+            f"model {model.name} is sampled ({', '.join(sampled)}): an autopilot is designed for a ship that moves in continuous "
+            "time. Take the continuous model of the same ship."
+        )
     if "r" not in model or model["r"].quantity.kind == "given":
         raise NotSteerableError(
             f"model {model.name} states no rate of turn 'r', which an autopilot feeds back. State it, derived or as a state."

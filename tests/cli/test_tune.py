@@ -82,7 +82,7 @@ def test_refusals(refused, tuned, tmp_path, own_ship):
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--rudder-weight", "2"], "belongs to --design lqr")
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--speeds", "fast"], "neither FROM:TO:STEP")
     refused(3, ["tune", "de-keizer", "--ship", "soesterberg", "--omega-n", "quick"], "does not start with a number")
-    refused(3, ["tune", "pershitz-discrete", "--ship", "semerdjiev"], "no right-hand side")
+    refused(3, ["tune", "pershitz-discrete", "--ship", "semerdjiev"], "is sampled")
     refused(4, ["tune", "de-keizer-lag", "--ship", "gunnerus", "--omega-n", "1.6"], "is unstable")
     refused(3, ["tune", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")
     schedule = str(tuned / "schedule.toml")
