@@ -14,7 +14,8 @@ from shipid.declaration.errors import UsageError
 from shipid.estimation.arrangement import column_of
 from shipid.estimation.clock import Clock, steps
 from shipid.estimation.errors import FilterDivergedError, NotMeasurableError
-from shipid.estimation.feeding import carried_vector
+from shipid.estimation.feeding import carried_vector, check_scale
+from shipid.estimation.run import named
 from shipid.estimation.smoother import run_back
 from shipid.estimation.step import REJECTED, TAKEN
 from shipid.generation.loop import Stepper
@@ -52,7 +53,7 @@ class OnlineEstimate:
 
     def __getitem__(self, name: str) -> float:
         """Return the estimate of a state or an estimated parameter, SI."""
-        return self._value(name)[0]
+        return float(named(self._filter, self.x, self.std, name)[0])
 
     def std_of(self, name: str) -> float:
         """Return the standard deviation of a state or an estimated parameter, SI.
@@ -62,13 +63,7 @@ class OnlineEstimate:
         name : str
             A state or an estimated parameter.
         """
-        return self._value(name)[1]
-
-    def _value(self, name: str) -> tuple[float, float]:
-        state = self._filter.parameters.get(name, name)
-        i = self._filter.model.states.index(state)
-        x, std = float(self.x[i]), float(self.std[i])
-        return (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
+        return float(named(self._filter, self.x, self.std, name)[1])
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values, SI."""
@@ -155,6 +150,7 @@ class OnlineFilter:
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         if not adapt and not self.filter.switchable:
             raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
+        check_scale(self.filter, scale)
         if self.stepper is None:
             self._clock = Clock()
         elapsed = self._clock.let(float(t))
@@ -204,7 +200,7 @@ class OnlineFilter:
             default = kalman.model[name].number("default")
             if held is not None:
                 values[i] = held[i]
-            elif name == "cruise" and (speed := sample.get("u", kalman.ship.particular("speed", "m/s"))) is not None:
+            elif name in ("cruise", "u") and (speed := _known(sample.get("u"), kalman._speed)) is not None:
                 values[i] = speed
             elif default is not None or name not in kalman.needed_inputs:
                 values[i] = default or 0.0
@@ -320,3 +316,8 @@ class OnlineFilter:
         from shipid.estimation.saving import save_state
 
         save_state(self, Path(path))
+
+
+def _known(*values: float | None) -> float | None:
+    """The first that is a number."""
+    return next((v for v in values if v is not None and np.isfinite(v)), None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shipid.declaration.errors import UnknownNameError
 from shipid.estimation.arrangement import Arrangement
 from shipid.estimation.consistency import whiteness
 from shipid.estimation.step import MISSING, REJECTED, TAKEN
@@ -127,9 +128,7 @@ class FilterRun:
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the estimates of a state or an estimated parameter along the record, SI, shape (N,)."""
-        if name in self.filter.parameters:
-            return self._parameter(name)[0]
-        return self.x[:, self._place(name)]
+        return named(self.filter, self.x, self.std, name)[0]
 
     def std_of(self, name: str) -> np.ndarray:
         """Return the standard deviations of a state or an estimated parameter along the record, SI, shape (N,).
@@ -139,16 +138,7 @@ class FilterRun:
         name : str
             A state or an estimated parameter.
         """
-        return self._parameter(name)[1] if name in self.filter.parameters else self.std[:, self._place(name)]
-
-    def _place(self, name: str) -> int:
-        _ = self.filter.model[name]
-        return self.states.index(name)
-
-    def _parameter(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        state = self.filter.parameters[name]
-        x, std = self.x[:, self._place(state)], self.std[:, self._place(state)]
-        return (x, std) if state == name else (np.exp(x), np.exp(x) * std)
+        return named(self.filter, self.x, self.std, name)[1]
 
     @functools.cached_property
     def covariance(self) -> np.ndarray:
@@ -178,7 +168,7 @@ class FilterRun:
         """The last estimate of each parameter, with its 95 % interval; of one estimated by its logarithm, exactly."""
         result = {}
         for name, state in self.filter.parameters.items():
-            i = self._place(state)
+            i = self.states.index(state)
             entry = self.filter.base[name]
             x, std = float(self.x[-1, i]), float(self.std[-1, i])
             value, spread = (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
@@ -253,6 +243,26 @@ class FilterRun:
                 f"  innovations of {name:<10s} NIS {mean} (1 is right), whiteness p {white}, rejected {i.rejected}"
             )
         return "\n".join(lines)
+
+
+def named(kalman: ExtendedKalmanFilter, x: np.ndarray, std: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return estimates and standard deviations of a state or an estimated parameter, SI, the states along the last axis.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        Whose states they are.
+    x, std : ndarray, shape (..., states)
+        Estimates and standard deviations; of a logarithm where a parameter is estimated by it.
+    name : str
+        A state or an estimated parameter.
+    """
+    state, states = kalman.parameters.get(name, name), kalman.model.states
+    if state not in states:
+        known = [*states, *kalman.parameters]
+        raise UnknownNameError(f"state or estimated parameter of model {kalman.base.name} called", name, known)
+    at, spread = x[..., states.index(state)], std[..., states.index(state)]
+    return (at, spread) if state == name else (np.exp(at), np.exp(at) * spread)
 
 
 def _innovations(run: FilterRun, i: int, e: np.ndarray, spread: np.ndarray, fate: np.ndarray) -> Innovations:
