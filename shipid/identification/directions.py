@@ -219,8 +219,8 @@ class _Help:
         # The least effort first: the same sensors, and of the manoeuvres that help nearly as much, the first.
         best = min(helping, key=lambda k: ratios[k])
         easy = next(k for k in helping if ratios[k] <= 1.5 * ratios[best])
-        after = ratios[easy] * before * float(np.abs(unit).max())
-        return f"{self._found[easy][0]} as well: that would bring it to about ±{_percent(after)}."
+        left = ratios[easy] * before * float(np.abs(unit).max())
+        return f"{self._found[easy][0]} as well: that would bring it to about ±{_percent(left)}."
 
     def _candidates(self) -> Any:
         fit, problem = self._fit, self._fit._problem
