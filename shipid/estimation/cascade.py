@@ -16,6 +16,7 @@ import numpy as np
 
 from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.units import to_si
+from shipid.estimation.adaptation import AdaptiveFilter
 from shipid.estimation.arrangement import forward, read_every
 from shipid.estimation.errors import SensorRateError
 from shipid.estimation.feeding import columns_of
@@ -32,7 +33,7 @@ class Cascade:
 
     Parameters
     ----------
-    filters : mapping of str to ExtendedKalmanFilter
+    filters : mapping of str to ExtendedKalmanFilter or AdaptiveFilter
         In the order they run. An input of one that an earlier one estimates, as a state or a parameter, is that estimate;
         all others come from the record.
     every : mapping of str to str, optional
@@ -43,6 +44,8 @@ class Cascade:
 
     Attributes
     ----------
+    plain : mapping of str to ExtendedKalmanFilter
+        The filters; of an adaptive one, the filter it is made of.
     passed : mapping of str to mapping of str to str
         For each filter, by input: the earlier filter it comes from.
 
@@ -56,7 +59,7 @@ class Cascade:
 
     def __init__(
         self,
-        filters: Mapping[str, ExtendedKalmanFilter],
+        filters: Mapping[str, ExtendedKalmanFilter | AdaptiveFilter],
         *,
         every: Mapping[str, str] | None = None,
         uncertain: Sequence[str] = (),
@@ -64,6 +67,7 @@ class Cascade:
         if not filters:
             raise UsageError('a cascade needs at least one filter, as in Cascade({"yaw": yaw, "position": position}).')
         self.filters = dict(filters)
+        self.plain = {n: f.kalman if isinstance(f, AdaptiveFilter) else f for n, f in filters.items()}
         self.every = {}
         for name, value in (every or {}).items():
             if name not in self.filters:
@@ -73,12 +77,12 @@ class Cascade:
                 raise SensorRateError(f"'{name}' is to run every {value}: an interval is longer than zero.")
         self.passed: dict[str, dict[str, str]] = {}
         estimated: dict[str, str] = {}
-        for name, kalman in self.filters.items():
+        for name, kalman in self.plain.items():
             self.passed[name] = {i: estimated[i] for i in kalman.model.inputs if i in estimated}
             estimated |= dict.fromkeys([*kalman.model.states, *kalman.parameters], name)
         for i in uncertain:
             takers = [n for n, inputs in self.passed.items() if i in inputs]
-            lacking = [n for n in takers if i not in {s.name for s in self.filters[n].sources if s.place == "input"}]
+            lacking = [n for n in takers if i not in {s.name for s in self.plain[n].sources if s.place == "input"}]
             if not takers or lacking:
                 what = f"'{lacking[0]}', which has no noise on it" if lacking else "no filter"
                 raise UsageError(
@@ -90,7 +94,7 @@ class Cascade:
     @property
     def covariance_elements(self) -> int:
         """How many elements of covariances it carries from sample to sample."""
-        return sum(k.layout.joint * (k.layout.joint + 1) // 2 for k in self.filters.values())
+        return sum(k.layout.joint * (k.layout.joint + 1) // 2 for k in self.plain.values())
 
     def __repr__(self) -> str:
         lines = []
@@ -139,7 +143,7 @@ class Cascade:
                 values, spread = runs[source].quantity(i)
                 taken[i] = values[latest]
                 if i in self.uncertain:
-                    factors[i] = spread[latest] / _level(kalman, i) * factors.get(i, 1.0)
+                    factors[i] = spread[latest] / _level(self.plain[name], i) * factors.get(i, 1.0)
             runs[name] = kalman.filter(taken, scale=factors)
         return CascadeRun(self, title, runs)
 
@@ -242,7 +246,7 @@ class OnlineCascade:
             for i, source in cascade.passed[name].items():
                 taken[i] = self.latest[source][i]
                 if i in cascade.uncertain:
-                    factors[i] = self.latest[source].std_of(i) / _level(cascade.filters[name], i)
+                    factors[i] = self.latest[source].std_of(i) / _level(cascade.plain[name], i)
             self.latest[name] = ran[name] = online.update(taken, scale=factors)
         if np.isfinite(t) and (self._began is None or t > self._last):
             self._began, self._last = (t if self._began is None else self._began), t
