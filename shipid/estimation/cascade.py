@@ -94,7 +94,8 @@ class Cascade:
     @property
     def covariance_elements(self) -> int:
         """How many elements of covariances it carries from sample to sample."""
-        return sum(k.layout.joint * (k.layout.joint + 1) // 2 for k in self.plain.values())
+        levels = {n: len(f.factors) if isinstance(f, AdaptiveFilter) else 1 for n, f in self.filters.items()}
+        return sum(levels[n] * k.layout.joint * (k.layout.joint + 1) // 2 for n, k in self.plain.items())
 
     def __repr__(self) -> str:
         lines = []
