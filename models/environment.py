@@ -150,9 +150,11 @@ class ColouredWaves(Component):
     their difference would be unobservable.
     """
 
-    v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s")
+    v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.12 deg/s")
     T = given("s", "sampling interval")
-    wave_noise = given("rad/s", "white noise that drives the waves, per sample", default=0.0, latex="w")
+    wave_noise = given(
+        "rad/s", "white noise that drives the waves, per sample", default=0.0, noise="0.45 deg/s", latex="w"
+    )
     wave_time = constant("s", "time constant of the colouring", default="3 s", latex=r"\tau_f")
     r_wave = derived("rad/s", "rate of turn by the waves", latex="r_v")
     psi_wave = derived("rad", "heading by the waves", latex=r"\psi_v")

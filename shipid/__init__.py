@@ -36,6 +36,7 @@ _HOMES = {
     "check_trial": "shipid.trials.doctor.examination",
     "measure": "shipid.trials.measuring",
     "simulate": "shipid.trials.simulation",
+    "Cascade": "shipid.estimation.cascade",
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
     "Fit": "shipid.identification.fit",
     "compare_models": "shipid.identification.comparing",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from shipid.cli.shared import (
     say,
     window_of,
 )
+from shipid.identification.methods import LOSSES, METHODS, PURPOSES
 
 
 @click.command(cls=Variadic)
@@ -39,9 +41,23 @@ from shipid.cli.shared import (
 @click.option(
     "--for",
     "purpose",
-    type=click.Choice(["prediction"]),
+    type=click.Choice(list(PURPOSES)),
     help="For prediction, rudder biases are pooled over the trials; by default each trial has its own.",
 )
+@click.option(
+    "--method",
+    type=click.Choice(list(METHODS)),
+    help="The only method to try; by default one after the other as needed.",
+)
+@click.option(
+    "--loss",
+    default="linear",
+    type=click.Choice(list(LOSSES)),
+    show_default=True,
+    help="How residuals count: by their squares, or the largest less, for logs with outliers.",
+)
+@click.option("--posterior", metavar="N", type=click.IntRange(1), help="Sample the posterior: N draws (needs emcee).")
+@click.option("--no-check", is_flag=True, help="Leave the trials' doctor out.")
 @click.option("--no-rudder-bias", is_flag=True, help="Believe the rudder: no bias of its own in each trial.")
 @click.option("--starts", default=5, type=click.IntRange(1), show_default=True, help="Number of starting points.")
 @click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the random starting points.")
@@ -61,6 +77,10 @@ def identify(
     signals: str | None,
     noise: str | None,
     purpose: str | None,
+    method: str | None,
+    loss: str,
+    posterior: int | None,
+    no_check: bool,
     no_rudder_bias: bool,
     starts: int,
     seed: int,
@@ -90,11 +110,17 @@ def identify(
             noise=None if noise is None else assignments(noise.split(",")),
             validate=[read(t, format_, span) for t in validate],
             purpose=purpose,
+            method=method,
+            loss=loss,
+            check=not no_check,
             rudder_bias=not no_rudder_bias,
             starts=starts,
             seed=seed,
             progress=tell,
         )
+        if posterior is not None and fit.converged:
+            tell("sampling the posterior")
+            fit = replace(fit, posterior=fit.sample_posterior(posterior, seed))
         if folder is not None:
             tell("writing the report")
             _write(fit, folder)

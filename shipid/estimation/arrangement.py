@@ -1,7 +1,7 @@
 """From a trial to the controls of a filter: inputs, intervals, what each sensor shows and when it is there.
 
-A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; a clock that jumps by hours is
-taken for a pause of `LONGEST_GAP`.
+A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; what becomes of time stamps that
+cannot be right is told in `shipid.estimation.clock`.
 """
 
 from __future__ import annotations
@@ -11,14 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.declaration.errors import UnitError
+from shipid.declaration.errors import UnitError, UsageError
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.estimation.clock import LONGEST_GAP, LONGEST_STEP, own_time, steps
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
-
-#: Longest step in sampling intervals, and the longest pause in s that is bridged.
-LONGEST_STEP = 4.0
-LONGEST_GAP = 600.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +25,7 @@ class Arrangement:
     Attributes
     ----------
     t : ndarray, shape (N,)
-        Time of each row in s.
+        Time of each row in s; it runs on where the record's own clock was set back.
     intervals : ndarray, shape (N,)
         Time since the row before, in s; zero for the first.
     inputs : ndarray, shape (N, inputs)
@@ -43,7 +40,7 @@ class Arrangement:
     limited : ndarray of int, shape (sensors,)
         Samples left out because they are outside the sensor's range.
     back : int
-        Samples left out because the clock did not go forward.
+        Samples left out because their time stamp cannot be right.
     """
 
     t: np.ndarray
@@ -89,8 +86,7 @@ def arrange(
     model : Model
         The model.
     columns : mapping of str to ndarray
-        The record, SI: ``t`` and what was sampled; NaN where a sample is missing. Samples whose time is not later than
-        that of the one before are left out.
+        The record, SI: ``t`` and what was sampled; NaN where a sample is missing.
     record : str
         Its name, for messages.
     sensors : tuple of str
@@ -110,16 +106,22 @@ def arrange(
         If the record lacks a sensor or an input.
     SensorRateError
         If a sensor is to be read more often than the record is sampled.
+    UsageError
+        If its time stamps cannot be used.
     """
-    forward = _forward(columns["t"])
-    columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()}
-    t = columns["t"]
+    forward, t = own_time(columns["t"])
+    if not t.size or (t.size == 1 < forward.size):
+        raise UsageError(
+            f"the times 't' of record {record} do not run forward: of {forward.size} stamps {t.size} can be used. They are in s, "
+            f"rise, and lie no more than {LONGEST_GAP:g} s apart."
+        )
+    columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
     z = np.column_stack([columns[_column(model, s, columns, record)] for s in sensors])
     there = np.isfinite(z)
     limited = np.zeros(len(sensors), dtype=int)
     for j, name in enumerate(sensors):
         if name in every:
-            there[:, j] &= _read_every(t, every[name], name, record)
+            there[:, j] = read_every(t, there[:, j], every[name], name, record)
         if name in ranges:
             low, high = ranges[name]
             with np.errstate(invalid="ignore"):
@@ -138,7 +140,8 @@ def arrange(
     full_inputs = (
         np.column_stack([np.interp(rows, t, c) for c in table.T]) if table.shape[1] else np.empty((rows.size, 0))
     )
-    full_lost = lost[np.clip(np.searchsorted(t, rows, side="right") - 1, 0, None)]
+    # Rows that bridge a gap belong to the sample that ends it.
+    full_lost = lost[np.searchsorted(t, rows)]
     gaps = np.minimum(np.diff(t, prepend=t[0]), LONGEST_GAP)
     intervals = np.diff(rows, prepend=rows[0])
     # A pause longer than the longest one is shortened to it, whatever the clock says.
@@ -152,12 +155,6 @@ def arrange(
     return Arrangement(rows, intervals, full_inputs, full_z, full_there, full_lost, shown, limited, back)
 
 
-def _forward(t: np.ndarray) -> np.ndarray:
-    """Which samples are later than every one before them."""
-    latest = np.maximum.accumulate(np.where(np.isfinite(t), t, -np.inf))
-    return np.isfinite(t) & (t > np.concatenate([[-np.inf], latest[:-1]]))
-
-
 def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: str) -> str:
     found = column_of(model, name, columns)
     if found is None:
@@ -169,16 +166,37 @@ def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: 
     return found
 
 
-def _read_every(t: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
-    sampling = float(np.median(np.diff(t)))
+def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
+    """Return which samples are read: the first that shows something in each interval, bool, shape (N,).
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    there : ndarray of bool, shape (N,)
+        Which samples show something.
+    seconds : float
+        Interval between those that are read.
+    name, trial : str
+        What is read, and of which record, for the message.
+
+    Raises
+    ------
+    SensorRateError
+        If the record is sampled less often.
+    """
+    sampling = float(np.median(np.diff(t))) if t.size > 1 else 0.0
     if seconds < 0.999 * sampling:
         raise SensorRateError(
             f"'{name}' is to be read every {seconds:g} s, and trial {trial} is sampled every {sampling:.4g} s. Give an interval "
             "that is no shorter, or a record that is sampled finely enough."
         )
     # Half a sample of slack: clocks are not exact multiples of each other.
-    number = np.floor((t - t[0] + 0.5 * sampling) / seconds)
-    return np.diff(number, prepend=-1) > 0
+    shows = np.flatnonzero(there)
+    number = np.floor((t[shows] - t[0] + 0.5 * sampling) / seconds)
+    read = np.zeros(t.size, dtype=bool)
+    read[shows[np.diff(number, prepend=-1) > 0]] = True
+    return read
 
 
 def input_table(
@@ -229,16 +247,14 @@ def _held(table: np.ndarray) -> np.ndarray:
 
 def _bridged(t: np.ndarray) -> np.ndarray:
     """Times of the samples, and between those that are far apart times no further apart than a few samples."""
-    steps = np.diff(t)
-    longest = LONGEST_STEP * float(np.median(steps)) if steps.size else 1.0
-    if not (steps > longest).any():
-        return t
-    pieces = [t[:1]]
-    for k in np.flatnonzero(steps > longest):
-        pieces.append(t[: k + 1])
-        count = int(np.ceil(min(steps[k], LONGEST_GAP) / longest))
-        pieces.append(np.linspace(t[k], t[k + 1], count + 1))
-    return np.unique(np.concatenate([*pieces, t]))
+    gaps = np.diff(t)
+    typical = float(np.median(gaps)) if gaps.size else 0.0
+    pieces = [t]
+    for k in np.flatnonzero(gaps > LONGEST_STEP * typical):
+        count = steps(min(gaps[k], LONGEST_GAP), typical)
+        if count > 1:
+            pieces.append(np.linspace(t[k], t[k + 1], count + 1)[1:-1])
+    return np.unique(np.concatenate(pieces)) if len(pieces) > 1 else t
 
 
 def read_rates(model: Model, sensors: tuple[str, ...], rates: Mapping[str, str | float]) -> dict[str, float]:

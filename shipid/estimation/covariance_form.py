@@ -67,6 +67,35 @@ def predicted(equations: Equations, covariance: Any) -> Any:
     return result
 
 
+def innovation(covariance: Any, row: Any, variance: Any) -> Any:
+    """Return the innovation variance of a sensor.
+
+    Parameters
+    ----------
+    covariance, row, variance
+        See `updated`.
+    """
+    return (row @ covariance @ row.T) + variance
+
+
+def stretched(covariance: Any, index: int, factor: Any) -> Any:
+    """Return the covariance in which the standard deviation of one unknown is so many times larger.
+
+    Parameters
+    ----------
+    covariance : casadi.SX
+        As it was; correlations stay.
+    index : int
+        Which unknown.
+    factor : casadi.SX
+        How many times.
+    """
+    wider = covariance + 0
+    wider[index, :] = wider[index, :] * factor
+    wider[:, index] = wider[:, index] * factor
+    return wider
+
+
 def updated(covariance: Any, row: Any, variance: Any, taken: Any, adapting: Any = None) -> tuple[Any, Any, Any]:
     """Return gain, new covariance and innovation variance of one sensor.
 
@@ -78,15 +107,15 @@ def updated(covariance: Any, row: Any, variance: Any, taken: Any, adapting: Any 
         Jacobian of the sensor.
     variance : casadi.SX
         Of its noise.
-    taken : callable
-        From the innovation variance to 1 where the sample counts and 0 where it does not.
+    taken : casadi.SX
+        1 where the sample counts and 0 where it does not.
     adapting : casadi.SX, optional
         Factor on each unknown's gain. Where it is not 1 the gain is not the optimal one, and the covariance takes
         Joseph's form.
     """
     column = covariance @ row.T
     spread = (row @ column) + variance
-    gain = column / spread * taken(spread)
+    gain = column / spread * taken
     if adapting is None:
         return gain, _symmetric(covariance - gain @ column.T), spread
     gain = gain * adapting

@@ -21,7 +21,7 @@ from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.noise import Source, process_sources, sensor_levels
 from shipid.estimation.run import FilterRun
-from shipid.estimation.start import bounds_of, parameter_starts, read_deviations
+from shipid.estimation.start import bounds_of, parameter_starts, read_deviations, walking
 from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step
 from shipid.generation.loop import Loop, make_loop
 from shipid.trials.trial import Trial
@@ -48,8 +48,8 @@ class ExtendedKalmanFilter:
     measured : mapping of str to str or None, optional
         Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
         output says. By default every declared output.
-    estimated : sequence of str
-        Parameters to estimate along with the state: each walks at random, positive ones by their logarithm.
+    estimated : sequence of str, optional
+        Parameters that walk at random, positive ones by their logarithm; by default those that declare how.
     noise : mapping of str to str, optional
         What drives states, inputs and estimated parameters. In the quantity's own unit it is the standard deviation of one
         sample; per root second (``"0.01 deg/s^1.5"`` on a rate of turn) a density, of an input times root second. What the
@@ -90,8 +90,6 @@ class ExtendedKalmanFilter:
 
     Attributes
     ----------
-    model : Model
-        With estimated parameters as states.
     parameters : mapping of str to str
         The state of each estimated parameter.
 
@@ -112,7 +110,7 @@ class ExtendedKalmanFilter:
         *,
         values: Mapping[str, float] | None = None,
         measured: Mapping[str, Any] | None = None,
-        estimated: Sequence[str] = (),
+        estimated: Sequence[str] | None = None,
         noise: Mapping[str, Any] | None = None,
         initial: Mapping[str, str | float] | None = None,
         start: Mapping[str, str | float] | None = None,
@@ -143,6 +141,7 @@ class ExtendedKalmanFilter:
             )
         self.base = model if isinstance(model, Model) else whole_ship(model)
         self.ship = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
+        estimated = walking(self.base) if estimated is None else estimated
         self.model = augment(self.base, estimated, log) if estimated else self.base
         self.parameters = {n: n if n in self.model.states else f"log_{n}" for n in estimated}
         self._speed, self._length = (self.ship.particular(*n) for n in (("speed", "m/s"), ("L", "m")))
@@ -154,7 +153,7 @@ class ExtendedKalmanFilter:
         starts = dict(start or {})
         self._given_starts = self._read_starts({n: v for n, v in starts.items() if n not in estimated})
         self._estimates = parameter_starts(
-            self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed
+            self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed, initial or {}
         )
         in_log = {n: self._estimates[n][0] for n, s in self.parameters.items() if s != n}
         self.lost = {n: to_si(v, self.model[n].unit, f"uncertainty of lost '{n}'") for n, v in (lost or {}).items()}
@@ -190,6 +189,8 @@ class ExtendedKalmanFilter:
         self.gate = None if gate is None else Gate(gate, to_si(patience, "s", "the patience"))
         self.form, self.switchable, self.compiled, self.single = form, switchable, compiled, single
         self.layout = Layout(self.equations, form, self.gate is not None, switchable)
+        self._integration = (method, hold, substeps, shared_noise)
+        self._loops: dict[tuple[bool, bool], Loop] = {}
 
     def __hash__(self) -> int:
         return id(self)
@@ -217,46 +218,47 @@ class ExtendedKalmanFilter:
     @functools.cached_property
     def adapting(self) -> np.ndarray | None:
         """Which states stop where adaptation is switched off; None where it cannot be."""
-        if not self.switchable:
-            return None
-        return np.array([s in self.parameters.values() for s in self.model.states])
+        return ~self.leaping if self.switchable else None
 
-    def step(self, full: bool = False) -> Any:
+    @functools.cached_property
+    def leaping(self) -> np.ndarray:
+        """Which states leap to a sensor that insists on something else: all but parameters, shape (states,)."""
+        return np.array([s not in self.parameters.values() for s in self.model.states])
+
+    def step(self, full: bool = False, gated: bool = True) -> Any:
         """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.step`.
 
         Parameters
         ----------
         full : bool
             Whether it returns covariances and predicted values as well.
+        gated : bool
+            Whether samples are judged, where the filter has a gate.
         """
+        gate = self.gate if gated else None
         return make_filter_step(
             self.equations,
-            self.layout,
+            Layout(self.equations, self.form, gate is not None, self.switchable),
             self.form,
-            self.gate,
+            gate,
             self.wraps,
             *bounds_of(self.base, self.model, self.parameters, self._length, self._speed),
             self.adapting,
+            self.leaping,
             full,
         )
 
-    @functools.cached_property
-    def _brief(self) -> Loop:
-        return make_loop(self.step(), self.compiled, self.single)
-
-    @functools.cached_property
-    def _full(self) -> Loop:
-        return make_loop(self.step(full=True), self.compiled, self.single)
-
-    def loop(self, full: bool = False) -> Loop:
+    def loop(self, full: bool = False, gated: bool = True) -> Loop:
         """Return the step with the loop over samples, compiled once.
 
         Parameters
         ----------
-        full : bool
+        full, gated : bool
             See `step`.
         """
-        return self._full if full else self._brief
+        if (full, gated) not in self._loops:
+            self._loops[full, gated] = make_loop(self.step(full, gated), self.compiled, self.single)
+        return self._loops[full, gated]
 
     @functools.cached_property
     def backward(self) -> Loop:
@@ -342,9 +344,7 @@ class ExtendedKalmanFilter:
         return FilterRun(self, columns_of(record)[1], arranged, control, z0, np.asarray(out, dtype=float))
 
     def _check_finite(self, out: np.ndarray, arranged: Arrangement) -> None:
-        good = np.isfinite(out[:, self.layout.full["x"]]).all(axis=1) & np.isfinite(
-            out[:, self.layout.full["var"]]
-        ).all(axis=1)
+        good = np.isfinite(out[:, : self.layout.full["var"].stop]).all(axis=1)
         if not good.all():
             raise FilterDivergedError(
                 f"the filter of model {self.base.name} runs away {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
@@ -395,6 +395,6 @@ class ExtendedKalmanFilter:
         SavedStateError
             If the file cannot be read, or belongs to a filter of another model, with other sensors or noise.
         """
-        from shipid.estimation.online import OnlineFilter
+        from shipid.estimation.saving import restore_state
 
-        return OnlineFilter.restored(self, Path(path))
+        return restore_state(self, Path(path))

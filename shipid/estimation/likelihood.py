@@ -179,7 +179,15 @@ def _score_loop(
         return cache[unknowns]
     unbounded = np.full(layout.n, np.inf)
     step = make_filter_step(
-        kalman.equations, layout, "covariance", None, kalman.wraps, -unbounded, unbounded, kalman.adapting
+        kalman.equations,
+        layout,
+        "covariance",
+        None,
+        kalman.wraps,
+        -unbounded,
+        unbounded,
+        kalman.adapting,
+        kalman.leaping,
     )
     size = len(unknowns)
     z, control, constants = (ca.SX.sym(n, step.size1_in(i)) for i, n in enumerate(("z", "c", "k")))

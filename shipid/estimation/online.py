@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -13,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shipid.declaration.errors import UsageError
-from shipid.estimation.arrangement import LONGEST_GAP, LONGEST_STEP, column_of
-from shipid.estimation.errors import FilterDivergedError, NotMeasurableError, SavedStateError
+from shipid.estimation.arrangement import column_of
+from shipid.estimation.clock import Clock, steps
+from shipid.estimation.errors import FilterDivergedError, NotMeasurableError
 from shipid.estimation.feeding import carried_vector
 from shipid.estimation.smoother import run_back
 from shipid.estimation.step import REJECTED, TAKEN
@@ -22,8 +21,6 @@ from shipid.generation.loop import Stepper
 
 if TYPE_CHECKING:
     from shipid.estimation.kalman import ExtendedKalmanFilter
-
-_SCHEMA = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +98,7 @@ class OnlineFilter:
     rejected : dict of str to int
         Samples of each sensor beyond the gate or out of range so far.
     refused : int
-        Whole samples refused so far: the clock did not go forward.
+        Whole samples refused so far: their time stamp cannot be right (see `shipid.estimation.clock`).
     stepper : Stepper or None
         The bare step on memory laid out once (`control`, `step()`, `out`), for a loop in which microseconds count; None
         before the first sample.
@@ -114,15 +111,16 @@ class OnlineFilter:
         self.rejected = dict.fromkeys(kalman.measured, 0)
         self.refused = 0
         self.stepper: Stepper | None = None
-        self._t = self._typical = 0.0
+        self._clock = Clock()
         self._began: float | None = None
+        self._unseen: set[str] = set()
         self._counts = {n: -1 for n in kalman.rates}
         self._window: deque[tuple[float, np.ndarray, np.ndarray, np.ndarray, bool]] = deque()
 
     @property
     def t(self) -> float | None:
         """Time of the last sample in s; None before the first."""
-        return None if self.stepper is None else self._t
+        return None if self.stepper is None else self._clock.last
 
     def update(
         self, sample: Mapping[str, float], *, adapt: bool = True, scale: Mapping[str, float] | None = None
@@ -153,44 +151,45 @@ class OnlineFilter:
             If the estimate runs away.
         """
         t = sample.get("t")
-        if t is None or not np.isfinite(t):
+        if t is None or (self.stepper is None and not np.isfinite(t)):
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         if not adapt and not self.filter.switchable:
             raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
         if self.stepper is None:
-            self._begin(float(t), sample)
-            inputs, lost = self._inputs(sample, None)
-            intervals = [0.0]
-        else:
-            elapsed = float(t) - self._t
-            if elapsed <= 0:
-                self.refused += 1
-                return self._estimate((), (), f"its time {t:g} s is not later than the last one, {self._t:g} s")
-            inputs, lost = self._inputs(sample, self.stepper.z[self.filter.layout.carried["u"]])
-            intervals = self._bridge(elapsed)
+            self._clock = Clock()
+        elapsed = self._clock.let(float(t))
+        if elapsed is None:
+            self.refused += 1
+            return self._estimate((), (), f"its time {t:g} s does not follow the last one, {self.t:g} s")
+        held = None if self.stepper is None else self.stepper.z[self.filter.layout.carried["u"]]
+        inputs, lost = self._inputs(sample, held)
+        if self.stepper is None:
+            self._begin(sample, inputs)
         assert self.stepper is not None
+        count = steps(elapsed, self._clock.typical)
         last = np.array(self.stepper.z[self.filter.layout.carried["u"]], dtype=float)
-        for k, interval in enumerate(intervals, start=1):
-            share = k / len(intervals)
-            self._write(interval, last + share * (inputs - last), lost, adapt, scale)
-            if k == len(intervals):
-                rejected = self._show(sample, float(t))
-            self._run(float(t), k == len(intervals))
-        self._t = float(t)
-        return self._outcome(rejected)
+        for k in range(1, count + 1):
+            self._write(elapsed / count, last + k / count * (inputs - last), lost, adapt, scale)
+            if k == count:
+                outside = self._show(sample)
+            self._run(k == count)
+        return self._outcome(outside)
 
-    def _begin(self, t: float, sample: Mapping[str, float]) -> None:
+    def _begin(self, sample: Mapping[str, float], inputs: np.ndarray) -> None:
         kalman = self.filter
         first = {n: float(v) for n, v in sample.items() if v is not None and np.isfinite(v)}
         for name in kalman.measured:
             column = column_of(kalman.model, name, first)
             if column is not None:
                 first.setdefault(kalman.model[name].quantity.measures or name, first[column])
-        inputs, _ = self._inputs(sample, None)
+        self._unseen = {n for n in kalman.measured if self._state_of(n) not in {*first, *kalman._given_starts}}
         # Records before and after rows are only needed to smooth; the brief step is the faster one.
         loop = kalman.loop(full=self.lag is not None)
         self.stepper = loop.one_at_a_time(carried_vector(kalman, first, inputs), kalman.constants)
-        self._t = self._began = t
+        self._began = self._clock.now
+
+    def _state_of(self, sensor: str) -> str:
+        return self.filter.model[sensor].quantity.measures or sensor
 
     def _inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Inputs of a sample, and which of them are missing."""
@@ -216,17 +215,6 @@ class OnlineFilter:
                 )
         return values, lost
 
-    def _bridge(self, elapsed: float) -> list[float]:
-        """Cut a gap into steps no longer than a few samples."""
-        if not self._typical:
-            self._typical = elapsed
-        paused = min(elapsed, LONGEST_GAP)
-        count = max(1, int(np.ceil(paused / (LONGEST_STEP * self._typical))))
-        if count == 1:
-            self._typical += 0.05 * (elapsed - self._typical)
-            return [elapsed]
-        return [paused / count] * count
-
     def _write(
         self, interval: float, inputs: np.ndarray, lost: np.ndarray, adapt: bool, scale: Mapping[str, float] | None
     ) -> None:
@@ -245,7 +233,7 @@ class OnlineFilter:
         if kalman.switchable:
             control[places["adapting"]] = float(adapt)
 
-    def _show(self, sample: Mapping[str, float], t: float) -> tuple[str, ...]:
+    def _show(self, sample: Mapping[str, float]) -> tuple[str, ...]:
         """Write what the sensors show; return those out of range."""
         assert self.stepper is not None and self._began is not None
         kalman, outside = self.filter, []
@@ -256,7 +244,7 @@ class OnlineFilter:
             if value is None or not np.isfinite(value):
                 continue
             if name in kalman.rates:
-                number = int((t - self._began + 0.5 * self._typical) // kalman.rates[name])
+                number = int((self._clock.now - self._began + 0.5 * self._clock.typical) // kalman.rates[name])
                 if number <= self._counts[name]:
                     continue
                 self._counts[name] = number
@@ -265,14 +253,19 @@ class OnlineFilter:
                 outside.append(name)
                 continue
             z[i], there[i] = value, 1.0
+            if name in self._unseen:
+                # A state that nothing has shown so far is where its sensor first says.
+                self._unseen.remove(name)
+                if (state := self._state_of(name)) in kalman.model.states:
+                    self.stepper.z[kalman.layout.carried["x"]][kalman.model.states.index(state)] = value
         return tuple(outside)
 
-    def _run(self, t: float, shown: bool) -> None:
+    def _run(self, shown: bool) -> None:
         assert self.stepper is not None
         before = self.stepper.z.copy() if self.lag is not None else None
         self.stepper.step()
         if before is not None:
-            self._window.append((t, before, self.stepper.control.copy(), self.stepper.out.copy(), shown))
+            self._window.append((self._clock.now, before, self.stepper.control.copy(), self.stepper.out.copy(), shown))
 
     def _outcome(self, outside: tuple[str, ...]) -> OnlineEstimate:
         assert self.stepper is not None
@@ -284,7 +277,7 @@ class OnlineFilter:
         estimate = self._estimate(tuple(n for n, f in zip(kalman.measured, fate) if f == TAKEN), rejected, "")
         if not np.isfinite(estimate.x).all():
             raise FilterDivergedError(
-                f"the filter of model {kalman.base.name} runs away at {self._t:.5g} s. Restore an earlier state, or start "
+                f"the filter of model {kalman.base.name} runs away at {self.t:.5g} s. Restore an earlier state, or start "
                 "nearer to the truth with more noise on the states."
             )
         return estimate
@@ -294,22 +287,22 @@ class OnlineFilter:
         brief = self.filter.layout.brief
         x = np.array(self.stepper.out[brief["x"]], dtype=float)
         std = np.sqrt(np.maximum(np.array(self.stepper.out[brief["var"]], dtype=float), 0.0))
-        return OnlineEstimate(self._t, x, std, taken, rejected, refused, self._lagged(), self.filter)
+        return OnlineEstimate(self._clock.last or 0.0, x, std, taken, rejected, refused, self._lagged(), self.filter)
 
     def _lagged(self) -> tuple[float, np.ndarray, np.ndarray] | None:
         if self.lag is None:
             return None
-        window = self._window
+        window, now = self._window, self._clock.now
         # The oldest sample kept is the one a lag ago, or the first after it.
-        while len(window) > 1 and (not window[0][4] or self._t - window[1][0] >= self.lag - 1e-9 * max(1.0, self._t)):
+        while len(window) > 1 and (not window[0][4] or now - window[1][0] >= self.lag - 1e-9 * max(1.0, abs(now))):
             window.popleft()
-        if not window or self._t - window[0][0] < 0.999 * self.lag:
+        if not window or now - window[0][0] < 0.999 * self.lag:
             return None
         control, out = np.array([w[2] for w in window]), np.array([w[3] for w in window])
         first = run_back(self.filter, control, out, window[0][1])[0]
         n = self.filter.layout.n
         variance = first[n:][np.cumsum(np.arange(1, n + 1)) - 1]
-        return window[0][0], first[:n], np.sqrt(np.maximum(variance, 0.0))
+        return window[0][0] - self._clock.shift, first[:n], np.sqrt(np.maximum(variance, 0.0))
 
     def save(self, path: str | Path) -> None:
         """Write the state to a file, whole or not at all; every number exactly.
@@ -324,77 +317,6 @@ class OnlineFilter:
         UsageError
             If no sample has come yet.
         """
-        if self.stepper is None:
-            raise UsageError("a filter that has taken no sample has no state to save.")
-        state = {
-            "schema": _SCHEMA,
-            "model": self.filter.base.name,
-            "filter": fingerprint(self.filter),
-            "t": self._t.hex(),
-            "began": float(self._began or 0.0).hex(),
-            "typical": float(self._typical).hex(),
-            "carried": [float(v).hex() for v in self.stepper.z],
-            "out": [float(v).hex() for v in self.stepper.out[: self.filter.layout.brief["ll"].stop]],
-            "counts": self._counts,
-            "rejected": self.rejected,
-            "refused": self.refused,
-        }
-        target = Path(path)
-        scratch = target.with_name(f".{target.name}.part")
-        scratch.write_text(json.dumps(state, indent=1), encoding="utf-8")
-        scratch.replace(target)
+        from shipid.estimation.saving import save_state
 
-    @classmethod
-    def restored(cls, kalman: ExtendedKalmanFilter, path: Path) -> OnlineFilter:
-        """Return a filter as it was saved (see `ExtendedKalmanFilter.restore`).
-
-        Parameters
-        ----------
-        kalman : ExtendedKalmanFilter
-            The same filter as the saved one.
-        path : Path
-            The file.
-        """
-        try:
-            state = json.loads(path.read_text(encoding="utf-8"))
-            numbers = [float.fromhex(v) for v in state["carried"]]
-            out = [float.fromhex(v) for v in state["out"]]
-            t, began, typical = (float.fromhex(state[n]) for n in ("t", "began", "typical"))
-            counts, rejected, refused = dict(state["counts"]), dict(state["rejected"]), int(state["refused"])
-        except OSError as error:
-            raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
-        except (ValueError, KeyError, TypeError):
-            raise SavedStateError(f"{path} is no saved state of a filter: start a new one with start().") from None
-        if state.get("schema") != _SCHEMA or state.get("filter") != fingerprint(kalman):
-            raise SavedStateError(
-                f"{path} was saved by another filter (of model {state.get('model')}): model, sensors, noise and options "
-                "have to be the same. Make the filter as it was, or start a new one."
-            )
-        online = cls(kalman)
-        online.stepper = kalman.loop().one_at_a_time(np.array(numbers), kalman.constants)
-        online.stepper.out[:] = out
-        online._t, online._began, online._typical = t, began, typical
-        online._counts, online.rejected, online.refused = counts, rejected, refused
-        return online
-
-
-def fingerprint(kalman: ExtendedKalmanFilter) -> str:
-    """Return a hash of everything that makes two filters the same.
-
-    Parameters
-    ----------
-    kalman : ExtendedKalmanFilter
-        A filter.
-    """
-    settings = (
-        kalman.system.digest,
-        kalman.measured,
-        kalman.sources,
-        [float(v).hex() for v in kalman.constants],
-        kalman.form,
-        kalman.gate,
-        kalman.switchable,
-        sorted(kalman.parameters.items()),
-        sorted(kalman.rates.items()),
-    )
-    return hashlib.sha256(repr(settings).encode()).hexdigest()
+        save_state(self, Path(path))

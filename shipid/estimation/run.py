@@ -71,6 +71,8 @@ class ParameterEstimate:
         SI.
     interval : tuple of float
         95 %.
+    follows : bool
+        Whether it is a published coefficient that follows from the estimated ones.
     """
 
     name: str
@@ -79,6 +81,7 @@ class ParameterEstimate:
     value: float
     std: float
     interval: tuple[float, float]
+    follows: bool = False
 
     @property
     def determined(self) -> bool:
@@ -131,20 +134,35 @@ class FilterRun:
         return self.filter.model.states
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Return the estimates of a state or an estimated parameter along the record, SI, shape (N,)."""
-        if name in self.filter.parameters:
-            return self._parameter(name)[0]
-        return self.x[:, self._place(name)]
+        """Return the estimates of any quantity of the model along the record, SI, shape (N,)."""
+        return self.quantity(name)[0]
 
     def std_of(self, name: str) -> np.ndarray:
-        """Return the standard deviations of a state or an estimated parameter along the record, SI, shape (N,).
+        """Return the standard deviations of a quantity along the record, SI, shape (N,).
 
         Parameters
         ----------
         name : str
-            A state or an estimated parameter.
+            See `quantity`.
         """
-        return self._parameter(name)[1] if name in self.filter.parameters else self.std[:, self._place(name)]
+        return self.quantity(name)[1]
+
+    def quantity(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return a quantity of the model and its standard deviation along the record, SI, shapes (N,).
+
+        Parameters
+        ----------
+        name : str
+            A state, an estimated parameter, or what follows from them: its standard deviation is then first-order, by the
+            exact Jacobian and the whole covariance.
+        """
+        if name in self.filter.parameters:
+            return self._parameter(name)
+        if name in self.states:
+            return self.x[:, self._place(name)], self.std[:, self._place(name)]
+        from shipid.estimation.derived import along
+
+        return along(self, name)
 
     def _place(self, name: str) -> int:
         _ = self.filter.model[name]
@@ -156,10 +174,15 @@ class FilterRun:
         return (x, std) if state == name else (np.exp(x), np.exp(x) * std)
 
     @functools.cached_property
+    def joint_covariance(self) -> np.ndarray:
+        """Covariance after each sample of the states and the noise that sensors share with them, shape (N, joint, joint)."""
+        return unpacked(self._rows("P"), self.filter.layout.joint)
+
+    @property
     def covariance(self) -> np.ndarray:
         """Covariance of the states after each sample, shape (N, states, states)."""
         n = self.filter.layout.n
-        return unpacked(self._rows("P"), self.filter.layout.joint)[:, :n, :n]
+        return self.joint_covariance[:, :n, :n]
 
     @property
     def log_likelihood(self) -> float:
@@ -180,7 +203,10 @@ class FilterRun:
 
     @functools.cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
-        """The last estimate of each parameter, with its 95 % interval; of one estimated by its logarithm, exactly."""
+        """The last estimate of each parameter, then of the published ones that follow, with 95 % intervals.
+
+        The interval of one estimated by its logarithm is exact, that of one that follows first-order.
+        """
         result = {}
         for name, state in self.filter.parameters.items():
             i = self._place(state)
@@ -190,7 +216,22 @@ class FilterRun:
             ends = (x - _Z95 * std, x + _Z95 * std)
             low, high = ends if state == name else (float(np.exp(ends[0])), float(np.exp(ends[1])))
             result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, spread, (low, high))
+        for name in self._published:
+            entry = self.filter.base[name]
+            value, spread = (float(column[-1]) for column in self.quantity(name))
+            # A gain or a time constant that passes infinity is no number.
+            if np.isfinite([value, spread]).all():
+                ends = (value - _Z95 * spread, value + _Z95 * spread)
+                result[name] = ParameterEstimate(
+                    name, entry.unit, entry.quantity.meaning, value, spread, ends, follows=True
+                )
         return result
+
+    @property
+    def _published(self) -> tuple[str, ...]:
+        from shipid.estimation.derived import published
+
+        return published(self.filter.base, tuple(self.filter.parameters))
 
     def smooth(self) -> Smoothed:
         """Return estimates that every sample of the record bears on (see `shipid.estimation.smoother`)."""
@@ -210,10 +251,9 @@ class FilterRun:
 
         columns: dict[str, np.ndarray] = {"t [s]": self.t}
         names = [s for s in self.states if s not in self.filter.parameters.values()]
-        for name in (*names, *self.filter.parameters):
+        for name in (*names, *self.filter.parameters, *self._published):
             unit = self.filter.model[name].unit
-            columns[f"{name} [{unit}]"] = self[name]
-            columns[f"std_{name} [{unit}]"] = self.std_of(name)
+            columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = self.quantity(name)
         return pd.DataFrame(columns)
 
     def to_dict(self) -> dict[str, Any]:

@@ -2,7 +2,11 @@
 
 Rauch, Tung and Striebel's smoothed estimate, worked out by the recursion of Bryson and Frazier (Bierman 1977, chapter X): an
 adjoint of the state runs back over the record, and nothing is inverted but the variance of one innovation. It therefore
-serves where a covariance is singular, as it is when a parameter has no noise.
+serves where a covariance is singular, as it is when a parameter has no noise. Where adaptation was switched off, every sample
+that was taken in counts all the same.
+
+The smoothed covariance is the difference of the filter's and what came later: of a state that was a million times surer in the
+end than at the start, the first standard deviations keep few digits.
 """
 
 from __future__ import annotations
@@ -16,7 +20,7 @@ import numpy as np
 
 from shipid.estimation import covariance_form
 from shipid.estimation.run import unpacked
-from shipid.estimation.step import TAKEN
+from shipid.estimation.step import TAKEN, leapt
 from shipid.generation.loop import Loop, make_loop
 
 if TYPE_CHECKING:
@@ -73,7 +77,7 @@ def make_backward(kalman: ExtendedKalmanFilter) -> Loop:
     packed_ahead, packed_after = ca.SX.sym("Pp", size), ca.SX.sym("Pf", size)
     x_after = ca.SX.sym("xf", layout.n)
     ahead, before = ca.SX.sym("xp", n), ca.SX.sym("xb", n)
-    z, taken = ca.SX.sym("z", layout.sensors), ca.SX.sym("m", layout.sensors)
+    z, taken, leap = (ca.SX.sym(k, layout.sensors) for k in ("z", "m", "leap"))
     deviation = ca.SX.sym("r", layout.sensors)
     switch = ca.SX.sym("a", int(kalman.switchable))
     factor = ca.SX.ones(n)
@@ -96,16 +100,22 @@ def make_backward(kalman: ExtendedKalmanFilter) -> Loop:
             e = e - 2 * np.pi * ca.floor(e / (2 * np.pi) + 0.5)
         e = e - row @ correction
         variance = deviation[i] ** 2 + sum(effect[i] ** 2 * power for effect, power in eq.doubled)
+        wide = leapt(eq.sensitivity, i, kalman.leaping)
+        for state in wide:
+            covariance = covariance_form.stretched(covariance, state, leap[i])
         gain, covariance, s = covariance_form.updated(
-            covariance, row, variance, lambda _, i=i: taken[i], factor if kalman.switchable else None
+            covariance, row, variance, taken[i], factor if kalman.switchable else None
         )
         correction = correction + gain * e
-        passed.append((row, gain, s, e, taken[i]))
+        passed.append((row, gain, s, e, taken[i], [leap[i] if k in wide else 1.0 for k in range(n)]))
     back, back_spread = adjoint, spread
-    for row, gain, s, e, count in reversed(passed):
+    for row, gain, s, e, count, wider in reversed(passed):
         kept = ca.SX.eye(n) - gain @ row
         back = kept.T @ back - row.T * (e / s * count)
         back_spread = kept.T @ back_spread @ kept + (row.T @ row) * (count / s)
+        # A state that leapt was an error grown so many times larger.
+        stretch = ca.diag(ca.vertcat(*wider))
+        back, back_spread = stretch @ back, stretch @ back_spread @ stretch
     # Through the prediction, to the end of the row before. Carried noise starts anew with each row.
     transition = ca.SX.zeros(n, n)
     transition[: layout.n, :] = ca.substitute(eq.transition, eq.joint, before)
@@ -117,7 +127,7 @@ def make_backward(kalman: ExtendedKalmanFilter) -> Loop:
     earlier = transition.T @ back
     earlier_spread = transition.T @ back_spread @ transition
 
-    control = [packed_ahead, packed_after, x_after, ahead, before, eq.u0, eq.u1, eq.T, z, taken, eq.scale, switch]
+    control = [packed_ahead, packed_after, x_after, ahead, before, eq.u0, eq.u1, eq.T, z, taken, leap, eq.scale, switch]
     step = ca.Function(
         "backward",
         [
@@ -166,6 +176,7 @@ def backward_controls(
         control[:, places["T"]],
         control[:, places["z"]],
         out[:, full["fate"]] == TAKEN,
+        out[:, full["leap"]],
         control[:, places["scale"]],
         control[:, places["adapting"]],
     ]
@@ -181,9 +192,27 @@ def run_back(kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray,
         See `backward_controls`.
     """
     loop = kalman.backward
+    if kalman.switchable and not control[:, kalman.layout.control["adapting"]].all():
+        control, out, start = _learning(kalman, control, out, start)
     rows = backward_controls(kalman, control, out, start)[::-1]
     _, shown = loop(np.zeros(loop.sizes[0]), rows, kalman.constants)
     return shown[::-1]
+
+
+def _learning(
+    kalman: ExtendedKalmanFilter, control: np.ndarray, out: np.ndarray, start: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Run forward rows again with parameters that adapt throughout, on the samples that were taken in.
+
+    Innovations of a filter that holds its parameters are correlated, and no recursion back over them is the best estimate:
+    it may even claim to know more than everything. Smoothing asks what all samples say together.
+    """
+    places, bare = kalman.layout.control, start[: kalman.layout.carried["P"].stop]
+    again = control.copy()
+    again[:, places["there"]] = out[:, kalman.layout.full["fate"]] == TAKEN
+    again[:, places["adapting"]] = 1.0
+    _, learnt = kalman.loop(full=True, gated=False)(bare, again, kalman.constants)
+    return again, np.asarray(learnt, dtype=float), start
 
 
 def smooth(run: FilterRun) -> Smoothed:

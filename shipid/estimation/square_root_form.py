@@ -72,6 +72,34 @@ def _triangular(wide: Any) -> Any:
     return lower
 
 
+def innovation(root: Any, row: Any, variance: Any) -> Any:
+    """Return the innovation variance of a sensor (see the covariance form).
+
+    Parameters
+    ----------
+    root, row, variance
+        See `updated`.
+    """
+    return ca.sumsqr(root.T @ row.T) + variance
+
+
+def stretched(root: Any, index: int, factor: Any) -> Any:
+    """Return the root in which the standard deviation of one unknown is so many times larger.
+
+    Parameters
+    ----------
+    root : casadi.SX
+        As it was.
+    index : int
+        Which unknown.
+    factor : casadi.SX
+        How many times.
+    """
+    wider = root + 0
+    wider[index, :] = wider[index, :] * factor
+    return wider
+
+
 def updated(root: Any, row: Any, variance: Any, taken: Any, adapting: Any = None) -> tuple[Any, Any, Any]:
     """Return gain, new root and innovation variance of one sensor (see the covariance form).
 
@@ -83,15 +111,14 @@ def updated(root: Any, row: Any, variance: Any, taken: Any, adapting: Any = None
         Jacobian of the sensor.
     variance : casadi.SX
         Of its noise.
-    taken : callable
-        From the innovation variance to 1 or 0.
+    taken : casadi.SX
+        1 or 0.
     adapting : None
         A gain that is not the optimal one has no square-root form here.
     """
     seen = root.T @ row.T
     spread = ca.sumsqr(seen) + variance
-    count = taken(spread)
-    gain = (root @ seen) / spread * count
+    gain = (root @ seen) / spread * taken
     return gain, root - gain @ seen.T / (1 + ca.sqrt(variance / spread)), spread
 
 

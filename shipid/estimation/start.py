@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from shipid.declaration.errors import UnitError, UnknownNameError
-from shipid.declaration.model import Model
+from shipid.declaration.model import Entry, Model
 from shipid.declaration.parameters import ParameterSet
 from shipid.declaration.units import prime_factor, to_si
 from shipid.estimation.errors import NoiseLevelError
 
 #: Default standard deviation of a first estimate: a share of a parameter, and of what L and U make of any other unit.
 PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
+
+
+def walking(model: Model) -> tuple[str, ...]:
+    """Return the parameters whose declaration says how they walk: those a filter estimates unless told otherwise.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    return tuple(n for n in model.parameters if model[n].quantity.noise)
 
 
 def parameter_starts(
@@ -24,6 +35,7 @@ def parameter_starts(
     given: Mapping[str, str | float],
     length: float | None,
     speed: float | None,
+    spreads: Collection[str] = (),
 ) -> dict[str, tuple[float, float]]:
     """Return first value and standard deviation of each estimated parameter, SI.
 
@@ -41,11 +53,13 @@ def parameter_starts(
         First values that replace them, with units.
     length, speed : float or None
         L in m and U in m/s, for starts declared in the prime system.
+    spreads : collection of str
+        Parameters whose standard deviation the user gives.
 
     Raises
     ------
     NoiseLevelError
-        If nothing says where a parameter starts.
+        If nothing says where a parameter starts, or how sure that is.
     """
     result = {}
     for name in names:
@@ -68,8 +82,24 @@ def parameter_starts(
             deviation = spread * scale
         else:
             deviation = PARAMETER_SHARE * max(abs(value), abs((declared or 0.0) * scale))
+        if not deviation and name not in spreads:
+            deviation = _room(entry, scale)
         result[name] = (value, deviation)
     return result
+
+
+def _room(entry: Entry, scale: float) -> float:
+    """How unsure a parameter is that starts at zero, of which a share says nothing: its nominal size, or its bounds."""
+    nominal, low, high = (entry.number(n) for n in ("nominal", "low", "high"))
+    if nominal:
+        return abs(nominal) * scale
+    if low is None or high is None:
+        # It would never move: what is certain to be zero is not estimated.
+        raise NoiseLevelError(
+            f"the estimate of '{entry.name}' starts at zero, and nothing says how sure that is: give "
+            f"initial={{'{entry.name}': ...}}, its first standard deviation."
+        )
+    return (high - low) / 4 * scale
 
 
 def state_spreads(model: Model, length: float | None, speed: float | None, sensors: Mapping[str, float]) -> np.ndarray:

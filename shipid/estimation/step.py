@@ -32,7 +32,9 @@ class Gate:
     width : float
         In standard deviations of the innovation.
     patience : float
-        Seconds of refusals after which a sensor whose value changes is believed again.
+        Seconds of refusals after which a sensor whose value changes is believed again. What it shows is then taken to have
+        leapt: its standard deviation is stretched until the innovation is one of its own, so that the estimate follows at
+        once and says how unsure it is.
     """
 
     width: float
@@ -87,6 +89,7 @@ class Layout:
             P=triangle,
             ahead=self.joint,
             P_ahead=triangle,
+            leap=self.sensors,
         )
 
 
@@ -96,6 +99,11 @@ def _places(**sizes: int) -> dict[str, slice]:
         places[name] = slice(at, at + count)
         at += count
     return places
+
+
+def _part(vector: Any, place: slice) -> Any:
+    """Take a part of a column; CasADi takes an empty part of a single number for a row."""
+    return vector[place] if place.stop > place.start else ca.SX(0, 1)
 
 
 def total(places: dict[str, slice]) -> int:
@@ -112,6 +120,7 @@ def make_filter_step(
     floor: np.ndarray,
     ceiling: np.ndarray,
     adapting: np.ndarray | None,
+    leaping: np.ndarray,
     full: bool = False,
 ) -> Any:
     """Generate the step ``(carried, control, constants) -> (carried, outputs)``.
@@ -132,6 +141,8 @@ def make_filter_step(
         Bounds of each state, infinite where it has none.
     adapting : ndarray of bool or None, shape (states,)
         Which states hold still where a sample says so.
+    leaping : ndarray of bool, shape (states,)
+        Which states can leap to a sensor that insists: those that are no parameters.
     full : bool
         Whether covariances and predicted values are returned as well.
 
@@ -145,7 +156,7 @@ def make_filter_step(
     constants = ca.SX.sym("constants", total(layout.constants))
 
     def of(vector: Any, places: dict[str, slice], name: str) -> Any:
-        return vector[places[name]]
+        return _part(vector, places[name])
 
     packed, root = rules.symbol(layout.joint)
     u1, interval = of(control, layout.control, "u"), of(control, layout.control, "T")
@@ -164,7 +175,7 @@ def make_filter_step(
     ahead = ca.vertcat(ahead, ca.SX.zeros(layout.joint - layout.n))
 
     # The update is written over symbols of its own, so that its expressions stay small; they are joined at the end.
-    sensed = _sensed(equations, layout, rules, gate, wraps, adapting)
+    sensed = _sensed(equations, layout, rules, gate, wraps, adapting, leaping)
     predict = ca.Function(
         "predict",
         [
@@ -191,7 +202,7 @@ def make_filter_step(
     )
     memory = [of(before, layout.carried, k) for k in ("last", "same", "refused")]
     switch = of(control, layout.control, "adapting")
-    after, packed_after, e, spread, fate, ll, *memory = sensed(
+    after, packed_after, e, spread, fate, ll, leap, *memory = sensed(
         x_ahead,
         packed_ahead,
         u1,
@@ -211,7 +222,7 @@ def make_filter_step(
             states[i] = ca.fmax(states[i], floor[i])
         if np.isfinite(ceiling[i]):
             states[i] = ca.fmin(states[i], ceiling[i])
-    noise = after[layout.n :]
+    noise = _part(after, slice(layout.n, layout.joint))
     root_after = _unpacked(rules, packed_after, layout.joint)
     following = ca.vertcat(states, noise, u1, packed_after, *memory)
     shown = [states, rules.variances(root_after, layout.n), e, spread, fate, ll]
@@ -221,6 +232,7 @@ def make_filter_step(
             _triangle(rules, root_after),
             x_ahead,
             _triangle(rules, _unpacked(rules, packed_ahead, layout.joint)),
+            leap,
         ]
     outputs = ca.vertcat(*(ca.densify(s) for s in shown))
     following, outputs = ca.cse([ca.densify(following), outputs])
@@ -242,6 +254,7 @@ def _sensed(
     gate: Gate | None,
     wraps: np.ndarray,
     adapting: np.ndarray | None,
+    leaping: np.ndarray,
 ) -> Any:
     """The update by all sensors, as a function of what was predicted."""
     packed, root = rules.symbol(layout.joint)
@@ -257,27 +270,26 @@ def _sensed(
         for held in np.flatnonzero(adapting).tolist():
             factor[held] = switch
     correction = ca.SX.zeros(layout.joint)
-    innovations, spreads, fates, ll = [], [], [], ca.SX(0)
+    innovations, spreads, fates, leaps, ll = [], [], [], [], ca.SX(0)
     for i in range(layout.sensors):
         row = equations.sensitivity[i, :]
         e = z[i] - equations.shown[i]
         if wraps[i]:
             e = e - 2 * np.pi * ca.floor(e / (2 * np.pi) + 0.5)
         e = e - row @ correction
-        accepted: list[Any] = []
-
-        def taken(spread: Any, i: int = i, e: Any = e, accepted: list[Any] = accepted) -> Any:
-            counts, beyond = _judged(gate, i, e, spread, z, there, memory, followed, equations.T)
-            accepted += [counts, beyond]
-            return counts
-
         variance = deviation[i] ** 2 + sum(effect[i] ** 2 * power for effect, power in equations.doubled)
-        gain, root, spread = rules.updated(root, row, variance, taken, factor)
-        counts, beyond = accepted
+        expected = rules.innovation(root, row, variance)
+        counts, beyond = _judged(gate, i, e, expected, z, there, memory, followed, equations.T)
+        leap = ca.if_else(counts * beyond, ca.sqrt(e**2 / expected), 1.0) if gate is not None else ca.SX(1)
+        if gate is not None:
+            for state in leapt(equations.sensitivity, i, leaping):
+                root = rules.stretched(root, state, leap)
+        gain, root, spread = rules.updated(root, row, variance, counts, factor)
         correction = correction + gain * e
         innovations.append(e)
         spreads.append(spread)
         fates.append(counts - there[i] * beyond * (1 - counts))
+        leaps.append(leap)
         ll = ll - counts * 0.5 * (ca.log(2 * np.pi * spread) + e**2 / spread)
     after = equations.joint + correction
     function = ca.Function(
@@ -303,10 +315,26 @@ def _sensed(
             ca.vertcat(*spreads),
             ca.vertcat(*fates),
             ll,
+            ca.vertcat(*leaps),
             *followed,
         ],
     )
     return function
+
+
+def leapt(sensitivity: Any, sensor: int, leaping: np.ndarray) -> list[int]:
+    """Return the states that leap to a sensor that insists, by index.
+
+    Parameters
+    ----------
+    sensitivity : casadi.SX, shape (sensors, unknowns)
+        What the sensors show of the unknowns.
+    sensor : int
+        Which of them.
+    leaping : ndarray of bool, shape (states,)
+        Which states can.
+    """
+    return [k for k in sensitivity[sensor, :].sparsity().get_col() if k < leaping.size and leaping[k]]
 
 
 def _judged(
@@ -327,11 +355,14 @@ def _judged(
     repeats = ca.if_else(there[i] * (z[i] == last), same + 1, ca.if_else(there[i], 0, same))
     width = ca.if_else(repeats >= _SUSPECT, _NARROW * gate.width, gate.width)
     beyond = e**2 > width**2 * spread
+    # Once found out, it is stuck for as long as it repeats itself, even where what it says comes true for a moment.
+    beyond = ca.fmax(beyond, (repeats >= _SUSPECT) * (refused > 0))
     waited = refused + interval
     # A sensor that keeps saying something else is right in the end; one that repeats itself is stuck.
-    insists = (waited >= gate.patience) * (repeats == 0)
+    insists = (waited >= (1 - 1e-6) * gate.patience) * (repeats == 0)
     counts = there[i] * (1 - beyond * (1 - insists))
     followed[0][i] = ca.if_else(there[i], z[i], last)
     followed[1][i] = repeats
-    followed[2][i] = ca.if_else(there[i], beyond * waited, refused)
+    # Between the samples of a slow sensor the waiting goes on.
+    followed[2][i] = ca.if_else(there[i], beyond, refused > 0) * waited
     return counts, beyond

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from typing import Any
@@ -129,16 +129,16 @@ class Loop:
 
     def map(
         self,
-        z0: Sequence[np.ndarray],
-        controls: Sequence[np.ndarray],
-        p: Sequence[np.ndarray],
+        z0: Iterable[np.ndarray],
+        controls: Iterable[np.ndarray],
+        p: Iterable[np.ndarray],
         threads: int | None = None,
     ) -> list[tuple[np.ndarray, np.ndarray]]:
         """Run many records, side by side on several threads where the code is compiled.
 
         Parameters
         ----------
-        z0, controls, p : sequence of ndarray
+        z0, controls, p : iterable of ndarray
             As for one record, one entry each.
         threads : int, optional
             How many; by default one for each processor.
@@ -223,9 +223,15 @@ def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
     -------
     Loop
     """
+    nz, no = step.size1_in(0), step.size1_out(1)
+    # The state of one sample is copied into the next: another length would run over the memory.
+    if step.size_out(0) != step.size_in(0) or step.size2_out(1) != 1:
+        raise ValueError(f"a step returns what it carries, and {step} does not")
     library = None
+    # A name of our own: a library that is loaded already may export one as short as "step", and would be called instead.
+    symbols = step.sx_in() if step.is_a("SXFunction") else step.mx_in()
+    step = ca.Function("shipid_sample", symbols, step.call(symbols))
     if compiled or single:
-        nz, no = step.size1_in(0), step.size1_out(1)
         text = _LOOP.format(
             nz=nz,
             nc=step.size1_in(1),

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.generation.compiling import compile_function
+from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
 
@@ -31,18 +31,22 @@ class Record:
         Names along the rows of the result.
     unknowns : tuple of str
         Names the outputs are differentiated by: coefficients, then ``x0:STATE``, then ``bias:INPUT``.
+    loop : Loop
+        The step with its sensitivities, run over the samples.
+    seed : ndarray
+        Derivatives of the initial states, which the loop starts with after the states.
     """
 
     system: System
     outputs: tuple[str, ...]
     unknowns: tuple[str, ...]
-    _step: Any = field(repr=False)
-    _seed: np.ndarray = field(repr=False)
+    loop: Loop = field(repr=False)
+    seed: np.ndarray = field(repr=False)
 
     @property
     def step(self) -> Any:
-        """The accumulated CasADi function of one sample."""
-        return self._step
+        """The CasADi function of one sample that the loop runs over."""
+        return self.loop.step
 
     def __call__(
         self, x0: np.ndarray, u: np.ndarray, intervals: np.ndarray, p: np.ndarray, bias: np.ndarray | None = None
@@ -77,38 +81,12 @@ class Record:
             return np.empty((n_y, 0)), np.empty((n_y, n_q, 0))
         steps = np.array(intervals, dtype=float)
         steps[-1] = 0.0
-        control = np.vstack([shifted, following, steps])
-        z0 = np.concatenate([x0, self._seed])
-        rows = _call(_accumulated(self, count), (z0, control, p), n_y * (1 + n_q), count)
-        return rows[:n_y], rows[n_y:].reshape(n_q, n_y, count).transpose(1, 0, 2)
+        controls = np.vstack([shifted, following, steps]).T
+        _, out = self.loop(np.concatenate([x0, self.seed]), controls, p)
+        return out[:, :n_y].T, out[:, n_y:].reshape(count, n_q, n_y).transpose(2, 1, 0)
 
     def __hash__(self) -> int:
         return id(self)
-
-
-def _call(function: Any, arguments: tuple[np.ndarray, ...], rows: int, columns: int) -> np.ndarray:
-    """Call a function without copying through CasADi's matrices, which would cost several times the arithmetic."""
-    # The buffer and the flat arrays have to outlive the call: the function writes to their memory.
-    buffer, trigger = function.buffer()
-    flat = [np.ascontiguousarray(a.ravel(order="F"), dtype=float) for a in arguments]
-    for i, argument in enumerate(flat):
-        buffer.set_arg(i, argument.data)
-    out = np.empty(rows * columns)
-    buffer.set_res(0, out.data)
-    trigger()
-    return out.reshape(rows, columns, order="F")
-
-
-@functools.lru_cache(maxsize=256)
-def _accumulated(record: Record, count: int) -> Any:
-    step = record.step
-    z0, control, p = (
-        ca.MX.sym("z0", step.size1_in(0)),
-        ca.MX.sym("c", step.size1_in(1), count),
-        ca.MX.sym("p", step.size1_in(2)),
-    )
-    _, out = step.mapaccum(count)(z0, control, ca.repmat(p, 1, count))
-    return ca.Function("record", [z0, control, p], [out])
 
 
 @functools.lru_cache(maxsize=64)
@@ -175,7 +153,7 @@ def make_record(
         system,
         tuple(outputs),
         unknowns,
-        compile_function(function) if compiled else function,
+        make_loop(function, compiled),
         seed.ravel(order="F"),
     )
 

@@ -19,3 +19,11 @@ class NoAnswerError(IdentificationError):
 
 class NothingToFitError(IdentificationError):
     """The trials measure nothing that the model predicts."""
+
+
+class NotRegressableError(IdentificationError):
+    """A method by regression was asked for, and an equation reads what nobody measured."""
+
+
+class PosteriorError(IdentificationError):
+    """A posterior that cannot be sampled: no sampler, too many unknowns, or no end to it."""

@@ -11,13 +11,15 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet
-from shipid.declaration.units import factor, pretty
-from shipid.trials.columns import COLUMNS
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
     from shipid.identification.bands import Manoeuvre
+    from shipid.identification.checked import Checked
     from shipid.identification.directions import Direction
+    from shipid.identification.ladder import Rung
+    from shipid.identification.levels import Levels
+    from shipid.identification.posterior import Posterior
     from shipid.identification.profiles import Profile
     from shipid.identification.residuals import Residuals
 
@@ -155,6 +157,14 @@ class Fit:
         Runs of all trials.
     provenance : mapping
         Versions, and hashes of model and trials.
+    ladder : tuple of Rung
+        What was tried, in order, and which of it was used.
+    loss : str
+        How residuals counted.
+    checked : bool
+        Whether the trials' doctor is asked.
+    posterior : Posterior or None
+        A sampled posterior, where one was asked for (`sample_posterior`).
     """
 
     model: Model
@@ -173,9 +183,18 @@ class Fit:
     chi_square: float
     evaluations: int
     provenance: Mapping[str, Any]
+    ladder: tuple[Rung, ...] = ()
+    loss: str = "linear"
+    checked: bool = True
+    posterior: Posterior | None = None
     _problem: Any = field(repr=False, default=None)
     _solution: Any = field(repr=False, default=None)
     _predict: Any = field(repr=False, default=None)
+
+    @property
+    def levels(self) -> Levels | None:
+        """What drives the states and the noise of the sensors, where prediction error found them."""
+        return self._solution.levels if self._solution is not None else None
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -229,6 +248,27 @@ class Fit:
 
         return {} if self._solution is None else residuals_of(self._solution)
 
+    @functools.cached_property
+    def findings(self) -> tuple[Checked, ...]:
+        """What the trials' doctor is sure of; none where he was not asked."""
+        from shipid.identification.checked import findings_of
+
+        return findings_of(self) if self.checked else ()
+
+    def sample_posterior(self, draws: int = 10_000, seed: int = 0) -> Posterior:
+        """Return draws from the posterior density of all unknowns, by an ensemble sampler (`shipid[posterior]`).
+
+        Parameters
+        ----------
+        draws : int
+            How many, over all walkers, after those that are thrown away.
+        seed : int
+            Of the sampler.
+        """
+        from shipid.identification.posterior import posterior_of
+
+        return posterior_of(self, draws, seed)
+
     def profile(self, name: str, points: int = 17) -> Profile:
         """Return the profile likelihood of a coefficient, with the 95 % interval by the likelihood ratio.
 
@@ -258,6 +298,9 @@ class Fit:
             "method": self.method,
             "converged": self.converged,
             "message": self.message,
+            "loss": self.loss,
+            "ladder": [r.to_dict() for r in self.ladder],
+            "findings": [f.to_dict() for f in self.findings] if self.checked else None,
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
@@ -288,6 +331,7 @@ class Fit:
                 for c in (*self.fitted, *self.validation)
             },
             "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
+            **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
                 "condition_number": self.condition_number,
                 "unidentifiable": list(self.unidentifiable),
@@ -301,55 +345,14 @@ class Fit:
                 "chi_square": _plain(self.chi_square),
                 "evaluations": self.evaluations,
             },
+            **({} if self.posterior is None else {"posterior": self.posterior.to_dict()}),
             "provenance": dict(self.provenance),
         }
 
     def __repr__(self) -> str:
-        state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
-        lines = [f"{self.model.name} fitted to {', '.join(c.trial.name for c in self.fitted)} ({self.method}; {state})"]
-        lines += [
-            f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
-            for e in self.parameters.values()
-        ]
-        for c in (*self.fitted, *self.validation):
-            role = "fitted   " if c in self.fitted else "predicted"
-            lines.append(
-                f"  {role}  {c.trial.name}: rms error {', '.join(_error_text(s, v) for s, v in c.rmse.items())}"
-            )
-            if c.refitted:
-                again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
-                lines.append(f"             with rudder bias and initial state refitted: {again}")
-            if c.overshoots:
-                pairs = zip(c.overshoots, c.predicted_overshoots)
-                shown = ", ".join(
-                    f"{np.rad2deg(m):.1f} / {'-' if p is None else f'{np.rad2deg(p):.1f}'}" for m, p in pairs
-                )
-                lines.append(f"             overshoots measured / predicted: {shown} deg")
-        return "\n".join(lines)
+        from shipid.identification.fit_text import text_of
 
-
-def _value_text(e: Estimate) -> str:
-    """A value with two digits of its standard deviation, and its unit."""
-    if e.value is None:
-        return "runs to infinity"
-    unit = "" if pretty(e.unit) == "1" else f" {pretty(e.unit)}"
-    if not e.std:
-        return f"{e.value:.6g}{unit}"
-    decimals = 1 - int(np.floor(np.log10(e.std)))
-    # Past six decimals or six figures before the point, powers of ten read better.
-    if 0 <= decimals <= 6 and abs(e.value) < 1e6:
-        return f"{e.value:.{decimals}f} ± {e.std:.{decimals}f}{unit}"
-    figures = max(1, int(np.floor(np.log10(max(abs(e.value), e.std)))) + decimals + 1)
-    return f"{e.value:.{min(figures, 12)}g} ± {e.std:.2g}{unit}"
-
-
-def _error_text(signal: str, error: float) -> str:
-    """An error of a signal in the unit people read it in."""
-    if not np.isfinite(error):
-        return f"{signal} runs away"
-    shown = COLUMNS[signal].display if signal in COLUMNS else ""
-    inside = COLUMNS[signal].unit if signal in COLUMNS else ""
-    return f"{signal} {error * (factor(inside, shown) if shown else 1.0):.3g} {pretty(shown)}"
+        return text_of(self)
 
 
 def _plain(value: float | None) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import metadata
 from typing import Any
 
@@ -12,20 +12,20 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.declaration.catalogue import find_model, find_ship, whole_ship
-from shipid.declaration.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.model import Model
-from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value, missing_values
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value
+from shipid.declaration.units import to_si
 from shipid.generation.system import generate
 from shipid.identification.beliefs import prior_of, scales_of
-from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
+from shipid.identification.ladder import Climb, Rung, climb
+from shipid.identification.methods import LOSSES, METHODS, PURPOSES
 from shipid.identification.problem import make_problem
 from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
-from shipid.identification.scale import own_unit_time, speed_of
-from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
+from shipid.identification.setting import Setting, check_length, search_box, settle
+from shipid.identification.solve import Box, Progress, Solution, seen_with_own_noise
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare, predictions, warm_up_samples
 from shipid.trials.columns import COLUMNS
@@ -34,23 +34,6 @@ from shipid.trials.trial import Trial
 
 #: First weights, before the residuals say better; only their ratio matters.
 _FIRST_SIGMA = {"psi": np.deg2rad(1.0), "r": 0.02, "u": 0.05, "v": 0.05, "x": 10.0, "y": 10.0}
-
-
-@dataclass(frozen=True)
-class _Setting:
-    """What is known before the search."""
-
-    model: Model
-    ship: ParameterSet
-    known: dict[str, float]
-    estimated: tuple[str, ...]
-    length: float
-    speed: float
-    notes: tuple[str, ...]
-
-    @property
-    def unit_time(self) -> float:
-        return self.length / self.speed
 
 
 def identify(
@@ -64,12 +47,15 @@ def identify(
     noise: Mapping[str, str | float] | None = None,
     validate: Sequence[Trial] = (),
     purpose: str | None = None,
+    method: str | None = None,
+    loss: str = "linear",
+    check: bool = True,
     rudder_bias: bool = True,
     starts: int = 5,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Fit:
-    """Identify a model from trials by output error.
+    """Identify a model from trials, by output error unless told otherwise.
 
     Parameters
     ----------
@@ -90,9 +76,17 @@ def identify(
         Standard deviation of each signal, with units; estimated from the residuals when not given.
     validate : sequence of Trial, optional
         Trials to predict.
-    purpose : {"prediction"}, optional
+    purpose : {"prediction", "filter"}, optional
         For prediction, rudder biases are pooled: the trials share one, about which each may be off by a tenth of a degree,
-        and initial states stay near what was measured. By default both are free in each trial.
+        and initial states stay near what was measured. By default both are free in each trial. For a filter, coefficients and
+        noise levels come from the likelihood through the Kalman filter (method prediction-error).
+    method : {"output-error", "equation-error", "instrumental-variables", "multiple-shooting", "prediction-error"}, optional
+        By default the ladder of them: output error from several starts, one of them by equation error where the states
+        are measured, and multiple shooting where it fails. A method that is named is the only one tried.
+    loss : {"linear", "huber", "soft-l1"}
+        How residuals count: by their squares, or the largest less, so that wild samples decide nothing.
+    check : bool
+        Whether the trials' doctor is asked (`Fit.findings`); it repairs nothing.
     rudder_bias : bool
         Whether each trial has a rudder bias of its own.
     starts : int
@@ -111,12 +105,17 @@ def identify(
     ShipidError
         For trials, names and values that do not fit; a search that fails is a result, with ``converged`` False.
     """
-    if purpose not in (None, "prediction"):
-        raise UnknownNameError("purpose", purpose, ("prediction",))
+    for what, name, known in (("purpose", purpose, PURPOSES), ("method", method, METHODS), ("loss", loss, LOSSES)):
+        if name is not None and name not in known:
+            raise UnknownNameError(what, name, known)
+    if purpose == "filter" and method is None:
+        method = PURPOSES[purpose]
+    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
+        raise UsageError(f"the loss '{loss}' is one of output error; method {method} knows squares only.")
     if not trials:
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
-    setting = _settle(model, trials, ship, estimate, dict(fixed or {}))
+    setting = settle(model, trials, ship, estimate, dict(fixed or {}))
     for trial in (*trials, *validate):
         check_regular(trial)
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
@@ -129,27 +128,27 @@ def identify(
         prepare(setting.model, t, shown, own_speed, warm_up_samples(t, setting.unit_time)) for t in (*trials, *validate)
     ]
     sailed = everything[: len(trials)]
-    _check_length(setting, trials)
+    check_length(setting, trials)
     sigma, weigh = _weights(shown, noise, setting.unit_time)
+    levels = "noise levels estimated" if weigh else "noise levels given"
     if purpose == "prediction" and noise is None:
         sigma, weigh = scales_of(shown, sailed[0], setting.unit_time), False
-    box = _box(setting)
+        levels = "weighted by the errors of a low-order model"
+    box = search_box(setting)
     fixed_values = {n: v for n, v in setting.known.items() if n not in setting.estimated}
     biases = unknown_biases(setting.model, shown, rudder_bias)
     problem = make_problem(setting.model, sailed, shown, setting.estimated, fixed_values, sigma, biases)
     if purpose == "prediction":
-        problem = replace(
-            problem,
-            prior=prior_of(setting.model, problem.initial, biases, sailed[0], setting.unit_time, setting.estimated),
-        )
+        believed = prior_of(setting.model, problem.initial, biases, sailed[0], setting.unit_time, setting.estimated)
+        problem = replace(problem, prior=believed)
+    problem = replace(problem, loss=loss)
+    how = Climb(starts, seed, weigh, setting.unit_time, progress or (lambda _: None))
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
-        solution = solve(
-            problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
-        )
+        solution, rungs = climb(problem, box, method, how)
         if purpose == "prediction" and noise is None:
             solution = seen_with_own_noise(solution)
-        fit = _result(setting, solution, box, sailed, weigh)
+        fit = _result(setting, solution, rungs, box, sailed, levels, check)
         return fit.validate(validate) if validate else fit
 
 
@@ -164,60 +163,6 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
             again = seen[trial.name]
             result[-1].append(trial if again == 1 else replace(trial, name=f"{trial.name}-{again}"))
     return result
-
-
-def _settle(
-    model: Model | str | Any,
-    trials: Sequence[Trial],
-    ship: ParameterSet | str | None,
-    estimate: Sequence[str] | None,
-    fixed: dict[str, str | float],
-) -> _Setting:
-    whole = find_model(model) if isinstance(model, str) else model if isinstance(model, Model) else whole_ship(model)
-    given = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
-    held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
-    for name in held:
-        if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
-            kind = "input" if whole[name].quantity.kind == "given" else whole[name].quantity.kind
-            raise UsageError(f"'{name}' is no coefficient of model {whole.name} but its {kind}; it cannot be fixed.")
-    published = [n for n in held if whole[n].quantity.kind == "derived"]
-    whole = whole.impose(published) if published else whole
-
-    speed = speed_of(given, trials)
-    known = given.values(whole, speed=speed) | held
-    length = known.get("L", given.particular("L", "m"))
-    if length is not None and not length > 0:
-        raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; a ship is longer than that.")
-    if length is None:
-        length = speed * own_unit_time(trials)
-    estimated = _estimated(whole, estimate, held)
-    notes = []
-    for name in whole.parameters:
-        start = whole[name].number("start")
-        if name not in known and start is not None and name not in estimated:
-            known[name] = start * (prime_factor(whole[name].unit, length, speed) if whole[name].quantity.prime else 1.0)
-            notes.append(f"{name} was held at its declared start, {known[name]:.4g}, which is assumed.")
-    lacking = missing_values(whole, {**known, **dict.fromkeys(estimated, 0.0)}, f"ship {given.name}")
-    if lacking:
-        raise lacking
-    return _Setting(whole, given, known, estimated, length, speed, tuple(notes))
-
-
-def _estimated(model: Model, wanted: Sequence[str] | None, held: Mapping[str, float]) -> tuple[str, ...]:
-    if wanted is None:
-        chosen = [n for n in model.parameters if model[n].quantity.estimated and n not in held]
-    else:
-        chosen = []
-        for name in wanted:
-            partner = name if name in model.parameters else model.partner(name) if name in model else None
-            if partner is None:
-                raise UnknownNameError(f"parameter of model {model.name} to estimate called", name, model.parameters)
-            if partner in held:
-                raise UsageError(f"'{name}' is to be estimated and is fixed as well; choose one.")
-            chosen.append(partner)
-    if not chosen:
-        raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
-    return tuple(n for n in model.parameters if n in chosen)
 
 
 def _weights(
@@ -237,37 +182,15 @@ def _weights(
     return np.array(levels), False
 
 
-def _box(setting: _Setting) -> Box:
-    bounds = {}
-    for name in setting.estimated:
-        entry = setting.model[name]
-        scale = prime_factor(entry.unit, setting.length, setting.speed) if entry.quantity.prime else 1.0
-        low, high = (entry.number(a) for a in ("low", "high"))
-        declared = entry.number("start")
-        low = -np.inf if low is None else low * scale
-        high = np.inf if high is None else high * scale
-        start = setting.known.get(name, scale if declared is None else declared * scale)
-        # A value from the ship's own set is believed over a declared bound.
-        bounds[name] = (start, min(low, start), max(high, start))
-    return box_of(bounds)
-
-
-def _check_length(setting: _Setting, trials: Sequence[Trial]) -> None:
-    constants = [n for n in ("tau", "tau1") if n in setting.model.parameters and setting.model[n].unit == "s"]
-    slowest = max((abs(setting.known[n]) for n in constants if n in setting.known), default=0.0)
-    needed = max(setting.unit_time, slowest)
-    why = (
-        "the ship's time constant" if slowest > setting.unit_time else "the time L/U in which the ship sails its length"
-    )
-    for trial in trials:
-        if trial.duration < needed:
-            raise TrialTooShortError(
-                f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "
-                "answered its rudder. Give a longer trial, or a wider window."
-            )
-
-
-def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sailed], weigh: bool) -> Fit:
+def _result(
+    setting: Setting,
+    solution: Solution,
+    rungs: tuple[Rung, ...],
+    box: Box,
+    sailed: Sequence[Sailed],
+    levels: str,
+    check: bool,
+) -> Fit:
     problem = solution.problem
     covariance = covariance_of(solution)
     shared = len(problem.estimated)
@@ -277,13 +200,12 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
     )
     fitted = tuple(compare(problem, solution.q, i) for i in range(len(sailed)))
     dof = max(1, solution.residual.size - problem.size)
-    levels = "noise levels estimated" if weigh else "noise levels given"
-    pooled = ", rudder biases pooled" if problem.prior is not None else ""
+    used = next(r for r in rungs if r.used)
     condition = covariance.condition_number if np.isfinite(covariance.condition_number) else None
     return Fit(
         model=setting.model,
-        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed]),
-        method=f"output error on {', '.join(problem.signals)}, exact sensitivities, {levels}{pooled}",
+        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed], used.method),
+        method=_in_words(used, solution, levels),
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,
@@ -296,6 +218,9 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
         validation=(),
         chi_square=2 * solution.cost / dof,
         evaluations=solution.evaluations,
+        ladder=rungs,
+        loss=problem.loss,
+        checked=check,
         provenance=_provenance(setting.model, [s.trial for s in sailed]),
         _problem=problem,
         _solution=solution,
@@ -303,10 +228,29 @@ def _result(setting: _Setting, solution: Solution, box: Box, sailed: Sequence[Sa
     )
 
 
+def _in_words(rung: Rung, solution: Solution, levels: str) -> str:
+    """How the coefficients were found."""
+    problem = solution.problem
+    signals = ", ".join(problem.signals)
+    words = [METHODS[rung.method] if solution.covariance is not None else f"{METHODS[rung.method]} on {signals}"]
+    if solution.covariance is None:
+        words += ["exact sensitivities", levels]
+        if problem.prior is not None:
+            # A least-squares search with beliefs among its residuals ends at the maximum of the posterior density.
+            words += ["rudder biases pooled", "maximum a posteriori"]
+    else:
+        words += [f"initial states and biases by output error on {signals}"]
+    return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])
+
+
 def _identified_ship(
-    setting: _Setting, parameters: Mapping[str, Any], fixed: Mapping[str, float], trials: Sequence[Trial]
+    setting: Setting,
+    parameters: Mapping[str, Any],
+    fixed: Mapping[str, float],
+    trials: Sequence[Trial],
+    method: str,
 ) -> ParameterSet:
-    where = f"identified by output error from {', '.join(t.name for t in trials)} (shipid {shipid.__version__})"
+    where = f"identified by {method.replace('-', ' ')} from {', '.join(t.name for t in trials)} (shipid {shipid.__version__})"
     section = {}
     for name, e in parameters.items():
         if not e.follows and e.value is not None:

@@ -9,7 +9,6 @@ search is Newton's with that information, in a trust region (Fisher scoring).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from shipid.declaration.units import prime_factor
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.likelihood import Likelihood
 from shipid.generation.reducing import reduced
+from shipid.identification.levels import Levels
 from shipid.identification.problem import Problem
 from shipid.identification.sailed import Sailed
 from shipid.identification.solve import Box
@@ -25,40 +25,6 @@ from shipid.identification.solve import Box
 _LEVEL_BELIEF = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
 _SENSOR_SHARE = 0.3
-
-
-@dataclass(frozen=True, eq=False)
-class Levels:
-    """Where the search for coefficients and noise levels ended.
-
-    Attributes
-    ----------
-    parameters : ndarray, shape (parameters,)
-        Coefficients, SI.
-    biases : ndarray, shape (trials, biases)
-        Constant biases of each trial's inputs.
-    process : mapping of str to float
-        Density of the white noise that drives each state, SI per root second.
-    sensors : mapping of str to float
-        Standard deviation of one sample of each signal, SI.
-    covariance : ndarray, shape (parameters, parameters)
-        Of the coefficients, from the expected information.
-    log_likelihood : float
-    converged : bool
-    message : str
-    evaluations : int
-        Passes over all trials.
-    """
-
-    parameters: np.ndarray
-    biases: np.ndarray
-    process: Mapping[str, float]
-    sensors: Mapping[str, float]
-    covariance: np.ndarray
-    log_likelihood: float
-    converged: bool
-    message: str
-    evaluations: int
 
 
 def record_of(sailed: Sailed, model_inputs: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, np.ndarray]:

@@ -78,6 +78,10 @@ class Problem:
         Biases that are known beforehand, by input.
     prior : Prior or None
         What is believed of biases and initial states; None where they are free.
+    loss : str
+        How residuals count (`shipid.identification.losses`).
+    weights : tuple of ndarray or None
+        Weight of each squared residual under a robust loss, by trial, shapes (signals, N).
     """
 
     model: Model
@@ -90,6 +94,8 @@ class Problem:
     sigma: np.ndarray
     bias_offset: Mapping[str, float]
     prior: Prior | None = None
+    loss: str = "linear"
+    weights: tuple[np.ndarray, ...] | None = None
 
     @property
     def record(self) -> Record:
@@ -155,6 +161,9 @@ class Problem:
             with np.errstate(over="ignore", invalid="ignore"):
                 residual = (y - s.measured) / self.sigma[:, None]
                 slope = dy / self.sigma[:, None, None]
+                if self.weights is not None:
+                    root = np.sqrt(self.weights[i])
+                    residual, slope = residual * root, slope * root[:, None, :]
                 # NaN compares as false, so what is not finite is not good either.
                 good = (np.abs(residual) < RUNAWAY) & (np.abs(slope) < _STEEP).all(axis=1)
             residual = np.where(good, residual, RUNAWAY)
@@ -166,13 +175,13 @@ class Problem:
             rows.append(residual.ravel())
             blocks.append(block)
         if self.prior is not None:
-            believed, slope = self._beliefs(q, self.prior)
+            believed, slope = self.beliefs(q, self.prior)
             rows.append(believed)
             blocks.append(slope)
         return np.concatenate(rows), np.concatenate(blocks)
 
-    def _beliefs(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals of the prior and their Jacobian: biases about their mean, the mean about zero, initial states."""
+    def beliefs(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals of the prior and their Jacobian: biases about their mean, that about zero, initial states."""
         count, states = len(self.sailed), self.record.system.states
         slopes, offsets = [], []
         # Sensor noise is not correlated: what it adds to a guess counts sample by sample.

@@ -65,6 +65,13 @@ class Sailed:
             self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, ::n], measured=self.measured[:, ::n]
         )
 
+    def column(self, name: str) -> np.ndarray:
+        """Return a column of the trial at the samples that are left."""
+        t = self.trial["t"]
+        return np.asarray(
+            np.interp(t[0] + np.concatenate([[0.0], np.cumsum(self.intervals[:-1])]), t, self.trial[name])
+        )
+
     def head(self, count: int) -> Sailed:
         """Return the first `count` samples."""
         return replace(

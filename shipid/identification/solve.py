@@ -1,6 +1,7 @@
-"""Solving: trust-region least squares from several starts, with bounds, logarithms of positive parameters and weights.
+"""Solving: trust-region least squares with bounds, logarithms of positive parameters and weights.
 
-The starts are tried on thinned records, where a step costs little; the best goes on over every sample.
+Starts are tried on thinned records, where a step costs little; the best goes on over every sample. Which starts, and what
+is tried where they fail, is the ladder's (`shipid.identification.ladder`).
 """
 
 from __future__ import annotations
@@ -10,11 +11,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.identification.levels import Levels
+from shipid.identification.losses import change_of, reweighted, robust_scale, unweighted
 from shipid.identification.problem import RUNAWAY, Problem
+from shipid.identification.search import search, triangle
 
 #: Samples of a trial that are enough to tell a good start from a bad one.
 _THIN = 400
 _SPREAD = 1.0
+#: Times the weights of a robust loss follow the residuals at the most, and the change of a weight that counts as none.
+_TURNS = 30
+_SETTLED = 2e-3
 Progress = Callable[[str], None]
 
 
@@ -52,6 +59,11 @@ class Solution:
         What the search said.
     evaluations : int
         Runs of all trials, over all starts.
+    covariance : ndarray or None
+        Of the unknowns, where they are not the minimum of these residuals but come from another method.
+    levels : Levels or None
+        What drives the states and the noise of the sensors, where the likelihood through the filter found them
+        (`shipid.identification.prediction_error`).
     """
 
     problem: Problem
@@ -61,6 +73,13 @@ class Solution:
     converged: bool
     message: str
     evaluations: int
+    covariance: np.ndarray | None = None
+    levels: Levels | None = None
+
+    @property
+    def finite(self) -> bool:
+        """Whether the model runs away nowhere."""
+        return bool((np.abs(self.residual) < RUNAWAY).all())
 
     @property
     def cost(self) -> float:
@@ -96,67 +115,34 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
     tolerance : float
         Relative change of cost and unknowns at which the search ends.
     """
-    from scipy.optimize import least_squares
-
-    shared = len(problem.estimated)
-    logs = np.zeros(problem.size, dtype=bool)
-    logs[:shared] = box.in_log
-    low, high = _bounds(problem, box, q0)
-    z_low, z_high = (
-        np.where(logs, np.log(np.where(logs, low, 1)), low),
-        np.where(logs, np.log(np.where(logs, high, 1)), high),
-    )
-
-    def to_q(z: np.ndarray) -> np.ndarray:
-        return np.where(logs, np.exp(np.where(logs, z, 0)), z)
-
-    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def evaluate(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        key = z.tobytes()
-        if key not in last:
-            last.clear()
-            q = to_q(z)
-            residual, jacobian = problem.residuals(q)
-            last[key] = _condensed(residual, jacobian * np.where(logs, q, 1.0))
-        return last[key]
-
-    z0 = np.where(logs, np.log(np.where(logs, np.maximum(q0, 1e-300), 1)), q0)
-    margin = 1e-6 * (1 + np.where(np.isfinite(z_high - z_low), z_high - z_low, 0))
-    z0 = np.clip(z0, z_low + margin, z_high - margin)
     if not problem.size:
         residual, jacobian = problem.residuals(q0)
         return Solution(problem, q0, residual, jacobian, True, "nothing to estimate", 1)
-    found = least_squares(
-        lambda z: evaluate(z)[0],
-        z0,
-        jac=lambda z: evaluate(z)[1],
-        bounds=(z_low, z_high),
-        x_scale="jac",
-        method="trf",
-        ftol=tolerance,
-        xtol=tolerance,
-        gtol=1e-12,
-        max_nfev=most,
-    )
-    q = to_q(found.x)
-    residual, jacobian = problem.residuals(q)
-    finite = bool((np.abs(residual) < RUNAWAY).all())
-    message = found.message if finite else "the model runs away in every neighbourhood of the best point."
-    return Solution(problem, q, residual, jacobian, found.status > 0 and finite, message, found.nfev)
+    logs = np.zeros(problem.size, dtype=bool)
+    logs[: len(problem.estimated)] = box.in_log
+
+    def condensed(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        rows = triangle(*problem.residuals(q))
+        return rows[:, -1], rows[:, :-1]
+
+    found = search(condensed, q0, logs, *bounds_of(problem, box), most, tolerance)
+    residual, jacobian = problem.residuals(found.q)
+    end = Solution(problem, found.q, residual, jacobian, found.converged, found.message, found.evaluations)
+    if end.finite:
+        return end
+    return replace(end, converged=False, message="the model runs away in every neighbourhood of the best point.")
 
 
-def _condensed(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Residual and Jacobian of at most unknowns + 1 rows with the same cost, gradient and Gauss-Newton matrix.
+def bounds_of(problem: Problem, box: Box) -> tuple[np.ndarray, np.ndarray]:
+    """Return the bounds of all unknowns: those of the parameters, and of the biases of each trial.
 
-    With [J r] = Q R the triangle holds all that the search reads of thousands of samples, and its singular value
-    decomposition at every step costs next to nothing.
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    box : Box
+        Bounds of the parameters.
     """
-    triangle = np.asarray(np.linalg.qr(np.column_stack([jacobian, residual]), mode="r"))
-    return triangle[:, -1], triangle[:, :-1]
-
-
-def _bounds(problem: Problem, box: Box, q0: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     low, high = np.full(problem.size, -np.inf), np.full(problem.size, np.inf)
     low[: len(box.low)], high[: len(box.high)] = box.low, box.high
     for i, sailed in enumerate(problem.sailed):
@@ -168,70 +154,89 @@ def _bounds(problem: Problem, box: Box, q0: np.ndarray) -> tuple[np.ndarray, np.
     return low, high
 
 
-def solve(
-    problem: Problem,
-    box: Box,
-    *,
-    starts: int = 5,
-    seed: int = 0,
-    weigh: bool = True,
-    unit_time: float | None = None,
-    progress: Progress | None = None,
-) -> Solution:
-    """Solve an output-error problem from several starts.
+def minimise_robustly(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: float = 1e-8) -> Solution:
+    """Minimise under the loss of the problem, by least squares whose weights follow the residuals.
 
     Parameters
     ----------
     problem : Problem
-        With first weights.
+        What to solve; with the weights to begin with.
+    q0 : ndarray, shape (unknowns,)
+        Start.
     box : Box
-        Bounds and start of the parameters.
-    starts : int
-        Number of starts.
-    seed : int
-        Of the random starts.
+        Bounds of the parameters.
+    most : int
+        Largest number of runs for each set of weights.
+    tolerance : float
+        Relative change of cost and unknowns at which the search ends.
+    """
+    found = minimise(problem, q0, box, most, tolerance)
+    if problem.loss == "linear":
+        return found
+    evaluations = found.evaluations
+    for _ in range(_TURNS):
+        if not found.finite:
+            break
+        turned = reweighted(found.problem, found.residual)
+        settled = change_of(found.problem, turned) < _SETTLED
+        if settled:
+            break
+        found = minimise(turned, found.q, box, most, tolerance)
+        evaluations += found.evaluations
+    else:
+        found = replace(found, converged=False, message="the weights of the loss did not settle.")
+    return replace(found, evaluations=evaluations)
+
+
+def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progress) -> Solution:
+    """Go on from a start that was found on thinned records: weights first, then every sample.
+
+    Parameters
+    ----------
+    problem : Problem
+        With every sample.
+    best : Solution
+        Where to begin, on thinned records.
+    box : Box
+        Bounds of the parameters.
     weigh : bool
         Whether the standard deviations are estimated from the residuals (in turns with the parameters: the maximum
         of the likelihood with unknown noise levels), or stay as given.
-    unit_time : float, optional
-        L/U in s: no thinned record is coarser than a tenth of it.
-    progress : callable, optional
+    tell : callable
         Called with a line of text after each stage.
-
-    Returns
-    -------
-    Solution
     """
-    tell = progress or (lambda _: None)
-    samples = [_thin(s.trial.duration, unit_time) for s in problem.sailed]
-    thin = _thinned(problem, samples)
-    tried = []
-    for i, start in enumerate(make_starts(box, starts, seed)):
-        tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=1e-4))
-        tell(f"start {i + 1} of {starts}: cost {tried[-1].cost:.4g}")
-    best = min(tried, key=lambda s: s.cost)
-    evaluations = sum(s.evaluations for s in tried)
+    evaluations = best.evaluations
+    best = replace(best, problem=reweighted(best.problem, best.residual))
     if weigh:
         for turn in range(4):
             sigma = noise_levels(best)
             change = np.abs(np.log(sigma / best.problem.sigma)).max()
-            best = minimise(replace(best.problem, sigma=sigma), best.q, box, most=40, tolerance=1e-6)
+            best = minimise_robustly(replace(best.problem, sigma=sigma), best.q, box, most=40, tolerance=1e-6)
             evaluations += best.evaluations
             tell(f"weights, turn {turn + 1}: cost {best.cost:.4g}")
             if change < 0.05:
                 break
-    best = minimise(replace(problem, sigma=best.problem.sigma), best.q, box, most=200)
+    best = minimise_robustly(replace(problem, sigma=best.problem.sigma), best.q, box, most=200)
     evaluations += best.evaluations
     tell(f"all samples: cost {best.cost:.4g}")
     if weigh:
-        final = replace(problem, sigma=noise_levels(best))
-        best = minimise(final, best.q, box, most=100)
+        final = replace(best.problem, sigma=noise_levels(best))
+        best = minimise_robustly(final, best.q, box, most=100)
         evaluations += best.evaluations
     return replace(best, evaluations=evaluations)
 
 
-def _thinned(problem: Problem, samples: list[int]) -> Problem:
-    """The same problem on fewer samples, its beliefs weakened as much as its data."""
+def thinned(problem: Problem, unit_time: float | None) -> Problem:
+    """Return the same problem on fewer samples, its beliefs weakened as much as its data.
+
+    Parameters
+    ----------
+    problem : Problem
+        With every sample.
+    unit_time : float or None
+        L/U in s: no thinned record is coarser than a tenth of it.
+    """
+    samples = [_thin(s.trial.duration, unit_time) for s in problem.sailed]
     sailed = tuple(s.thinned(n) for s, n in zip(problem.sailed, samples))
     kept = sum(s.intervals.size for s in sailed) / sum(s.intervals.size for s in problem.sailed)
     prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))
@@ -251,12 +256,13 @@ def noise_levels(solution: Solution) -> np.ndarray:
         A solution under any weights.
     """
     problem = solution.problem
-    split = problem.by_signal(solution.residual)
+    split = unweighted(problem, solution.residual)
     spent = problem.size / len(problem.signals)
     levels = np.empty(len(problem.signals))
     for j in range(len(problem.signals)):
         together = np.concatenate([trial[j] for trial in split]) * problem.sigma[j]
-        levels[j] = np.sqrt(together @ together / max(together.size - spent, 1.0))
+        mean = together @ together / together.size if problem.loss == "linear" else robust_scale(together) ** 2
+        levels[j] = np.sqrt(mean * together.size / max(together.size - spent, 1.0))
         scale = max(float(np.abs(s.measured[j]).max()) for s in problem.sailed)
         levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
     return levels

@@ -8,11 +8,12 @@ independent ones would tell as much. For white residuals that is every sample, a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from shipid.identification.colour import Colour, colour_of, corrected
+from shipid.identification.losses import bends
 from shipid.identification.solve import Solution
 
 #: A parameter whose standard deviation exceeds this part of its size is not determined by the data.
@@ -90,8 +91,13 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     """
     problem = solution.problem
     trials, signals = len(problem.sailed), len(problem.signals)
+    if solution.covariance is not None:
+        found = covariance_of(replace(solution, covariance=None))
+        condition = _condition(solution.covariance, len(problem.estimated))
+        return replace(found, matrix=solution.covariance, condition_number=condition)
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
+    solution = _bent(solution)
     jacobian = solution.jacobian
     if spread is not None:
         jacobian = np.vstack([jacobian, np.eye(len(spread), problem.size) / spread[:, None]])
@@ -118,6 +124,20 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     matrix[lost, :] = matrix[:, lost] = 0.0
     matrix[lost, lost] = np.inf
     return Covariance(matrix, _condition(matrix, len(problem.estimated)), effective, excess)
+
+
+def _bent(solution: Solution) -> Solution:
+    """The solution with the rows of a robust loss scaled by its curvature, residuals the other way: their product stays."""
+    problem = solution.problem
+    if problem.weights is None:
+        return solution
+    rows = np.ones(solution.residual.size)
+    at = 0
+    for sailed in problem.sailed:
+        for bend in bends(problem):
+            rows[at : at + sailed.intervals.size] = bend
+            at += sailed.intervals.size
+    return replace(solution, residual=solution.residual / rows, jacobian=solution.jacobian * rows[:, None])
 
 
 def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

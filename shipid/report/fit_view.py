@@ -16,6 +16,7 @@ from shipid.generation.typesetting import symbol, typeset
 from shipid.identification.fit import Estimate, Fit
 from shipid.report.honesty_view import criteria_view, directions_view, residuals_view
 from shipid.report.numbers import fixed, given, interval, number, uncertain
+from shipid.report.search_view import findings_view, ladder_view, method_view, posterior_view
 from shipid.report.symbols import html_symbol
 from shipid.report.trial_view import TrialView, label_of, shown_unit, view_of
 from shipid.trials.trial import Trial
@@ -48,6 +49,10 @@ class FitView:
     directions: list[dict[str, str]]
     criteria: dict[str, Any] | None
     method: list[str]
+    ladder: list[dict[str, Any]]
+    findings: list[dict[str, str]]
+    checked: bool
+    posterior: dict[str, Any] | None
     versions: dict[str, str]
     model_sha256: str
     files: list[dict[str, Any]]
@@ -91,7 +96,11 @@ def fit_view(fit: Fit) -> FitView:
         noise=residuals_view(fit),
         directions=directions_view(fit),
         criteria=criteria_view(fit),
-        method=_method(fit),
+        method=method_view(fit),
+        ladder=ladder_view(fit),
+        findings=findings_view(fit),
+        checked=fit.checked,
+        posterior=posterior_view(fit),
         versions=dict(provenance.get("versions", {})),
         model_sha256=str(provenance.get("model_sha256", "")),
         files=[_file(c.trial, role) for role, c in pairs],
@@ -265,20 +274,6 @@ def _condition(fit: Fit) -> str:
         else "some coefficients are nearly interchangeable: only their combination is known"
     )  # fmt: skip
     return f"The condition number of this matrix is {number(value, 2)} (1 is best): {words}."
-
-
-def _method(fit: Fit) -> list[str]:
-    chi = fit.chi_square
-    return [
-        f"Method: {fit.method}.",
-        "Output error: the model is run over the recorded rudder from an initial state of its own in each trial, and the "
-        "coefficients are those that bring its signals closest to the measured ones.",
-        f"The trials were run {fit.evaluations} times.",
-        f"Mean squared weighted residual per degree of freedom: {number(chi, 3)} (1 where the noise levels are right)."
-        if np.isfinite(chi)
-        else "The weighted residual is not finite: the model ran away.",
-        f"The search said: {fit.message}",
-    ]
 
 
 def _file(trial: Trial, role: str) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def refused(monkeypatch):
     def search(*_, **__):
         raise AssertionError("the search was begun")
 
-    monkeypatch.setattr(module, "solve", search)
+    monkeypatch.setattr(module, "climb", search)
 
     def check(error: type[Exception], trials, *words: str, model="nomoto", **options) -> None:
         with pytest.raises(error) as caught:

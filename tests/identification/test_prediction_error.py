@@ -95,3 +95,13 @@ def test_it_is_nearer_to_the_truth_than_output_error(fitted):
     by_output = np.sqrt(np.mean([(start / truth - 1) ** 2 for _, start, _ in fitted], axis=0))
     by_prediction = np.sqrt(np.mean([(levels.parameters / truth - 1) ** 2 for _, _, levels in fitted], axis=0))
     assert (by_prediction < by_output).all()
+
+
+def test_the_purpose_leads_to_it_and_the_result_says_so():
+    fit = identify("nomoto", [gusty(1)], ship="soesterberg", starts=1, purpose="filter")
+    assert [r.method for r in fit.ladder] == ["output-error", "prediction-error"]
+    assert fit.ladder[-1].used and "prediction error" in fit.method
+    result = fit.to_dict(bands=False)
+    level = result["filter_noise"]["process"]["r"]
+    assert level["unit"] == "rad/s/s^0.5" and level["density"] == pytest.approx(NOISE["r"], rel=0.3)
+    assert "drives r" in repr(fit)

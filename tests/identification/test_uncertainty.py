@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.solve import _condensed
+from shipid.identification.search import triangle
 from shipid.identification.uncertainty import autocorrelation_time, correlation_of, verdict
 
 
@@ -43,7 +43,8 @@ def test_a_ramp_never_counts_as_fewer_than_four_samples():
 def test_the_condensed_problem_has_the_same_cost_gradient_and_curvature():
     rng = np.random.default_rng(3)
     residual, jacobian = rng.standard_normal(500), rng.standard_normal((500, 6))
-    r, j = _condensed(residual, jacobian)
+    rows = triangle(residual, jacobian)
+    r, j = rows[:, -1], rows[:, :-1]
     assert len(r) == 7
     assert r @ r == pytest.approx(residual @ residual)
     assert j.T @ r == pytest.approx(jacobian.T @ residual)

@@ -61,7 +61,8 @@ class RecursiveIdentifier:
         The one measured state (or the output of a sensor that measures it), with the standard deviation of a sample:
         ``{"r": "0.02 deg/s"}``. With None the level comes from the record (`noise_of`).
     noise : mapping of str to str, optional
-        What lets parameters wander, and what drives the measured state: per sample or per root second, as for a filter.
+        What lets parameters wander, and what drives the measured state: per sample or per root second, as for a filter. What
+        the declaration says holds where nothing is given, for the methods that believe noise levels.
     initial : mapping of str to str, optional
         Standard deviations of the first estimates, with units.
     start : mapping of str to str, optional
@@ -161,6 +162,9 @@ class RecursiveIdentifier:
         self._theta = np.array([starts[n][0] for n in self.names])
         self._deviation = np.array([deviations[n] for n in self.names])
         self._output_deviation = deviations.get(self.output)
+        if self.method.believes_noise:
+            declared = {n: model[n].quantity.noise for n in (self.output, *self.names)}
+            noise = {n: q for n, q in declared.items() if q} | dict(noise)
         sources = process_sources(system.model, noise, own, {}, ship_length, speed, model_noise=False)
         order = [self.output, *self.names]
         self._q, self._q_density = np.zeros(len(order)), np.zeros(len(order))

@@ -93,7 +93,8 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     old = {k: before[s] for k, s in layout.carried.items()}
     u1, T, z, there = (control[layout.control[k]] for k in ("u", "T", "z", "there"))
     p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
-    added = q_density * T + q_sample * (T > 0)
+    # A density enters half before and half after the transition, as in the filter (trapezoidal rule).
+    half, added = q_density * T / 2, q_density * T / 2 + q_sample * (T > 0)
     # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
     begins = settles * there * (old["age"] == 0)
     there = there - begins
@@ -101,17 +102,18 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
     e = z - ahead
     transition = ca.vertcat(ca.horzcat(pole, psi.T), ca.horzcat(ca.SX.zeros(n, 1), ca.SX.eye(n)))
-    joint = _symmetric(transition @ _unpacked(old["joint"], n + 1) @ transition.T + ca.diag(added))
+    before_step = _unpacked(old["joint"], n + 1) + ca.diag(half)
+    joint = _symmetric(transition @ before_step @ transition.T + ca.diag(added))
     spread = joint[0, 0] + r
 
-    believed = ca.reshape(old["P"], n, n)
+    believed = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
     y_aux, theta_aux, direction = _instruments(regression, method, old, psi, u1, p, T)
     if method.instruments:
         # What least squares learned to get the auxiliary model started is biased: its weight is given back.
         believed = ca.if_else(old["age"] == WARM_UP * n, ca.diag(first), believed)
     along = believed @ direction
     # (4.126): what the output is unsure of before the sample, apart from its parameters.
-    own = pole**2 * old["P_y"] + added[0] if method.remembers == "weighted" else added[0]
+    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.remembers == "weighted" else half[0] + added[0]
     quadratic = ca.dot(psi, along)
     memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
     if method.remembers == "optimal":

@@ -202,19 +202,19 @@ def test_the_extended_kalman_filter_of_the_toolbox_is_the_same(first_order, nois
 
 
 def test_the_extended_kalman_filter_of_a_ship_is_the_same():
-    model = shipid.find_model("linear-yaw")
+    model = shipid.find_model("yaw-filter")
     trial = shipid.simulate(
         shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15", noise={"r": "0.02 deg/s", "u": "0.05 m/s"}
     )
-    first = {"damping": "0.5", "effectiveness": "0.5", "r": "0.1 deg/s"}
-    start = {"damping": "2", "effectiveness": "2", "r": "0 deg/s"}
+    first = {"b1": "0.5", "a": "0.5", "r": "0.1 deg/s"}
+    start = {"b1": "2", "a": "2", "r": "0 deg/s"}
     options = {"measured": {"r": "0.02 deg/s"}, "initial": first, "start": start}
     # The recursion has the record's speed as an input, the filter as a state that follows a sensor it believes.
-    yaw = shipid.join("yaw", shipid.find_model("linear-yaw").components[0])
+    yaw = shipid.join("yaw", shipid.find_model("yaw-filter").components[0])
     filtered = shipid.ExtendedKalmanFilter(
-        yaw, "soesterberg", estimated=["damping", "effectiveness"], log=(), gate=None, model_noise=False, **options
+        yaw, "soesterberg", estimated=["b1", "a"], log=(), gate=None, model_noise=False, **options
     ).filter(trial)
     result = identify_recursively(model, trial, method="ekf", ship="soesterberg", **options)
-    for name in ("damping", "effectiveness"):
+    for name in ("b1", "a"):
         np.testing.assert_allclose(result[name], filtered[name], rtol=1e-9)
         np.testing.assert_allclose(result.std_of(name), filtered.std_of(name), rtol=1e-7)

@@ -1,0 +1,129 @@
+"""The yaw filter: heading and rate of turn freed of the waves, and the coefficients of the yaw estimated on the way.
+
+Passenier (1989), section 5.3. The thesis estimates the sampled coefficients a_s and b_s, which change with the speed; here
+1/tau* and K*/tau* are the states, which do not, so that a change of speed leaves them alone. `yaw-filter` has six states:
+the heading by waves is a multiple of v_f. `yaw-filter-seven` has the seven of the thesis, of which two cannot be told apart.
+
+The noise levels are this project's tuning for a 226 m container ship sampled every 0.4 s (the thesis prints none): waves of
+0.15 deg/s, taken three times as strong, since narrow-band waves are far from the white noise the filter makes of them.
+Noise of states and coefficients is a density, so that it means the same at another sampling interval.
+"""
+
+from __future__ import annotations
+
+from shipid import Component, derived, given, join, parameter, state
+from shipid.models.environment import ColouredWaves
+from shipid.models.kinematics import SpeedScaled
+from shipid.models.sensors import Compass, Gyro
+
+
+class AdaptiveYaw(SpeedScaled):
+    """First-order yaw scaled by a speed that is given, in the coefficients a filter estimates."""
+
+    a = parameter(
+        "1",
+        "yaw acceleration per rudder angle, K*/tau*",
+        start=1.0,
+        low=-20.0,
+        high=20.0,
+        spread=1.0,
+        noise="3.2e-4 1/s^0.5",
+        dimensional="1/s^2",
+    )
+    b1 = parameter(
+        "1",
+        "yaw damping, 1/tau*",
+        start=2.0,
+        low=-20.0,
+        high=20.0,
+        spread=1.0,
+        noise="3.2e-4 1/s^0.5",
+        dimensional="1/s",
+        latex="b_1",
+    )
+    r = state(
+        "rad/s",
+        "rate of turn, positive to starboard",
+        nominal="0.5 deg/s",
+        spread="0.3 deg/s",
+        noise="3.2e-5 rad/s^1.5",
+    )
+    delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
+    r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
+    K = derived("1", "yaw gain K*", latex="K^*")
+    tau = derived("1", "yaw time constant tau*", latex=r"\tau^*")
+
+    @r.rate
+    def yaw(self):
+        """Passenier (1989), eq. (5.1), with the wind as in (5.13)."""
+        pace = self.way / self.L
+        return pace**2 * self.a * self.delta - pace * self.b1 * self.r + self.r_disturbance
+
+    @K.equals
+    def gain(self):
+        """Passenier (1989), eq. (5.4) and (5.5), solved for K*."""
+        return self.a / self.b1
+
+    @tau.equals
+    def time_constant(self):
+        """Passenier (1989), eq. (5.4), solved for tau*."""
+        return 1 / self.b1
+
+    @a.instead
+    def acceleration(self):
+        """Passenier (1989), eq. (5.5)."""
+        return self.K / self.tau
+
+    @b1.instead
+    def damping(self):
+        """Passenier (1989), eq. (5.4)."""
+        return 1 / self.tau
+
+
+class SlowDisturbance(Component):
+    """A yaw acceleration nobody measures, which changes slowly: the wind, or a rudder angle that reads wrong."""
+
+    r_disturbance = state(
+        "rad/s^2",
+        "yaw acceleration by wind or another disturbance",
+        nominal="1e-4 rad/s^2",
+        spread="2.5e-4 rad/s^2",
+        noise="1.6e-6 rad/s^2.5",
+        latex="N_w",
+    )
+
+    @r_disturbance.rate
+    def keeps(self):
+        """Passenier (1989), eq. (5.20): constant, but for the noise that lets it follow."""
+        return 0.0
+
+
+class Heading(Component):
+    """The heading as the integral of a rate of turn, without a path."""
+
+    psi = state("rad", "heading, clockwise from north", nominal="10 deg", wraps=True, spread="1 deg", latex=r"\psi")
+    r = given("rad/s", "rate of turn, positive to starboard")
+
+    @psi.rate
+    def turning(self):
+        """Passenier (1989), eq. (5.37)."""
+        return self.r
+
+
+class ColouredWavesSeven(ColouredWaves):
+    """The yaw motion by waves with the heading by waves as a state of its own, as the thesis counts its states.
+
+    psi_wave and tau_f v_f sum the same differences, so that nothing ever tells a steady part of psi_wave from the heading:
+    what psi_wave is believed to be wrong by at the start stays in the heading for good.
+    """
+
+    psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", spread="1 deg", latex=r"\psi_v")
+
+    @psi_wave.next
+    def heading(self):
+        """Passenier (1989), eq. (5.40)."""
+        return self.psi_wave + self.T * (self.wave_noise - self.v_f)
+
+
+yaw_filter = join("yaw-filter", AdaptiveYaw, SlowDisturbance, ColouredWaves, Heading, Compass, Gyro)
+yaw_filter_seven = join("yaw-filter-seven", ColouredWavesSeven, AdaptiveYaw, SlowDisturbance, Heading, Compass, Gyro)

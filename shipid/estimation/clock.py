@@ -1,0 +1,120 @@
+"""Time stamps that cannot be right: repeated, jumping back, or jumping ahead by more than a pause is long.
+
+One such stamp is left out. When three in a row agree with each other the clock itself has been set, and the filter goes on
+with the new one: otherwise a clock that was set back would silence it for as long as that was, and so would one stamp that
+was far ahead.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+#: Longest pause in s that is bridged; so many stamps in a row that agree make a new clock.
+LONGEST_GAP, CONFIRMED = 600.0, 3
+#: Longest step in sampling intervals: a gap is bridged in steps no longer, so that the integration stays accurate.
+LONGEST_STEP = 4.0
+
+
+class Clock:
+    """The filter's own time from stamps that may be wrong.
+
+    Attributes
+    ----------
+    shift : float
+        What the filter's time is ahead of the stamps, in s: the clocks that were set back since the first sample.
+    """
+
+    def __init__(self) -> None:
+        self.last: float | None = None
+        self.shift = self.typical = 0.0
+        self._doubted: list[float] = []
+
+    @property
+    def now(self) -> float:
+        """The filter's time of the last sample that was let through, in s."""
+        return (self.last or 0.0) + self.shift
+
+    @property
+    def state(self) -> list[float]:
+        """Everything it remembers, as numbers."""
+        return [self.last or 0.0, self.shift, self.typical, *self._doubted]
+
+    @state.setter
+    def state(self, numbers: list[float]) -> None:
+        self.last, self.shift, self.typical, *self._doubted = numbers
+
+    def let(self, t: float) -> float | None:
+        """Return the seconds since the sample before, or None for one that is left out.
+
+        Parameters
+        ----------
+        t : float
+            Its time stamp in s.
+        """
+        if not math.isfinite(t):
+            return None
+        if self.last is None:
+            self.last = t
+            return 0.0
+        elapsed = t - self.last
+        if 0 < elapsed <= LONGEST_GAP:
+            self.last, self._doubted = t, []
+            # A slow average of what is no gap: the sampling interval of a log may change.
+            if not self.typical:
+                self.typical = elapsed
+            elif steps(elapsed, self.typical) == 1:
+                self.typical += 0.05 * (elapsed - self.typical)
+            return elapsed
+        follows = self._doubted and 0 < t - self._doubted[-1] <= LONGEST_GAP
+        self._doubted = [*self._doubted, t] if follows else [t]
+        if len(self._doubted) < CONFIRMED:
+            return None
+        if elapsed <= 0:
+            # The first stamp of the new clock came one interval after the last of the old one.
+            passed = min(t - self._doubted[0] + self.typical, LONGEST_GAP)
+            self.shift += self.last + passed - t
+        else:
+            passed = LONGEST_GAP
+        self.last, self._doubted = t, []
+        return passed
+
+
+def steps(elapsed: float, typical: float) -> int:
+    """Return in how many steps a gap is bridged.
+
+    Parameters
+    ----------
+    elapsed : float
+        Seconds between two samples.
+    typical : float
+        Sampling interval in s; zero where it is not known.
+    """
+    # A whole number of longest steps is not one more by rounding.
+    return max(1, math.ceil(elapsed / (LONGEST_STEP * typical) - 1e-6)) if typical else 1
+
+
+def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which samples of a record are let through, shape (N,), and the filter's time of those.
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Time stamps in s.
+    """
+    d = np.diff(t)
+    bad = np.flatnonzero(~((d > 0) & (d <= LONGEST_GAP)))
+    if not bad.size and np.isfinite(t).all():
+        return np.ones(t.size, dtype=bool), t
+    kept, own, clock = np.zeros(t.size, dtype=bool), np.array(t, dtype=float), Clock()
+    good = d[(d > 0) & (d <= LONGEST_GAP)]
+    clock.typical = float(np.median(good)) if good.size else 0.0
+    # Between two stamps that cannot be right all follow each other: one that is let through brings the rest with it.
+    for a, b in zip([0, *(bad + 1)], [*(bad + 1), t.size]):
+        first = next((k for k in range(a, b) if clock.let(float(t[k])) is not None), b)
+        kept[first:b] = True
+        own[first:b] += clock.shift
+        if first < b:
+            clock.last = float(t[b - 1])
+    return kept, own[kept]

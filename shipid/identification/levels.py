@@ -1,0 +1,59 @@
+"""What the likelihood through the filter finds: coefficients, and how much noise there is and where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Where the search for coefficients and noise levels ended.
+
+    Attributes
+    ----------
+    parameters : ndarray, shape (parameters,)
+        Coefficients, SI.
+    biases : ndarray, shape (trials, biases)
+        Constant biases of each trial's inputs.
+    process : mapping of str to float
+        Density of the white noise that drives each state, SI per root second.
+    sensors : mapping of str to float
+        Standard deviation of one sample of each signal, SI.
+    covariance : ndarray, shape (parameters, parameters)
+        Of the coefficients, from the expected information.
+    log_likelihood : float
+    converged : bool
+    message : str
+    evaluations : int
+        Passes over all trials.
+    """
+
+    parameters: np.ndarray
+    biases: np.ndarray
+    process: Mapping[str, float]
+    sensors: Mapping[str, float]
+    covariance: np.ndarray
+    log_likelihood: float
+    converged: bool
+    message: str
+    evaluations: int
+
+    def to_dict(self, model: Model) -> dict[str, Any]:
+        """Return plain values: densities per root second, and standard deviations of one sample, with their units.
+
+        Parameters
+        ----------
+        model : Model
+            For the units.
+        """
+        return {
+            "process": {n: {"density": v, "unit": f"{model[n].unit}/s^0.5"} for n, v in self.process.items()},
+            "sensors": {n: {"std": v, "unit": model[n].unit} for n, v in self.sensors.items()},
+            "log_likelihood": self.log_likelihood,
+        }

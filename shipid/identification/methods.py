@@ -1,0 +1,19 @@
+"""The ladder's names: purposes, methods and losses, for those who choose and for the command line, which imports no more.
+
+A purpose leads to a method; a method named by the user overrides it.
+"""
+
+from __future__ import annotations
+
+#: Method: what it does, in words.
+METHODS = {
+    "output-error": "output error over whole records",
+    "equation-error": "equation error by least squares",
+    "instrumental-variables": "equation error by instrumental variables",
+    "multiple-shooting": "multiple shooting, finished by output error",
+    "prediction-error": "prediction error through the Kalman filter",
+}
+#: Purpose: the method it leads to.
+PURPOSES = {"prediction": "output-error", "filter": "prediction-error"}
+#: Losses: squares, and two that count what lies far out less than by its square.
+LOSSES = ("linear", "huber", "soft-l1")

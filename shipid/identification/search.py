@@ -1,0 +1,125 @@
+"""A search in scaled unknowns: positive ones by their logarithm, within bounds, each point evaluated once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+#: Part of the size of a column by which unseen directions are held: far below what the data see, far above rounding.
+_HOLD = 1e-7
+#: From unknowns to residuals and their Jacobian.
+Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where a search ended.
+
+    Attributes
+    ----------
+    q : ndarray, shape (unknowns,)
+        The unknowns.
+    converged : bool
+        Whether it met its tolerances.
+    message : str
+        What it said.
+    evaluations : int
+        Points that were tried.
+    """
+
+    q: np.ndarray
+    converged: bool
+    message: str
+    evaluations: int
+
+
+def search(
+    evaluate: Evaluate,
+    q0: np.ndarray,
+    logs: np.ndarray,
+    low: np.ndarray,
+    high: np.ndarray,
+    most: int,
+    tolerance: float,
+) -> Found:
+    """Minimise a sum of squares by Gauss-Newton steps in a trust region (`scipy.optimize.least_squares`, TRF).
+
+    Parameters
+    ----------
+    evaluate : callable
+        From unknowns to residuals and Jacobian; of many rows it may return fewer with the same products.
+    q0 : ndarray, shape (unknowns,)
+        Start.
+    logs : ndarray of bool, shape (unknowns,)
+        Which are searched by their logarithm.
+    low, high : ndarray, shape (unknowns,)
+        Bounds.
+    most : int
+        Largest number of points.
+    tolerance : float
+        Relative change of cost and unknowns at which the search ends.
+    """
+    from scipy.optimize import least_squares
+
+    def to_z(q: np.ndarray) -> np.ndarray:
+        return np.where(logs, np.log(np.where(logs, np.maximum(q, 1e-300), 1)), q)
+
+    def to_q(z: np.ndarray) -> np.ndarray:
+        return np.where(logs, np.exp(np.where(logs, z, 0)), z)
+
+    last: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
+
+    def at(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        key = z.tobytes()
+        if key not in last:
+            last.clear()
+            q = to_q(z)
+            residual, jacobian = evaluate(q)
+            last[key] = _held(residual, jacobian * np.where(logs, q, 1.0))
+        return last[key]
+
+    z_low, z_high = to_z(low), to_z(high)
+    margin = 1e-6 * (1 + np.where(np.isfinite(z_high - z_low), z_high - z_low, 0))
+    found: Any = least_squares(
+        lambda z: at(z)[0],
+        np.clip(to_z(q0), z_low + margin, z_high - margin),
+        jac=lambda z: at(z)[1],
+        bounds=(z_low, z_high),
+        x_scale="jac",
+        method="trf",
+        ftol=tolerance,
+        xtol=tolerance,
+        gtol=1e-12,
+        max_nfev=most,
+    )
+    return Found(to_q(found.x), found.status > 0, found.message, found.nfev)
+
+
+def _held(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows that cost nothing and hold the directions which no residual sees.
+
+    Without them a step along such a direction is as long as the trust region or the bounds let it be, and the whole step is cut
+    where it meets them.
+    """
+    norms = np.linalg.norm(jacobian, axis=0)
+    holding = np.diag(np.where(norms > 0, _HOLD * norms, 1.0))
+    return np.concatenate([residual, np.zeros(len(norms))]), np.concatenate([jacobian, holding])
+
+
+def triangle(residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """Return R of [J r] = Q R: rows with the same cost, gradient and Gauss-Newton matrix, at most unknowns + 1 of them.
+
+    It holds all that the search reads of thousands of samples, and its singular value decomposition at every step costs next
+    to nothing.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (..., rows)
+        Residuals.
+    jacobian : ndarray, shape (..., rows, unknowns)
+        Their Jacobian.
+    """
+    return np.asarray(np.linalg.qr(np.concatenate([jacobian, residual[..., None]], axis=-1), mode="r"))
