@@ -217,7 +217,7 @@ class RecursiveIdentifier:
             Standard deviation of a sample of the measured state, SI.
         """
         return np.concatenate(
-            [self._p, self._q, self._q_density, self._deviation**2, [level**2, self.forgetting, self.starts_at_sample]]
+            [self._p, self._q, self._q_density, self._first_gain, [level**2, self.forgetting, self.starts_at_sample]]
         )
 
     def carried(self, first: float, inputs: np.ndarray, level: float) -> np.ndarray:
@@ -237,11 +237,16 @@ class RecursiveIdentifier:
         z[places["y"]] = z[places["y_aux"]] = first if self._first is None else self._first
         z[places["theta"]] = z[places["theta_aux"]] = self._theta
         z[places["u"]] = inputs
-        z[places["P"]] = np.diag(self._deviation**2).ravel()
+        z[places["P"]] = np.diag(self._first_gain).ravel()
         z[places["P_y"]] = own**2
         diagonal = np.cumsum(np.arange(1, n + 2)) - 1
         z[places["joint"]][diagonal] = np.concatenate([[own**2], self._deviation**2])
         return z
+
+    @property
+    def _first_gain(self) -> np.ndarray:
+        """First variances of the parameters as the gains count them."""
+        return self._deviation**2 * self.method.first_factor
 
     @property
     def starts_at_sample(self) -> bool:
