@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import Component, constant, derived, given, join, state
+from shipid import Component, constant, derived, given, state
 
 
 class WaveLevel(Component):
@@ -79,6 +79,3 @@ class WaveLevel(Component):
         The filter of (5.29) and (5.30) passes white noise with a gain of 1 where it is sampled finely.
         """
         return self.wave_margin * self.wave_rms
-
-
-wave_level = join("wave-level", WaveLevel)

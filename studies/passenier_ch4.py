@@ -27,6 +27,7 @@ from threadpoolctl import threadpool_limits
 
 import shipid
 from shipid.identification.recursive.identifier import RecursiveIdentifier
+from shipid.identification.recursive.methods import find_method
 
 TRUTH = np.array([0.95, 0.08])
 SAMPLES, PERIOD = 1500, 120
@@ -91,8 +92,10 @@ class Outcome:
 
 def identifier(method: str, sigma: float, first: float | None = None, **options: Any) -> RecursiveIdentifier:
     """The recursion with the start of this study."""
-    believes = method in ("minimum-variance", "combined", "combined-heuristic", "ekf")
-    deviation = float(np.sqrt((BELIEVING if first is None else first) if believes else F0 * sigma**2))
+    described = find_method(method)
+    # The gains of least squares start from a multiple of what is given.
+    variance = (BELIEVING if first is None else first) if described.believes_noise else F0 * sigma**2
+    deviation = float(np.sqrt(variance / described.first_factor))
     return RecursiveIdentifier(
         MODEL,
         method=method,

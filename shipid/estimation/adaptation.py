@@ -297,8 +297,8 @@ class OnlineAdaptive(OnlineFilter):
         """Of each level, after the last sample; None before the first."""
         return None if self.stepper is None else np.array(self.stepper.out[-len(self.adaptive.factors) :], dtype=float)
 
-    def _begin(self, t: float, sample: Mapping[str, float]) -> None:
-        super()._begin(t, sample)
+    def _begin(self, sample: Mapping[str, float], inputs: np.ndarray) -> None:
+        super()._begin(sample, inputs)
         assert self.stepper is not None
         first = self.adaptive.mixed_start(self.stepper.z)
         self.stepper = self.adaptive.loop().one_at_a_time(first, self.filter.constants)

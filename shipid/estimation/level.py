@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
+from shipid.declaration.component import Component, slug
 from shipid.declaration.errors import UnknownNameError, UsageError
+from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet, missing_values
 from shipid.estimation.arrangement import input_table
@@ -28,8 +30,8 @@ class LevelEstimator:
 
     Parameters
     ----------
-    model : Model
-        A model whose inputs a record holds, such as ``wave-level``.
+    model : Model or component class
+        A model whose inputs a record holds, such as the component ``WaveLevel``.
     level : str
         The derived quantity that is the level.
     ship : ParameterSet, optional
@@ -45,11 +47,12 @@ class LevelEstimator:
 
     def __init__(
         self,
-        model: Model,
+        model: Model | type[Component],
         level: str = "sigma_w",
         ship: ParameterSet | None = None,
         inputs: Mapping[str, float] | None = None,
     ) -> None:
+        model = model if isinstance(model, Model) else join(slug(model), model)
         if level not in (*model.derived, *model.states):
             raise UnknownNameError(f"level of model {model.name} called", level, (*model.derived, *model.states))
         self.model, self.level, self.inputs = model, level, dict(inputs or {})

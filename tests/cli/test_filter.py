@@ -145,7 +145,7 @@ def test_the_family_of_recursive_identification(call, method, tmp_path):
         "filter",
         TRIAL,
         "--model",
-        "linear-yaw",
+        "yaw-filter",
         "--ship",
         "soesterberg",
         "--method",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid import ExtendedKalmanFilter, find_model
-from shipid.declaration.errors import DeclarationError, ShipidError, UnknownNameError, UsageError
+from shipid.declaration.errors import DeclarationError, ShipidError, UnitError, UnknownNameError, UsageError
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError, SensorRateError
 
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s"}
@@ -17,12 +17,12 @@ CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
     ({"measured": {"psi": None}}, NoiseLevelError, r"sensor of 'psi' has no noise level.*as in psi='0\.2 deg'"),
     ({"measured": {"psi": "0 deg"}}, NoiseLevelError, r"noise of the sensor of 'psi' is 0 deg; a noise level is greater"),
     ({"measured": {"psi": "-1 deg"}}, NoiseLevelError, r"is -1 deg; a noise level is greater than zero"),
-    ({"measured": {"psi": 0.2}}, NoiseLevelError, r"bare number 0\.2.*A noise level here is in rad"),
-    ({"measured": {"psi": "0.2 m"}}, NoiseLevelError, r"A noise level here is in rad"),
+    ({"measured": {"psi": 0.2}}, UnitError, r"bare number 0\.2.*where the unit rad is needed"),
+    ({"measured": {"psi": "0.2 m"}}, UnitError, r"needs the unit rad, and m does not fit it"),
     ({"noise": {"r": "0 deg/s"}}, NoiseLevelError, r"noise of 'r' is 0 deg/s; .*leave the noise out"),
     ({"noise": {"r": "-0.1 deg/s^1.5"}}, NoiseLevelError, r"noise of 'r' is -0\.1 deg/s\^1\.5"),
-    ({"noise": {"r": "0.1 m"}}, NoiseLevelError, r"A noise level here is in rad/s or \(rad/s\)\*1/s\^0\.5"),
-    ({"noise": {"delta": "1 deg/s"}}, NoiseLevelError, r"A noise level here is in rad or \(rad\)\*s\^0\.5"),
+    ({"noise": {"r": "0.1 m"}}, UnitError, r"in rad/s \(for one sample\) or rad/s\^1\.5 \(a density\)"),
+    ({"noise": {"delta": "1 deg/s"}}, UnitError, r"in rad \(for one sample\) or rad\*s\^0\.5 \(a density\)"),
     ({"noise": {"q": "1 deg"}}, UnknownNameError, r"no state, input or estimated parameter of model yaw to put noise on"),
     ({"noise": {"K": "0.1 1/s"}}, UnknownNameError, r"to put noise on called 'K'"),
     ({"estimated": ["Kay"]}, UnknownNameError, r"no parameter in model yaw called 'Kay'"),

@@ -240,13 +240,6 @@ def wave_level(n: Numbers) -> Numbers:
     return {"slow": once / 2.7, "slower": fast / 2.7, "power": power, "age": 1.0, **shown}
 
 
-def linear_yaw(n: Numbers) -> Numbers:
-    n |= {"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7}
-    # tau* (L/u) r' + (u/L) r* = K* (u/L) delta, r* = r L/u
-    r = ((n["u"] / n["L"]) * 1.6 * n["delta"] - n["r"]) / (1.7 * n["L"] / n["u"]) + n["r_disturbance"]
-    return {"r": r, "K": 1.6, "tau": 1.7, "way": n["u"], **planar(n)}
-
-
 def cubic_wind(n: Numbers) -> Numbers:
     n |= wind_moment(n)
     return cubic(n) | {"r_disturbance": n["r_disturbance"]}
@@ -374,14 +367,14 @@ MODELS: dict[str, Case] = {
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
     "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag,
     "yaw-filter": yaw_filter, "yaw-filter-seven": yaw_filter_seven, "position-filter": position_filter,
-    "own-ship-filter": own_ship_filter, "linear-yaw": linear_yaw, "wave-level": wave_level,
+    "own-ship-filter": own_ship_filter, "wave-level": wave_level,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
     "WindMoment": wind_moment,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
-    "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
+    "WaveLevel": wave_level, "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
 }  # fmt: skip
 
 
@@ -430,10 +423,3 @@ def test_published_coefficients_give_the_regular_ones_back(name: str) -> None:
     published = {n: float(evaluation[n]) for n in model.derived if n in read}
     back = {n: v for n, v in resolve(model, published).items() if n in model.parameters}
     assert back == pytest.approx({n: values[n] for n in model.parameters}, rel=1e-12)
-
-
-def test_published_gain_and_time_constant_give_the_factors_of_the_linear_yaw() -> None:
-    from shipid.declaration.parameters import resolve
-
-    back = resolve(known_models()["linear-yaw"], {"K": 1.6, "tau": 1.7, "L": 161.0})
-    assert back == pytest.approx({"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7, "L": 161.0}, rel=1e-15)

@@ -61,7 +61,8 @@ class RecursiveIdentifier:
         The one measured state (or the output of a sensor that measures it), with the standard deviation of a sample:
         ``{"r": "0.02 deg/s"}``. With None the level comes from the record (`noise_of`).
     noise : mapping of str to str, optional
-        What lets parameters wander, and what drives the measured state: per sample or per root second, as for a filter.
+        What lets parameters wander, and what drives the measured state: per sample or per root second, as for a filter. What
+        the declaration says holds where nothing is given, for the methods that believe noise levels.
     initial : mapping of str to str, optional
         Standard deviations of the first estimates, with units.
     start : mapping of str to str, optional
@@ -161,6 +162,9 @@ class RecursiveIdentifier:
         self._theta = np.array([starts[n][0] for n in self.names])
         self._deviation = np.array([deviations[n] for n in self.names])
         self._output_deviation = deviations.get(self.output)
+        if self.method.believes_noise:
+            declared = {n: model[n].quantity.noise for n in (self.output, *self.names)}
+            noise = {n: q for n, q in declared.items() if q} | dict(noise)
         sources = process_sources(system.model, noise, own, {}, ship_length, speed, model_noise=False)
         order = [self.output, *self.names]
         self._q, self._q_density = np.zeros(len(order)), np.zeros(len(order))
@@ -213,7 +217,7 @@ class RecursiveIdentifier:
             Standard deviation of a sample of the measured state, SI.
         """
         return np.concatenate(
-            [self._p, self._q, self._q_density, self._deviation**2, [level**2, self.forgetting, self.starts_at_sample]]
+            [self._p, self._q, self._q_density, self._first_gain, [level**2, self.forgetting, self.starts_at_sample]]
         )
 
     def carried(self, first: float, inputs: np.ndarray, level: float) -> np.ndarray:
@@ -233,11 +237,16 @@ class RecursiveIdentifier:
         z[places["y"]] = z[places["y_aux"]] = first if self._first is None else self._first
         z[places["theta"]] = z[places["theta_aux"]] = self._theta
         z[places["u"]] = inputs
-        z[places["P"]] = np.diag(self._deviation**2).ravel()
+        z[places["P"]] = np.diag(self._first_gain).ravel()
         z[places["P_y"]] = own**2
         diagonal = np.cumsum(np.arange(1, n + 2)) - 1
         z[places["joint"]][diagonal] = np.concatenate([[own**2], self._deviation**2])
         return z
+
+    @property
+    def _first_gain(self) -> np.ndarray:
+        """First variances of the parameters as the gains count them."""
+        return self._deviation**2 * self.method.first_factor
 
     @property
     def starts_at_sample(self) -> bool:

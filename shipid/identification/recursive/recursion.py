@@ -15,10 +15,10 @@ from shipid.identification.recursive.regression import Regression
 
 #: The pole of the model that is run stays within this: a time constant of ten thousand samples.
 LARGEST_POLE = 0.9999
-#: Samples after which the auxiliary model drives the instruments, times the number of parameters; before, it is least squares.
-WARM_UP = 20
-#: Warm-ups after which the auxiliary model's parameters follow the estimate.
-SETTLED = 5
+#: Samples of least squares before instruments take over, and of instruments before their model follows the estimate; times the
+#: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a ship that runs
+#: straight tells nothing, for however long.
+WARM_UP, SETTLING, KNOWN = 20, 80, 1e-3
 #: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
 AUXILIARY_SHARE = 0.02
 #: Innovations before their size is trusted to say how large the noise is, times the number of parameters.
@@ -41,11 +41,23 @@ class Layout:
         triangle = joint * (joint + 1) // 2
         self.n = n
         self.carried = _places(
-            y=1, theta=n, u=inputs, P=n * n, P_y=1, joint=triangle, y_aux=1, theta_aux=n, age=1, nis=1, count=1
+            y=1,
+            theta=n,
+            u=inputs,
+            P=n * n,
+            P_y=1,
+            joint=triangle,
+            y_aux=1,
+            theta_aux=n,
+            phase=1,
+            waited=1,
+            age=1,
+            nis=1,
+            count=1,
         )
         self.control = _places(u=inputs, T=1, z=1, there=1)
         self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1, settles=1)
-        self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, gain=1, pole=1, nis=1, count=1)
+        self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, e_aux=1, nis=1, count=1)
 
 
 def _places(**sizes: int) -> dict[str, slice]:
@@ -93,7 +105,8 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     old = {k: before[s] for k, s in layout.carried.items()}
     u1, T, z, there = (control[layout.control[k]] for k in ("u", "T", "z", "there"))
     p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
-    added = q_density * T + q_sample * (T > 0)
+    # A density enters half before and half after the transition, as in the filter (trapezoidal rule).
+    half, added = q_density * T / 2, q_density * T / 2 + q_sample * (T > 0)
     # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
     begins = settles * there * (old["age"] == 0)
     there = there - begins
@@ -101,17 +114,24 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
     e = z - ahead
     transition = ca.vertcat(ca.horzcat(pole, psi.T), ca.horzcat(ca.SX.zeros(n, 1), ca.SX.eye(n)))
-    joint = _symmetric(transition @ _unpacked(old["joint"], n + 1) @ transition.T + ca.diag(added))
+    before_step = _unpacked(old["joint"], n + 1) + ca.diag(half)
+    joint = _symmetric(transition @ before_step @ transition.T + ca.diag(added))
     spread = joint[0, 0] + r
 
-    believed = ca.reshape(old["P"], n, n)
-    y_aux, theta_aux, direction = _instruments(regression, method, old, psi, u1, p, T)
+    believed = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
+    y_aux, theta_aux, direction = old["y_aux"], old["theta_aux"], psi
+    phase, waited = old["phase"], old["waited"] + there
     if method.instruments:
+        known = ca.mmax(ca.diag(believed) / first) < KNOWN
+        begin = (phase == 0) * (waited > WARM_UP * n) * known
+        follow = (phase == 1) * (waited > SETTLING * n) * known
+        phase, waited = phase + begin + follow, ca.if_else(begin, 0.0, waited)
         # What least squares learned to get the auxiliary model started is biased: its weight is given back.
-        believed = ca.if_else(old["age"] == WARM_UP * n, ca.diag(first), believed)
+        believed = ca.if_else(begin, ca.diag(first), believed)
+        y_aux, theta_aux, direction = _instruments(regression, phase, old, psi, u1, p, T)
     along = believed @ direction
     # (4.126): what the output is unsure of before the sample, apart from its parameters.
-    own = pole**2 * old["P_y"] + added[0] if method.remembers == "weighted" else added[0]
+    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.remembers == "weighted" else half[0] + added[0]
     quadratic = ca.dot(psi, along)
     memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
     if method.remembers == "optimal":
@@ -154,6 +174,8 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         "joint": _packed(joint),
         "y_aux": y_aux,
         "theta_aux": theta_aux,
+        "phase": phase,
+        "waited": waited,
         "age": old["age"] + there + begins,
         "nis": nis,
         "count": count,
@@ -164,8 +186,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         "joint": _packed(joint),
         "e": e,
         "S": spread,
-        "gain": gain,
-        "pole": pole,
+        "e_aux": z - y_aux,
         "nis": nis,
         "count": count,
     }
@@ -177,19 +198,18 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
 
 
 def _instruments(
-    regression: Regression, method: Method, old: dict[str, Any], psi: Any, u1: Any, p: Any, T: Any
+    regression: Regression, phase: Any, old: dict[str, Any], psi: Any, u1: Any, p: Any, T: Any
 ) -> tuple[Any, Any, Any]:
-    """The auxiliary model's output and parameters, and the direction in which the parameters are corrected."""
-    if not method.instruments:
-        return old["y_aux"], old["theta_aux"], psi
-    warming = old["age"] < WARM_UP * old["theta"].shape[0]
-    # Fresh instruments begin with wild estimates: the auxiliary model waits until they have settled.
-    settled = old["age"] >= SETTLED * WARM_UP * old["theta"].shape[0]
-    slow = old["theta_aux"] + AUXILIARY_SHARE * settled * (old["theta"] - old["theta_aux"])
-    slow = ca.if_else(warming, old["theta"], slow)
-    slow = _stable(regression, old["y_aux"], slow, ca.SX.eye(slow.shape[0]), old["u"], u1, p, T)
-    y_aux, _, clean = regression.predict(old["y_aux"], slow, old["u"], u1, p, T)
-    return y_aux, slow, ca.if_else(warming, psi, clean)
+    """The auxiliary model's output and parameters, and the direction in which the parameters are corrected.
+
+    First it has the parameters of least squares. It keeps them while the estimates along its output, wild at the beginning,
+    settle, and follows those slowly then.
+    """
+    share = ca.if_else(phase == 0, 1.0, ca.if_else(phase == 1, 0.0, AUXILIARY_SHARE))
+    theta = old["theta_aux"] + share * (old["theta"] - old["theta_aux"])
+    theta = _stable(regression, old["y_aux"], theta, ca.SX.eye(theta.shape[0]), old["u"], u1, p, T)
+    y_aux, _, clean = regression.predict(old["y_aux"], theta, old["u"], u1, p, T)
+    return y_aux, theta, ca.if_else(phase == 0, psi, clean)
 
 
 def _stable(regression: Regression, y: Any, theta: Any, metric: Any, u0: Any, u1: Any, p: Any, T: Any) -> Any:

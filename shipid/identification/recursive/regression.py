@@ -123,11 +123,16 @@ def make_regression(
 
 def _alone(model: Model, output: str) -> Model:
     """The model in which every other state is given: it is what the record holds of it."""
+    system = generate(model)
 
     def role(entry: Entry) -> Entry:
         if entry.quantity.kind != "state" or entry.name == output:
             return entry
-        return Entry(replace(entry.quantity, kind="given"), entry.owner)
+        row = system.states.index(entry.name)
+        # A state that only noise moves stays where it starts, if the record does not know better.
+        still = row not in system.nexts and system.rates[row].is_zero()
+        default = (entry.number("start") or 0.0) if still else None
+        return Entry(replace(entry.quantity, kind="given", default=default), entry.owner)
 
     return replace(model, entries={n: role(e) for n, e in model.entries.items()})
 

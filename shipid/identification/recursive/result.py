@@ -10,7 +10,7 @@ import numpy as np
 
 from shipid.declaration.units import pretty
 from shipid.estimation.arrangement import Arrangement
-from shipid.estimation.consistency import whiteness
+from shipid.estimation.consistency import autocorrelation, whiteness
 from shipid.estimation.run import ParameterEstimate, unpacked
 from shipid.identification.recursive.following import following
 from shipid.identification.recursive.recursion import FEW
@@ -22,6 +22,8 @@ _Z95 = 1.959963984540054
 #: A recursion is lost where, in the last quarter of the record, innovations are so many times as large as expected, and what they
 #: have too much is such a share of the variance of the motion. A model that is a little wrong does the one and not the other.
 _LARGE, _UNEXPLAINED = 1.4, 0.1
+#: Intervals widened by less than this are those of white innovations, but for chance.
+_WORTH_SAYING = 1.25
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -200,12 +202,32 @@ class RecursiveIdentification:
         return self.follow[name]
 
     @functools.cached_property
+    def widening(self) -> float:
+        """Factor on the last intervals, 1 or more: innovations larger than expected, or that hang together in time.
+
+        A model that is a little wrong is wrong for many samples in a row, and those are no independent witnesses. The factor is
+        the root of the innovations' power in that expected, times the length of their correlation; a rough figure, for what the
+        colour does to a parameter depends on where in the spectrum that shows.
+        """
+        method, count = self.identifier.method, self._normalised.size
+        late = self._normalised[count // 4 :]
+        if method.instruments:
+            # Instruments come with a model that is run alone: its error shows what that of one sample ahead is blind to.
+            late = self._rows("e_aux")[self._taken, 0][3 * count // 4 :] / self.noise_level
+        if late.size < 4 * FEW or not np.isfinite(late).all():
+            return 1.0
+        power = float(np.mean(late**2)) if method.believes_noise or method.instruments else 1.0
+        if method.instruments:
+            power /= float(self.noise_ratio[-1]) ** 2
+        return float(np.sqrt(max(1.0, power * correlation_length(late))))
+
+    @functools.cached_property
     def parameters(self) -> dict[str, ParameterEstimate]:
-        """The last estimate of each parameter, and of what follows from them, with 95 % intervals."""
+        """The last estimate of each parameter, and of what follows from them, with 95 % intervals that are widened (`widening`)."""
         result = {}
         for name in (*self.names, *self.follow):
             entry = self.identifier.model[name]
-            value, std = float(self[name][-1]), float(self.std_of(name)[-1])
+            value, std = float(self[name][-1]), float(self.std_of(name)[-1]) * self.widening
             ends = (value - _Z95 * std, value + _Z95 * std)
             result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, std, ends)
         return result
@@ -232,6 +254,7 @@ class RecursiveIdentification:
             "ship": self.identifier.ship.name,
             "record": self.record,
             "samples": int(self.t.size),
+            "widening": self.widening,
             "diverged": self.diverged,
             "why": self.why_diverged,
             "parameters": {
@@ -268,6 +291,11 @@ class RecursiveIdentification:
             lines.append(f"  {name:<12s}{p.value:11.4g} ± {p.std:.2g} {pretty(p.unit)}   {p.meaning}")
         mean, white = ("-" if v is None else f"{v:.3g}" for v in (self.nis_mean, self.white_p))
         lines.append(f"  innovations of {self.identifier.output}: NIS {mean} (1 is right), whiteness p {white}")
+        if self.widening > _WORTH_SAYING:
+            lines.append(
+                f"  intervals are {self.widening:.2g} times as wide as the noise level alone would make them: the innovations are "
+                "larger than it, or not white"
+            )
         if self.diverged:
             lines.append(f"  NOT TO BE BELIEVED: {self.why_diverged}")
         return "\n".join(lines)
@@ -276,3 +304,16 @@ class RecursiveIdentification:
 def _plain(value: float) -> float | None:
     """A number for JSON, which knows neither NaN nor infinity."""
     return float(value) if np.isfinite(value) else None
+
+
+def correlation_length(values: np.ndarray) -> float:
+    """Return how many samples in a row say the same, ``1 + 2 sum r_k`` up to the first correlation that is not positive.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N,)
+        In the order of time.
+    """
+    r = autocorrelation(values, min(values.size // 4, 1000))
+    positive = np.flatnonzero(r <= 0)
+    return float(1 + 2 * r[: int(positive[0]) if positive.size else r.size].sum())

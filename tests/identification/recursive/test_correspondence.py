@@ -13,6 +13,7 @@ import pytest
 
 import shipid
 from shipid.identification.recursive.identifier import RecursiveIdentifier, identify_recursively
+from shipid.identification.recursive.methods import METHODS
 from shipid.identification.recursive.recursion import LARGEST_POLE
 
 SIGMA, FIRST = 0.1, np.array([0.03, 0.02])
@@ -90,7 +91,7 @@ CASES: dict[str, tuple[Leaves, float | None]] = {
 def test_a_method_is_the_filter_with_something_left_out(method, first_order, noisy):
     record = noisy(SIGMA, count=300)
     leaves, gain = CASES[method]
-    wanted = extended_kalman_filter(record, leaves, gain)
+    wanted = extended_kalman_filter(record, leaves, gain, first=METHODS[method].first_factor * FIRST**2)
     # The projection of the parallel scheme is no part of the correspondence, and has nothing to do here.
     assert np.abs(wanted[:, 1]).max() < LARGEST_POLE
     np.testing.assert_allclose(run(first_order, record, method), wanted, rtol=1e-12, atol=1e-12)
@@ -109,15 +110,15 @@ def test_system_noise_enters_as_in_the_filter(first_order, noisy):
 def test_only_the_ratio_of_first_uncertainty_and_noise_counts_without_knowledge_of_the_noise(
     method, gain, first_order, noisy
 ):
-    """R = 1 in (4.138) is the least squares of (4.57)-(4.60) with F(0) = P(0)/R."""
-    record, f0 = noisy(SIGMA, count=300), FIRST**2 / SIGMA**2
+    """R = 1 in (4.138) is the least squares of (4.57)-(4.60) with F(0) = P(0)/R, P(0) being a multiple of what was given for least squares."""
+    record, f0 = noisy(SIGMA, count=300), METHODS[method].first_factor * FIRST**2 / SIGMA**2
     wanted = extended_kalman_filter(record, parameters_only, gain, r=1.0, first=f0)
     np.testing.assert_allclose(run(first_order, record, method), wanted, rtol=1e-12, atol=1e-12)
 
 
-def printed(record: dict[str, np.ndarray], gain: float, forgetting: float) -> np.ndarray:
+def printed(record: dict[str, np.ndarray], gain: float, forgetting: float, first: np.ndarray) -> np.ndarray:
     """(4.57)-(4.64) as printed: F(k) first, then theta(k) = theta(k-1) + F(k) psi e."""
-    theta, f, y, rows = np.array([0.9, 0.1]), np.diag(FIRST**2 / SIGMA**2), 0.2, []
+    theta, f, y, rows = np.array([0.9, 0.1]), np.diag(first / SIGMA**2), 0.2, []
     for k, z in enumerate(record["y"]):
         psi = np.array([y, record["v"][k - 1]]) if k else np.zeros(2)
         ahead = psi @ theta if k else y
@@ -134,7 +135,9 @@ def printed(record: dict[str, np.ndarray], gain: float, forgetting: float) -> np
 def test_the_mras_of_section_4_4_1_as_printed(method, gain, forgetting, first_order, noisy):
     record = noisy(SIGMA, count=300)
     got = run(first_order, record, method, forgetting=forgetting)
-    np.testing.assert_allclose(got, printed(record, gain, forgetting), rtol=1e-11, atol=1e-11)
+    np.testing.assert_allclose(
+        got, printed(record, gain, forgetting, METHODS[method].first_factor * FIRST**2), rtol=1e-11, atol=1e-11
+    )
 
 
 def test_the_combined_scheme_of_section_4_4_4(first_order, noisy):
@@ -177,7 +180,7 @@ def test_least_squares_is_the_batch_solution(first_order, noisy):
         start={"a": 0.9, "b": 0.1},
         hold="zero",
     )
-    psi, prior = np.column_stack([y[:-1], v[:-1]]), np.diag(SIGMA**2 / FIRST**2)
+    psi, prior = np.column_stack([y[:-1], v[:-1]]), np.diag(SIGMA**2 / (METHODS["rls"].first_factor * FIRST**2))
     wanted = np.linalg.solve(psi.T @ psi + prior, psi.T @ y[1:] + prior @ [0.9, 0.1])
     np.testing.assert_allclose(result.theta[-1], wanted, rtol=1e-11)
 
@@ -202,19 +205,19 @@ def test_the_extended_kalman_filter_of_the_toolbox_is_the_same(first_order, nois
 
 
 def test_the_extended_kalman_filter_of_a_ship_is_the_same():
-    model = shipid.find_model("linear-yaw")
+    model = shipid.find_model("yaw-filter")
     trial = shipid.simulate(
         shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15", noise={"r": "0.02 deg/s", "u": "0.05 m/s"}
     )
-    first = {"damping": "0.5", "effectiveness": "0.5", "r": "0.1 deg/s"}
-    start = {"damping": "2", "effectiveness": "2", "r": "0 deg/s"}
+    first = {"b1": "0.5", "a": "0.5", "r": "0.1 deg/s"}
+    start = {"b1": "2", "a": "2", "r": "0 deg/s"}
     options = {"measured": {"r": "0.02 deg/s"}, "initial": first, "start": start}
     # The recursion has the record's speed as an input, the filter as a state that follows a sensor it believes.
-    yaw = shipid.join("yaw", shipid.find_model("linear-yaw").components[0])
+    yaw = shipid.join("yaw", shipid.find_model("yaw-filter").components[0])
     filtered = shipid.ExtendedKalmanFilter(
-        yaw, "soesterberg", estimated=["damping", "effectiveness"], log=(), gate=None, model_noise=False, **options
+        yaw, "soesterberg", estimated=["b1", "a"], log=(), gate=None, model_noise=False, **options
     ).filter(trial)
     result = identify_recursively(model, trial, method="ekf", ship="soesterberg", **options)
-    for name in ("damping", "effectiveness"):
+    for name in ("b1", "a"):
         np.testing.assert_allclose(result[name], filtered[name], rtol=1e-9)
         np.testing.assert_allclose(result.std_of(name), filtered.std_of(name), rtol=1e-7)

@@ -17,9 +17,9 @@ from shipid.identification.recursive.noise_level import noise_of
 from shipid.identification.recursive.recursion import LARGEST_POLE
 
 NOISE = {"r": "0.02 deg/s", "u": "0.05 m/s"}
-START = {"damping": "1.5", "effectiveness": "2"}
+START = {"b1": "1.5", "a": "2"}
 BIASED = {"rls", "series-parallel", "minimum-variance"}
-TRUTH = {"damping": 1 / 1.7, "effectiveness": 1.6 / 1.7, "K": 1.6, "tau": 1.7}
+TRUTH = {"b1": 1 / 1.7, "a": 1.6 / 1.7, "K": 1.6, "tau": 1.7}
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,7 @@ def trial() -> shipid.Trial:
 
 def on_ship(method: str, **options) -> RecursiveIdentifier:
     given = {"measured": {"r": "0.02 deg/s"}, "start": START, "initial": {n: "1" for n in START}, **options}
-    return RecursiveIdentifier("linear-yaw", "soesterberg", method=method, **given)
+    return RecursiveIdentifier("yaw-filter", "soesterberg", method=method, **given)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -49,16 +49,16 @@ def test_a_noisy_ship_lies_within_the_interval_where_the_method_has_no_bias(meth
         p = result.parameters[name]
         off = abs(p.value - truth) / p.std
         # One record, four numbers: beyond 3.5 standard deviations once in five hundred.
-        assert off > 5 if method in BIASED and name == "damping" else method in BIASED or off < 3.5, (name, p)
+        assert off > 5 if method in BIASED and name == "b1" else method in BIASED or off < 3.5, (name, p)
 
 
 def test_gain_and_time_constant_follow_with_first_order_deviations(trial):
     result = on_ship("ekf").identify(trial)
-    (p, q), cov = result.theta[-1], result.covariance[-1]
+    (q, p), cov = result.theta[-1], result.covariance[-1]
     assert result["K"][-1] == pytest.approx(q / p, rel=1e-14) and result["tau"][-1] == pytest.approx(1 / p, rel=1e-14)
-    slope = np.array([-q / p**2, 1 / p])
+    slope = np.array([1 / p, -q / p**2])
     assert result.std_of("K")[-1] == pytest.approx(np.sqrt(slope @ cov @ slope), rel=1e-12)
-    assert result.parameters["tau"].std == pytest.approx(np.sqrt(cov[0, 0]) / p**2, rel=1e-12)
+    assert result.parameters["tau"].std == pytest.approx(np.sqrt(cov[1, 1]) / p**2, rel=1e-12)
     low, high = result.parameters["tau"].interval
     assert (high - low) / 2 == pytest.approx(1.95996 * result.parameters["tau"].std, rel=1e-4)
 
@@ -129,7 +129,7 @@ def test_record_and_samples_agree_to_the_last_bit(method, trial):
     cruise = float(np.median(trial["u"][:10]))
     for k in range(200):
         estimate = online.update({n: c[k] for n, c in columns.items()} | {"cruise": cruise})
-        assert estimate["damping"] == result["damping"][k] and estimate.y == result.y[k]
+        assert estimate["b1"] == result["b1"][k] and estimate.y == result.y[k]
     for name in result.parameters:
         assert estimate[name] == pytest.approx(result[name][199], rel=1e-15)
         assert estimate.std_of(name) == pytest.approx(result.std_of(name)[199], rel=1e-12)
@@ -182,7 +182,7 @@ def test_samples_that_are_missing_or_go_back_in_time_change_nothing_but_the_pred
     for k in range(60):
         sample = {n: c[k] for n, c in columns.items()} | {"cruise": float(np.median(columns["u"][:10]))}
         estimate = online.update(sample)
-        assert estimate["damping"] == result["damping"][k]
+        assert estimate["b1"] == result["b1"][k]
     again = online.update(sample)
     assert again["K"] == estimate["K"] and "is not later" in again.refused and online.refused == 1
     with pytest.raises(UsageError, match="needs its time 't'"):
@@ -265,14 +265,14 @@ def test_an_estimate_that_runs_away_is_a_result_and_free_of_nan(first_order, noi
 def test_a_result_prints_and_tabulates(trial):
     result = on_ship("combined").identify(trial)
     frame = result.to_frame()
-    assert len(frame) == len(trial) and {"t [s]", "damping [1]", "std_K [1]", "r [rad/s]"} <= set(frame.columns)
+    assert len(frame) == len(trial) and {"t [s]", "b1 [1]", "std_K [1]", "r [rad/s]"} <= set(frame.columns)
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
-    assert plain["parameters"]["K"]["follows"] and not plain["parameters"]["damping"]["follows"]
+    assert plain["parameters"]["K"]["follows"] and not plain["parameters"]["b1"]["follows"]
     assert plain["parameters"]["tau"]["value"] == pytest.approx(1.7, rel=0.1)
     assert plain["innovations"]["r"]["nis_mean"] == pytest.approx(1.0, abs=0.2)
     assert plain["innovations"]["r"]["samples"] == len(trial) - 1
     text = repr(result)
-    assert "combined of damping, effectiveness" in text and "NIS" in text and "yaw gain K*" in text
+    assert "combined of a, b1" in text and "NIS" in text and "yaw gain K*" in text
     with pytest.raises(UnknownNameError, match="estimated parameter 'gamma'"):
         result["gamma"]
 
@@ -280,7 +280,7 @@ def test_a_result_prints_and_tabulates(trial):
 def test_the_noise_level_of_a_record_is_found(trial):
     # The estimate has a standard error of 5.5 % for so many samples, found by drawing them.
     assert noise_of(trial["r"]) == pytest.approx(np.deg2rad(0.02), rel=0.17)
-    level = RecursiveIdentifier("linear-yaw", "soesterberg").identify(trial).noise_level
+    level = RecursiveIdentifier("yaw-filter", "soesterberg").identify(trial).noise_level
     assert level == noise_of(trial["r"])
     smooth = np.sin(np.linspace(0, 6, 500))
     assert noise_of(smooth) < 1e-5
@@ -294,14 +294,14 @@ def test_a_record_that_does_not_say_how_noisy_it_is_is_refused():
     with pytest.raises(NoiseLevelError, match="20 samples that span 0"):
         noise_of(np.zeros(20))
     with pytest.raises(NoiseLevelError, match=r"arrive one by one.*measured=\{'r': '0.02 deg/s'\}"):
-        RecursiveIdentifier("linear-yaw", "soesterberg").start()
+        RecursiveIdentifier("yaw-filter", "soesterberg").start()
 
 
 def test_a_sensor_brings_its_own_noise_level(trial):
-    from shipid.models import Gyro, LinearYaw
+    from shipid.models import AdaptiveYaw, Gyro
 
     made = RecursiveIdentifier(
-        shipid.join("with gyro", LinearYaw, Gyro), "soesterberg", measured={"gyro": None}, start=START
+        shipid.join("with gyro", AdaptiveYaw, Gyro), "soesterberg", measured={"gyro": None}, start=START
     )
     assert made.output == "r" and made.identify(trial).noise_level == pytest.approx(np.deg2rad(0.02))
 
@@ -334,20 +334,20 @@ def test_what_a_recursion_cannot_take_is_refused(trial):
         on_ship("ekf", forgetting=0.99)
     with pytest.raises(UsageError, match=r"takes one measured state, and got r, psi"):
         on_ship("ekf", measured={"r": "0.02 deg/s", "psi": "0.2 deg"})
-    with pytest.raises(NotMeasurableError, match="'K' is no state of model linear-yaw, and no sensor of one"):
+    with pytest.raises(NotMeasurableError, match="'K' is no state of model yaw-filter, and no sensor of one"):
         on_ship("ekf", measured={"K": "0.2"})
     with pytest.raises(NotMeasurableError, match="to measure called 'yaw'"):
         on_ship("ekf", measured={"yaw": "0.2"})
     with pytest.raises(NoiseLevelError, match="greater than zero"):
         on_ship("ekf", measured={"r": "0 deg/s"})
     with pytest.raises(NoiseLevelError, match="greater than zero"):
-        on_ship("ekf", initial={"damping": "0"})
-    with pytest.raises(UnknownNameError, match="first estimate of model linear-yaw called 'tau'"):
+        on_ship("ekf", initial={"b1": "0"})
+    with pytest.raises(UnknownNameError, match="first estimate of model yaw-filter called 'tau'"):
         on_ship("ekf", start={"tau": "2"})
     with pytest.raises(UsageError, match="noise is given for the input 'delta'"):
         on_ship("ekf", noise={"delta": "1 deg"})
     with pytest.raises(ParameterSetError, match=r"needs L \[m\]"):
-        RecursiveIdentifier("linear-yaw", method="rls")
+        RecursiveIdentifier("yaw-filter", method="rls")
     with pytest.raises(NotMeasurableError, match="reads 'delta'"):
         on_ship("rls").identify({n: trial[n] for n in ("t", "r", "u")})
     with pytest.raises(NotMeasurableError, match="'r' is measured, and trial record has no such column"):

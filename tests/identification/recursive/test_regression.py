@@ -22,35 +22,35 @@ def call(regression, y, theta, u0, u1, known, interval):
 
 def test_euler_s_step_of_the_yaw_is_the_regression_of_the_thesis():
     """Passenier (1989), eq. (5.4), (5.5): r + T (u/L) ((u/L) q delta - p r), linear in p and q."""
-    regression = make_regression(shipid.find_model("linear-yaw"), integration="euler", hold="zero")
-    assert (regression.output, regression.names) == ("r", ("damping", "effectiveness"))
+    regression = make_regression(shipid.find_model("yaw-filter"), integration="euler", hold="zero")
+    assert (regression.output, regression.names) == ("r", ("a", "b1"))
     assert set(regression.needed) == {"delta", "u", "cruise", "r_disturbance"}
     now = {"delta": 0.2, "u": 8.0, "cruise": 9.0, "r_disturbance": 1e-5}
-    ahead, by_r, by_theta = call(regression, 0.01, [0.6, 0.9], now, now, {"L": 200.0}, 2.0)
+    ahead, by_r, by_theta = call(regression, 0.01, [0.9, 0.6], now, now, {"L": 200.0}, 2.0)
     pace = 8.0 / 200.0
     assert ahead == pytest.approx(0.01 + 2.0 * (pace**2 * 0.9 * 0.2 - pace * 0.6 * 0.01 + 1e-5), rel=1e-14)
     assert by_r == pytest.approx(1 - 2.0 * pace * 0.6, rel=1e-14)
-    assert by_theta == pytest.approx([-2.0 * pace * 0.01, 2.0 * pace**2 * 0.2], rel=1e-14)
+    assert by_theta == pytest.approx([2.0 * pace**2 * 0.2, -2.0 * pace * 0.01], rel=1e-14)
 
 
 def test_runge_kutta_s_step_has_the_exact_response_and_its_derivatives():
     """At constant speed and rudder the rate of turn is known in closed form, and so is how it depends on p and q."""
-    regression = make_regression(shipid.find_model("linear-yaw"))
+    regression = make_regression(shipid.find_model("yaw-filter"))
     now = {"delta": 0.2, "u": 8.0, "cruise": 8.0, "r_disturbance": 0.0}
     p, q, pace, interval, r = 0.6, 0.9, 0.04, 2.0, 0.01
-    ahead, by_r, by_theta = call(regression, r, [p, q], now, now, {"L": 200.0}, interval)
+    ahead, by_r, by_theta = call(regression, r, [q, p], now, now, {"L": 200.0}, interval)
     decay, steady = np.exp(-interval * pace * p), pace * q / p * 0.2
     # The fifth order of T u p/L, 0.05, is what Runge and Kutta leave out.
     assert ahead == pytest.approx(decay * r + (1 - decay) * steady, rel=1e-7)
     assert by_r == pytest.approx(decay, rel=1e-7)
     by_p = interval * pace * decay * (steady - r) - (1 - decay) * steady / p
-    assert by_theta == pytest.approx([by_p, (1 - decay) * steady / q], rel=1e-5)
+    assert by_theta == pytest.approx([(1 - decay) * steady / q, by_p], rel=1e-5)
 
 
 def test_with_no_time_between_samples_nothing_moves(first_order):
     for model, known, inputs in (
         (first_order, {}, {"v": 1.0}),
-        (shipid.find_model("linear-yaw"), {"L": 200.0}, {"delta": 0.2, "u": 8.0, "cruise": 8.0, "r_disturbance": 0.0}),
+        (shipid.find_model("yaw-filter"), {"L": 200.0}, {"delta": 0.2, "u": 8.0, "cruise": 8.0, "r_disturbance": 0.0}),
     ):
         ahead, by_y, by_theta = call(make_regression(model), 0.3, [0.6, 0.9], inputs, inputs, known, 0.0)
         assert (ahead, by_y) == (0.3, 1.0) and not by_theta.any()
@@ -139,3 +139,9 @@ def test_what_is_zero_everywhere_does_not_count_as_nonlinear():
 
     regression = make_regression(join("cancelling", Cancelling))
     assert regression.names == ("a",)
+
+
+def test_a_state_that_only_noise_moves_stays_at_its_start():
+    """The wind of the yaw filter is a state of it; a regression takes none, unless the record holds it."""
+    model = make_regression(shipid.find_model("yaw-filter")).system.model
+    assert model["r_disturbance"].number("default") == 0.0 and model["psi"].number("default") is None
