@@ -35,8 +35,8 @@ from shipid.estimation.step import TAKEN
 #: Samples of the swing that is sailed again and again; after each round the covariance is looked at.
 PERIOD = 1000
 CASES = (
-    ("covariance", False, True),
     ("square-root", False, True),
+    ("covariance", False, True),
     ("square-root", True, True),
     ("covariance", True, False),
 )
