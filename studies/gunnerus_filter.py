@@ -18,7 +18,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from _claims import FAILS, HOLDS, READING, Claim, show
+from _claims import FAILS, HOLDS, UNDER_A_READING, Claim, show
 
 import shipid
 
@@ -75,7 +75,7 @@ def compare(folder: Path) -> tuple[list[Claim], str]:
             low, high = batch.ci95
             outside = max(low - value, value - high)
             joint = abs(value - batch.value) < _Z95 * np.hypot(own, batch.std)
-            verdict = HOLDS if outside <= 0 else READING if joint else FAILS
+            verdict = HOLDS if outside <= 0 else UNDER_A_READING if joint else FAILS
             rows.append(
                 Claim(
                     f"{name}: {meaning}",
