@@ -12,7 +12,7 @@ Asked: 93 to 97 % of all truths, for each ship and noise. A single parameter of 
 in fifteen leaves that band by chance where the intervals are exact; each is printed with its standard error, and is asked to
 lie in the band widened by two of them.
 
-    python studies/coverage.py [--runs 400] [--noise white,drift,waves] [--json]
+    python studies/coverage.py [--runs 400] [--noise white,drift,waves] [--for prediction] [--json]
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def noise_on(signals: tuple[str, ...], kind: str, count: int, step: float, rng: 
     return {s: w + by_waves.get(s, 0.0) for s, w in white.items()}
 
 
-def coverage(ship: Ship, kind: str, runs: int) -> dict[str, Any]:
+def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> dict[str, Any]:
     """Identify so many campaigns and count."""
     model, truth, tables = sailed(ship)
     units = {n: shipid.trials.COLUMNS[n].unit for n in tables[0].columns}
@@ -132,7 +132,7 @@ def coverage(ship: Ship, kind: str, runs: int) -> dict[str, Any]:
             for signal, noise in noise_on(ship.signals, kind, len(table), ship.sampling, rng).items():
                 noisy[signal] += noise
             trials.append(shipid.Trial.from_frame(noisy, name=f"trial-{k}", units=units))
-        fit = shipid.identify(model, trials, ship=ship.ship, signals=ship.signals, starts=1)
+        fit = shipid.identify(model, trials, ship=ship.ship, signals=ship.signals, starts=1, purpose=purpose)
         if not fit.converged:
             raise SystemExit(f"run {run} did not converge: {fit.message}")
         names = fit.estimated
@@ -187,13 +187,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=400)
     parser.add_argument("--noise", default="white,drift,waves")
+    parser.add_argument("--for", dest="purpose", choices=["prediction"], help="as shipid identify has it")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     results = []
     with threadpool_limits(1, "blas"):
         for ship in SHIPS:
             for kind in options.noise.split(","):
-                results.append(coverage(ship, kind, options.runs))
+                results.append(coverage(ship, kind, options.runs, options.purpose))
                 if not options.json:
                     show(results[-1])
                     sys.stdout.flush()

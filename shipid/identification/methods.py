@@ -13,7 +13,8 @@ METHODS = {
     "multiple-shooting": "multiple shooting, finished by output error",
     "prediction-error": "prediction error through the Kalman filter",
 }
-#: Purpose: the method it leads to.
+#: Purpose: the method it leads to. None is the default: a fit for prediction is weighted by the errors of a low-order model and
+#: pools its biases; where the model is right its intervals hold the truth less often (`studies/coverage.py --for prediction`).
 PURPOSES = {"prediction": "output-error", "filter": "prediction-error"}
 #: Losses: squares, and two that count what lies far out less than by its square.
 LOSSES = ("linear", "huber", "soft-l1")
