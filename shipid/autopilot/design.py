@@ -317,6 +317,11 @@ def _limits(ship: ParameterSet, machine: type[Component]) -> tuple[dict[str, flo
         if own is None and (name == "delta_max" or machine is not DirectRudder):
             shown = f"{np.rad2deg(found[name]):.3g} deg" + ("/s" if unit == "rad/s" else "")
             assumed.append(f"assumed: the largest {words} of ship {ship.name} is not known; {shown} is taken.")
+    if ship.particular("L", "m") is None:
+        assumed.append(
+            f"assumed: the length of ship {ship.name} is not known; what it sails in a second stands in, and the weather it is "
+            "judged in is of that size."
+        )
     lag = ship.particular("tau_delta", "s")
     return found | ({} if lag is None else {"tau_delta": lag}), assumed
 

@@ -85,6 +85,8 @@ class Weather:
         """
         found = {"wave_frequency": self.wave_frequency, "wave_damping": self.damping}
         ship, length = pilot.ships[condition], pilot.length
+        if ship.particular("L", "m") is None:
+            found["L"] = length
         for name in ("N_w", "F_w"):
             if name in model.parameters and ship.find(model, name) is None:
                 found[name] = (model[name].number("start") or 0.0) * prime_factor(model[name].unit, length, 1.0)

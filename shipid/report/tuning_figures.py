@@ -63,12 +63,14 @@ def _margin_axes(judged: Judgement) -> list[Axes]:
     for j, name in enumerate(pilot.conditions):
         both = sorted((*judged.margins[j], *judged.between[j]), key=lambda m: m.speed)
         speeds = np.array([m.speed for m in both])
-        load = f", {name}" if len(pilot.conditions) > 1 else ""
-        disk.append(Line(f"as designed{load}", speeds, np.array([m.disk for m in both]), "line", 2 * j))
+        several = len(pilot.conditions) > 1
+        disk.append(Line(name if several else "as designed", speeds, np.array([m.disk for m in both]), "line", 2 * j))
         robust = judged.robust[j]
         if robust.samples:
             by_speed = np.array(robust.disk_by_speed)
-            disk.append(Line(f"worst of {robust.samples} draws{load}", pilot.speeds, by_speed, "dashed", 2 * j + 1))
+            disk.append(
+                Line("" if several else f"worst of {robust.samples} draws", pilot.speeds, by_speed, "dashed", 2 * j + 1)
+            )
         for values, lines in (([m.phase_deg for m in both], phase), ([m.delay_s for m in both], delay)):
             good = np.array([v is not None for v in values])
             lines.append(Line("", speeds[good], np.array([v for v in values if v is not None]), "line", 2 * j))

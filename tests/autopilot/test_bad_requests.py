@@ -31,7 +31,7 @@ class Yaw(Component):
 yaw = join("yaw", Yaw, PlanarMotion)
 
 
-def ship(**values: float) -> ParameterSet:
+def ship(**values: float | None) -> ParameterSet:
     units = {
         "a": "1/s^2",
         "b": "1/s",
@@ -42,7 +42,7 @@ def ship(**values: float) -> ParameterSet:
         "delta_rate": "rad/s",
     }
     known = {"a": 0.01, "b": 0.1, "c": 0.0} | values
-    made = {n: Value(n, v, units[n], "assumed") for n, v in known.items()}
+    made = {n: Value(n, v, units[n], "assumed") for n, v in known.items() if v is not None}
     parts = {n: v for n, v in made.items() if n in ("L", "speed", "delta_max", "delta_rate")}
     return ParameterSet(
         "test", sections={"particulars": parts, "yaw": {n: v for n, v in made.items() if n not in parts}}
@@ -176,6 +176,7 @@ def test_no_ship_and_no_numbers():
         ("de-keizer", "soesterberg", {"omega_n": 0.3}, "rudder rate: at 11.4 m/s the loop is asked for 0.36 rad/s"),
         ("de-keizer", "soesterberg", {"rudder_limit": "50 deg"}, "rudder limit: the rudder itself stops at 35 deg"),
         (yaw, ship(L=100.0, speed=5.0), {}, "assumed: the largest rudder rate"),
+        (yaw, ship(**GOOD | {"L": None}), {}, "assumed: the length of ship test is not known"),
     ],
 )
 def test_named_warnings(model, chosen, options, words):

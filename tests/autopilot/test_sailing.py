@@ -133,10 +133,24 @@ def test_draws_are_sailed(uncertain_pilot):
     assert same.settling[0] == pytest.approx(found.settling[7], rel=1e-9)
 
 
+def test_a_ship_without_a_length_is_judged():
+    """What it sails in a second stands in for its length, in the weather too."""
+    from shipid.declaration.parameters import ParameterSet, Value
+
+    numbers = {"K": Value("K", 0.1, "1/s", "assumed"), "tau": Value("tau", 20.0, "s", "assumed")}
+    own = {"speed": Value("speed", 5.0, "m/s", "assumed")}
+    pilot = shipid.design_autopilot(
+        "nomoto", ParameterSet("bare", sections={"nomoto": numbers, "particulars": own}), speeds=[5.0]
+    )
+    assert pilot.length == 5.0
+    found = sail(pilot, [5.0], [0.0], weather=yardstick(pilot.length, 5.0))
+    assert np.isfinite(found.rms_error).all()
+
+
 def test_a_run_that_is_lost_is_no_number(sized):
     """A damping that turns negative at speed: the run diverges, and says so instead of a number."""
     ship = sized("soesterberg", "de-keizer", alpha3=-9.0)
-    pilot = shipid.design_autopilot("de-keizer", ship, speeds=[9.5], rudder_limit="30 deg")
+    pilot = shipid.design_autopilot("de-keizer", ship, speeds=[7.0, 9.5], rudder_limit="30 deg")
     judged = pilot.judge(samples=0)
     assert any(s.lost and s.overshoot_deg is None for s in judged.steps)
     assert any(w.startswith("lost: the model runs away in course changes of") for w in judged.warnings)

@@ -34,8 +34,8 @@ def test_three_files(tuned):
 
 
 def test_as_json(call):
-    options = ("--design", "lqr", "--rudder-weight", "2", "--samples", "0", "--speeds", "9.5 m/s", "--json")
-    answer = call("tune", "nomoto", "--ship", "soesterberg", *options)
+    options = ("--design", "lqr", "--rudder-weight", "2", "--samples", "0", "--speeds", "7,9.5 m/s", "--json")
+    answer = call("tune", "de-keizer", "--ship", "soesterberg", *options)
     assert answer.code == 0
     result = json.loads(answer.out)
     assert result["gains"]["Kp"][0] == pytest.approx(0.5**0.5) and result["robust"]["samples"] == 0
