@@ -45,6 +45,8 @@ _HOMES = {
     "identify": "shipid.identification.identify",
     "plan_trials": "shipid.identification.planning",
     "manoeuvring_criteria": "shipid.identification.criteria",
+    "design_autopilot": "shipid.autopilot.design",
+    "read_schedule": "shipid.autopilot.storing",
     "write_report": "shipid.report.report",
     "ShipidError": "shipid.declaration.errors",
 }

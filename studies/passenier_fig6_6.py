@@ -111,20 +111,21 @@ def trade_off(runs: int) -> tuple[list[Claim], Columns, dict[str, Judged]]:
             ADAPTIVE,
         )
     )
-    below = 0
+    below = {"recovery": 0, "back": 0}
     for factor, *lasting in NEIGHBOURS:
         other = AdaptiveFilter(position_filter(QUIET), CURRENTS, factors=(1.0, factor), lasting=lasting)
         near = judge(truth, filtered(other, records), other.kalman.model.states)
-        most = [
-            curve([f.steady for f in fixed], [getattr(f, n) for f in fixed], near.steady) for n in ("recovery", "back")
-        ]
-        below += near.recovery <= most[0] and near.back <= most[1]
+        for n in below:
+            below[n] += getattr(near, n) <= curve(
+                [f.steady for f in fixed], [getattr(f, n) for f in fixed], near.steady
+            )
+    count = len(NEIGHBOURS)
     rows.append(
         claim(
             "the same with other settings (10 or 40 times; 300 or 1200 s; 30 or 90 s)",
-            "on or below the curve",
-            f"{below} of {len(NEIGHBOURS)}",
-            below == len(NEIGHBOURS),
+            "error on or below the curve in all",
+            f"error in {below['recovery']}, time in {below['back']} of {count}",
+            below["recovery"] == count,
         )
     )
     states = kept.model.states
@@ -217,16 +218,31 @@ def split(runs: int) -> list[Claim]:
         rows.append(
             claim(
                 f"P18 rms error from 200 s on, {what}: one filter; two; two with uncertainty passed on",
-                "two within 10 % of one",
+                "two within 10 % of one" if unit else "1 % of the truth or less",
                 f"{best:.4g}; {two:.4g}; {passed:.4g} {unit}".strip(),
-                two <= 1.1 * best,
+                two <= 1.1 * best if unit else max(two, best) <= 0.016,
                 f"{runs} runs",
                 "the yaw filter takes the speed from the log, and not from the position filter",
             )
         )
-    took_one = seconds(whole, records)
+    speed = whole.model.states.index("u")
+    fed = [r | {"u": u} for r, u in zip(records, filtered(whole, records)[:, :, speed])]
+    taus = [1 / filtered(yaw, rs)[:, -1, yaw.model.states.index("b1")] for rs in (records, fed)]
+    logged, smoothed = (float(np.sqrt(np.mean((v - 1.7) ** 2))) for v in taus)
+    rows.append(
+        claim(
+            "rms error of tau*: yaw filter fed by the log; by the filtered speed, which lags (5.27)",
+            "the log will do",
+            f"{logged:.4f}; {smoothed:.4f}",
+            logged <= 1.1 * smoothed,
+            f"{runs} runs",
+        )
+    )
+    took_one, took_two = np.inf, np.inf
     thinned = [{n: c[at] for n, c in r.items()} for r in records]
-    took_two = seconds(yaw, records) + seconds(position, thinned)
+    for _ in range(5):
+        took_one = min(took_one, seconds(whole, records))
+        took_two = min(took_two, seconds(yaw, records) + seconds(position, thinned))
     rows.append(
         claim(
             "P18 time of two filters over that of one",

@@ -28,6 +28,7 @@ _COMMANDS = {
     "plan": ("shipid.cli.plan", "Plan which manoeuvres tell the most within a time."),
     "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
     "filter": ("shipid.cli.filter", "Filter a trial, or samples as they arrive, with a Kalman filter."),
+    "tune": ("shipid.cli.tune", "Tune a gain-scheduled autopilot, with its report."),
     "criteria": ("shipid.cli.criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }
 #: Functions that are not named as their command: `filter` is a word of Python's.

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from shipid.cli.folder import results_folder, write_results
+from shipid.cli.folder import fill, result_folder
 from shipid.cli.shared import (
     assignments,
     format_option,
@@ -22,6 +22,17 @@ from shipid.cli.shared import (
     window_of,
 )
 
+#: The full extended Kalman filter, and the family of recursive identification.
+METHODS = (
+    "ekf",
+    "rls",
+    "series-parallel",
+    "mras-parallel",
+    "minimum-variance",
+    "combined",
+    "combined-heuristic",
+    "instrumental-variables",
+)
 _FILES = ("estimates.csv", "result.json", "report.html")
 
 
@@ -34,6 +45,14 @@ _FILES = ("estimates.csv", "result.json", "report.html")
     help="yaw-filter, position-filter, own-ship-filter, any model's name, or path/to/file.py:Class.",
 )
 @click.option("--ship", metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
+@click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    default="ekf",
+    show_default=True,
+    metavar="METHOD",
+    help=f"{', '.join(METHODS)}. All but ekf identify the parameters of one measured state.",
+)
 @format_option
 @click.option("--window", metavar="A:B", help="Seconds of the trial's clock.")
 @click.option(
@@ -73,6 +92,7 @@ def filter_trial(
     trial: str | None,
     model: str,
     ship: str | None,
+    method: str,
     format_: str | None,
     window: str | None,
     measured: str | None,
@@ -103,7 +123,7 @@ def filter_trial(
         raise UsageError("give a TRIAL to filter, or --follow FILE for samples as they arrive, and not both.")
     if follow is not None and out is not None:
         raise UsageError("--follow writes estimates to standard output as they are made; redirect it instead of --out.")
-    folder = results_folder(out, overwrite, _FILES)
+    folder = result_folder(out, _FILES, overwrite)
     found, known = find_model(model), find_ship(ship) if ship else None
     names = parameters_to_estimate(found) if estimate is None else () if estimate == "none" else names_of(estimate)
     settings: dict[str, Any] = {
@@ -115,6 +135,15 @@ def filter_trial(
         "inputs": assignments(inputs),
         "gate": gate or None,
     }
+    if method != "ekf":
+        if follow is not None or rates is not None:
+            raise UsageError(
+                f"method {method} takes a whole record, each sample of it: leave --follow and --rates out."
+            )
+        chosen = {"estimate": names if estimate is not None else None}
+        chosen |= {n: settings[n] for n in ("noise", "initial", "start", "inputs")}
+        _recursively(trial, format_, window, found, known, method, measured, chosen, folder, as_json)
+        return
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
@@ -137,7 +166,7 @@ def filter_trial(
         messages = run.observability().messages
         if folder is not None:
             tell("writing the report")
-            _write(run, folder)
+            _write(run, run.to_dict() | {"observability": run.observability().to_dict()}, folder)
     if as_json:
         print_json(run.to_dict() | {"observability": run.observability().to_dict()})
         return
@@ -148,21 +177,52 @@ def filter_trial(
         click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
 
 
+def _recursively(
+    trial: str | None,
+    format_: str | None,
+    window: str | None,
+    model: Any,
+    ship: Any,
+    method: str,
+    measured: str | None,
+    settings: dict[str, Any],
+    folder: Path | None,
+    as_json: bool,
+) -> None:
+    """Run one of the family of recursive identification over a record."""
+    from shipid.identification.recursive.identifier import identify_recursively
+
+    with progress_on_stderr(as_json) as tell:
+        record = read(str(trial), format_, window_of(window))
+        tell(f"identifying by {method}")
+        sensors = None if measured is None else _listed(measured)
+        run: Any = identify_recursively(model, record, ship=ship, method=method, measured=sensors, **settings)
+        if folder is not None:
+            tell("writing the report")
+            _write(run, run.to_dict(), folder)
+    if as_json:
+        print_json(run.to_dict())
+    else:
+        click.echo(repr(run))
+        if folder is not None:
+            click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
+    if run.diverged:
+        say(f"not to be believed: {run.why_diverged}")
+
+
 def _listed(text: str | None) -> dict[str, str]:
     return {} if text is None else assignments(text.split(","))
 
 
-def _write(run: Any, folder: Path) -> None:
+def _write(run: Any, result: dict[str, Any], folder: Path) -> None:
     from shipid.report.report import write_report
 
-    result = json.dumps(
-        run.to_dict() | {"observability": run.observability().to_dict()}, indent=1, allow_nan=False, ensure_ascii=False
-    )
-    write_results(
+    text = json.dumps(result, indent=1, allow_nan=False, ensure_ascii=False)
+    fill(
         folder,
         {
             _FILES[0]: lambda p: run.to_frame().to_csv(p, index=False, float_format="%.9g"),
-            _FILES[1]: lambda p: p.write_text(result + "\n", encoding="utf-8"),
+            _FILES[1]: lambda p: p.write_text(text + "\n", encoding="utf-8"),
             _FILES[2]: lambda p: write_report(run, p),
         },
     )

@@ -1,4 +1,4 @@
-"""A folder of results: checked before the work, written whole or not at all."""
+"""The folder a command writes its results to: looked at before the work, filled after it, whole or not at all."""
 
 from __future__ import annotations
 
@@ -8,24 +8,29 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 
-def results_folder(out: str | None, overwrite: bool, files: tuple[str, ...]) -> Path | None:
-    """Return the folder for results, or None where none is asked for; what stands in the way is found before the work.
+def result_folder(out: str | None, names: tuple[str, ...], overwrite: bool) -> Path | None:
+    """Return the folder of ``--out``, refused before the work is done where it cannot be used.
 
     Parameters
     ----------
     out : str or None
-        The folder.
+        The option.
+    names : tuple of str
+        Files that are going to be written.
     overwrite : bool
-        Whether files may be replaced.
-    files : tuple of str
-        What will be written.
+        Whether they may be replaced.
+
+    Raises
+    ------
+    UsageError
+        If files are there already, or the place is a file or cannot be written to.
     """
     from shipid.declaration.errors import UsageError
 
     if out is None:
         return None
     folder = Path(out)
-    there = [n for n in files if (folder / n).exists()]
+    there = [n for n in names if (folder / n).exists()]
     if there and not overwrite:
         raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
@@ -36,20 +41,19 @@ def results_folder(out: str | None, overwrite: bool, files: tuple[str, ...]) -> 
     return folder
 
 
-def write_results(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
+def fill(folder: Path, writers: Mapping[str, Callable[[Path], object]]) -> None:
     """Write files beside their places first, so that an interruption leaves no half of them.
 
     Parameters
     ----------
     folder : Path
-        Where; it is made.
+        Made where it is not there.
     writers : mapping of str to callable
-        File name, and what writes it to a path.
+        By file name: what writes the file to the path it is given.
     """
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder, prefix=".shipid-") as scratch:
-        parts = [Path(scratch) / n for n in writers]
-        for part, write in zip(parts, writers.values()):
-            write(part)
-        for part in parts:
-            part.replace(folder / part.name)
+        for name, write in writers.items():
+            write(Path(scratch) / name)
+        for name in writers:
+            (Path(scratch) / name).replace(folder / name)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import os
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
 
+from shipid.cli.folder import fill, result_folder
 from shipid.cli.shared import (
     Variadic,
     assignments,
@@ -96,7 +97,7 @@ def identify(
     from shipid.declaration.catalogue import find_model, find_ship
     from shipid.identification.identify import identify as run_identify
 
-    folder = _folder(out, overwrite)
+    folder = result_folder(out, _FILES, overwrite)
     span = window_of(window)
     found, known = find_model(model), find_ship(ship) if ship else None
     with progress_on_stderr(as_json) as tell:
@@ -145,38 +146,16 @@ def identify(
 _FILES = ("result.json", "ship.toml", "report.html")
 
 
-def _folder(out: str | None, overwrite: bool) -> Path | None:
-    from shipid.declaration.errors import UsageError
-
-    if out is None:
-        return None
-    folder = Path(out)
-    there = [n for n in _FILES if (folder / n).exists()]
-    if there and not overwrite:
-        raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
-    # Found out before the work is done, not after.
-    nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    if not nearest.is_dir():
-        raise UsageError(f"{nearest} is a file; --out wants a folder.")
-    if not os.access(nearest, os.W_OK | os.X_OK):
-        raise UsageError(f"{nearest} cannot be written to. Choose another --out, or ask for its permissions.")
-    return folder
-
-
 def _write(fit: Any, folder: Path) -> None:
-    """Write the three files beside their places first, so that an interruption leaves no half of them."""
     import json
-    import tempfile
 
     from shipid.declaration.parameters import write_parameter_set
     from shipid.report.report import write_report
 
     result = json.dumps(fit.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".shipid-") as scratch:
-        parts = [Path(scratch) / n for n in _FILES]
-        parts[0].write_text(result + "\n", encoding="utf-8")
-        write_parameter_set(fit.ship, parts[1])
-        write_report(fit, parts[2])
-        for part in parts:
-            part.replace(folder / part.name)
+    writers: dict[str, Callable[[Path], object]] = {
+        "result.json": lambda path: path.write_text(result + "\n", encoding="utf-8"),
+        "ship.toml": lambda path: write_parameter_set(fit.ship, path),
+        "report.html": lambda path: write_report(fit, path),
+    }
+    fill(folder, writers)

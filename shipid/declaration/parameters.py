@@ -11,6 +11,7 @@ from typing import Any
 
 from shipid.declaration.component import Scope, slug
 from shipid.declaration.errors import DeclarationError, ParameterSetError, UnitError, nearest
+from shipid.declaration.joint import IDENTIFIED, Joint, joint_lines, read_joint
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty, split, to_si
 
@@ -83,22 +84,27 @@ class ParameterSet:
         The short name, one line, and what a user has to know.
     sections : mapping of str to mapping of str to Value
         ``particulars``, and one section for each model or component, under its command-line name.
+    joint : mapping of str to Joint
+        By model: what an identification says of its coefficients together.
     """
 
     name: str
     title: str = ""
     notes: str = ""
     sections: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
+    joint: Mapping[str, Joint] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         frozen = {s: MappingProxyType(dict(v)) for s, v in self.sections.items()}
         object.__setattr__(self, "sections", MappingProxyType(frozen))
+        object.__setattr__(self, "joint", MappingProxyType(dict(self.joint)))
 
     def __hash__(self) -> int:
         return hash((self.name, self.title, tuple(self.sections)))
 
     def __reduce__(self) -> Any:
-        return ParameterSet, (self.name, self.title, self.notes, {s: dict(v) for s, v in self.sections.items()})
+        sections = {s: dict(v) for s, v in self.sections.items()}
+        return ParameterSet, (self.name, self.title, self.notes, sections, dict(self.joint))
 
     def __repr__(self) -> str:
         inside = "; ".join(f"{s}: {', '.join(v)}" for s, v in self.sections.items())
@@ -237,6 +243,18 @@ def read_parameter_set(path: str | Path) -> ParameterSet:
         raise ParameterSetError(f"the parameter set {path} cannot be read: {error.strerror}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ParameterSetError(f"the parameter set {path} is not valid TOML: {error}.") from None
+    return parse_parameter_set(raw, path)
+
+
+def parse_parameter_set(raw: dict[str, Any], path: Path) -> ParameterSet:
+    """Return a parameter set from what TOML made of it; the path is for messages, and names a set without a name.
+
+    Raises
+    ------
+    ParameterSetError
+        As `read_parameter_set`.
+    """
+    joint = read_joint(path, raw.pop(IDENTIFIED, {}))
     head = {k: raw.pop(k) for k in list(raw) if k in _HEAD_KEYS}
     for key, text in head.items():
         if key != "schema" and not isinstance(text, str):
@@ -247,7 +265,7 @@ def read_parameter_set(path: str | Path) -> ParameterSet:
             raise ParameterSetError(f"{path}: '{section}' stands outside a table. {nearest(section, _HEAD_KEYS)}")
         sections[section] = {n: _value(path, section, n, v) for n, v in content.items()}
     name = head.get("name", path.stem)
-    return ParameterSet(name, head.get("title", ""), head.get("notes", ""), sections)
+    return ParameterSet(name, head.get("title", ""), head.get("notes", ""), sections, joint)
 
 
 def _value(path: Path, section: str, name: str, raw: Any) -> Value:
@@ -306,8 +324,17 @@ def write_parameter_set(parameters: ParameterSet, path: str | Path) -> None:
     path : str or Path
         The file; it is replaced in one step.
     """
-    import json
     import os
+
+    path = Path(path)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    temporary.write_text("\n".join(parameter_lines(parameters)) + "\n", encoding="utf-8")
+    temporary.replace(path)
+
+
+def parameter_lines(parameters: ParameterSet, prefix: str = "") -> list[str]:
+    """Return a parameter set as lines of TOML; the prefix stands before the name of each table, with its dot."""
+    import json
 
     def text(value: str) -> str:
         return json.dumps(value, ensure_ascii=False)
@@ -315,7 +342,7 @@ def write_parameter_set(parameters: ParameterSet, path: str | Path) -> None:
     lines = [f"name = {text(parameters.name)}"]
     lines += [f"{k} = {text(v)}" for k, v in (("title", parameters.title), ("notes", parameters.notes)) if v]
     for section, values in parameters.sections.items():
-        lines += ["", f"[{section if section.replace('-', '').isalnum() else text(section)}]"]
+        lines += ["", f"[{prefix}{section if section.replace('-', '').isalnum() else text(section)}]"]
         for v in values.values():
             numbers = list(v.value) if isinstance(v.value, tuple) else v.value
             parts = [f"value = {numbers}", f"unit = {text(v.unit)}"]
@@ -327,10 +354,7 @@ def write_parameter_set(parameters: ParameterSet, path: str | Path) -> None:
             if v.note:
                 parts.append(f"note = {text(v.note)}")
             lines.append(f"{v.name} = {{ {', '.join(parts)} }}")
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    temporary.replace(path)
+    return lines + joint_lines(parameters.joint, prefix)
 
 
 def parse_value(model: Model, assignment: str) -> tuple[str, float]:

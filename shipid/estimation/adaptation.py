@@ -13,6 +13,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -24,6 +25,7 @@ from shipid.estimation import covariance_form
 from shipid.estimation.arrangement import Arrangement
 from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.kalman import ExtendedKalmanFilter
+from shipid.estimation.online import OnlineFilter
 from shipid.estimation.run import FilterRun
 from shipid.estimation.step import total
 from shipid.generation.loop import Loop, make_loop
@@ -225,8 +227,7 @@ class AdaptiveFilter:
             The same, arranged.
         """
         first = carried_vector(self.kalman, first_sample(self.kalman, record), arranged.inputs[0])
-        lasting = np.array(self.lasting)
-        return np.concatenate([np.tile(first, lasting.size), lasting / lasting.sum()])
+        return self.mixed_start(first)
 
     def filter(
         self,
@@ -261,6 +262,58 @@ class AdaptiveFilter:
         start = z0[: total(kalman.layout.carried)]
         told, probabilities = out[:, :-count], out[arranged.shown, -count:]
         return AdaptiveRun(kalman, columns_of(record)[1], arranged, control, start, told, probabilities)
+
+    def start(self) -> OnlineAdaptive:
+        """Return the filter for samples that arrive one by one."""
+        return OnlineAdaptive(self)
+
+    def mixed_start(self, first: np.ndarray) -> np.ndarray:
+        """Return the carried vector that starts every level from the same estimate.
+
+        Parameters
+        ----------
+        first : ndarray
+            The carried vector of the filter it is made of.
+        """
+        lasting = np.array(self.lasting)
+        return np.concatenate([np.tile(first, lasting.size), lasting / lasting.sum()])
+
+
+class OnlineAdaptive(OnlineFilter):
+    """An adaptive filter that takes one sample at a time; made by `AdaptiveFilter.start`.
+
+    Parameters
+    ----------
+    adaptive : AdaptiveFilter
+        What it runs.
+    """
+
+    def __init__(self, adaptive: AdaptiveFilter) -> None:
+        super().__init__(adaptive.kalman)
+        self.adaptive = adaptive
+
+    @property
+    def probabilities(self) -> np.ndarray | None:
+        """Of each level, after the last sample; None before the first."""
+        return None if self.stepper is None else np.array(self.stepper.out[-len(self.adaptive.factors) :], dtype=float)
+
+    def _begin(self, sample: Mapping[str, float], inputs: np.ndarray) -> None:
+        super()._begin(sample, inputs)
+        assert self.stepper is not None
+        first = self.adaptive.mixed_start(self.stepper.z)
+        self.stepper = self.adaptive.loop().one_at_a_time(first, self.filter.constants)
+
+    def save(self, path: str | Path) -> None:
+        """Refuse: the state of several filters is not one that `ExtendedKalmanFilter.restore` reads.
+
+        Parameters
+        ----------
+        path : str or Path
+            Where it would go.
+        """
+        raise UsageError(
+            f"the state of an adaptive filter cannot be saved to {path}; start it anew from recent samples."
+        )
 
 
 def _outer(d: Any) -> Any:

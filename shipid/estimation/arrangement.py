@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.declaration.errors import UnitError, UsageError
+from shipid.declaration.errors import UsageError
 from shipid.declaration.model import Model
-from shipid.declaration.units import to_si
 from shipid.estimation.clock import LONGEST_GAP, LONGEST_STEP, own_time, steps
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
 
@@ -39,8 +38,8 @@ class Arrangement:
         Which rows are samples of the record.
     limited : ndarray of int, shape (sensors,)
         Samples left out because they are outside the sensor's range.
-    back : int
-        Samples left out because their time stamp cannot be right.
+    forward : ndarray of bool, shape (samples,)
+        Which samples of the record were let through; the others have a time stamp that cannot be right.
     """
 
     t: np.ndarray
@@ -51,7 +50,12 @@ class Arrangement:
     lost: np.ndarray
     shown: np.ndarray
     limited: np.ndarray
-    back: int
+    forward: np.ndarray
+
+    @property
+    def back(self) -> int:
+        """How many samples were left out because their time stamp cannot be right."""
+        return int(np.count_nonzero(~self.forward))
 
 
 def column_of(model: Model, name: str, columns: Collection[str]) -> str | None:
@@ -78,6 +82,7 @@ def arrange(
     needed: tuple[str, ...],
     every: Mapping[str, float],
     ranges: Mapping[str, tuple[float, float]],
+    speed: float | None = None,
 ) -> Arrangement:
     """Arrange a trial for a filter.
 
@@ -99,6 +104,8 @@ def arrange(
         Seconds between the samples a sensor uses, where it is read less often than the record is sampled.
     ranges : mapping of str to tuple of float
         Smallest and largest value a sensor can show, SI.
+    speed : float, optional
+        The ship's speed in m/s, where the record tells no speed.
 
     Raises
     ------
@@ -128,7 +135,7 @@ def arrange(
                 outside = there[:, j] & ((z[:, j] < low) | (z[:, j] > high))
             limited[j] = np.count_nonzero(outside)
             there[:, j] &= ~outside
-    table = input_table(model, columns, record, inputs, needed)
+    table = input_table(model, columns, record, inputs, needed, speed)
     lost = ~np.isfinite(table)
     table = _held(table)
     rows = _bridged(t)
@@ -151,8 +158,7 @@ def arrange(
         for k in np.flatnonzero(long):
             share[at[k - 1] + 1 : at[k] + 1] = gaps[k] / (t[k] - t[k - 1])
         intervals = intervals * share
-    back = int(np.count_nonzero(~forward))
-    return Arrangement(rows, intervals, full_inputs, full_z, full_there, full_lost, shown, limited, back)
+    return Arrangement(rows, intervals, full_inputs, full_z, full_there, full_lost, shown, limited, forward)
 
 
 def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: str) -> str:
@@ -205,12 +211,13 @@ def input_table(
     record: str,
     inputs: Mapping[str, float],
     needed: tuple[str, ...],
+    speed: float | None = None,
 ) -> np.ndarray:
     """Return the inputs of a model along a record, SI, shape (N, inputs).
 
     Parameters
     ----------
-    model, columns, record, inputs, needed
+    model, columns, record, inputs, needed, speed
         See `arrange`.
     """
     table = np.empty((columns["t"].size, len(model.inputs)))
@@ -222,6 +229,8 @@ def input_table(
             table[:, i] = columns[name]
         elif name == "cruise" and "u" in columns:
             table[:, i] = np.nanmedian(columns["u"][:10])
+        elif name in ("cruise", "u") and speed is not None:
+            table[:, i] = speed
         elif default is not None or name not in needed:
             table[:, i] = 0.0 if default is None else default
         else:
@@ -255,39 +264,3 @@ def _bridged(t: np.ndarray) -> np.ndarray:
         if count > 1:
             pieces.append(np.linspace(t[k], t[k + 1], count + 1)[1:-1])
     return np.unique(np.concatenate(pieces)) if len(pieces) > 1 else t
-
-
-def read_rates(model: Model, sensors: tuple[str, ...], rates: Mapping[str, str | float]) -> dict[str, float]:
-    """Read how often sensors are read: an interval such as ``"2 s"`` or a rate such as ``"0.5 Hz"``; in s.
-
-    Parameters
-    ----------
-    model : Model
-        The model.
-    sensors : tuple of str
-        Measured quantities.
-    rates : mapping of str to str
-        By measured quantity.
-
-    Raises
-    ------
-    NotMeasurableError
-        If a name is not measured.
-    SensorRateError
-        If an interval is zero or negative.
-    """
-    result = {}
-    for name, value in rates.items():
-        if name not in sensors:
-            raise NotMeasurableError(
-                f"a rate is given for '{name}', which is not measured. Measured: {', '.join(sensors)}."
-            )
-        try:
-            seconds = to_si(value, "s", f"interval of '{name}'")
-        except UnitError:
-            frequency = to_si(value, "Hz", f"rate of '{name}'")
-            seconds = 1 / frequency if frequency > 0 else 0.0
-        if not seconds > 0:
-            raise SensorRateError(f"'{name}' is to be read every {value}: an interval is longer than zero.")
-        result[name] = seconds
-    return result

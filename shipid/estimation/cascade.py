@@ -16,6 +16,7 @@ import numpy as np
 
 from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.units import to_si
+from shipid.estimation.adaptation import AdaptiveFilter
 from shipid.estimation.arrangement import read_every
 from shipid.estimation.clock import own_time
 from shipid.estimation.errors import SensorRateError
@@ -33,7 +34,7 @@ class Cascade:
 
     Parameters
     ----------
-    filters : mapping of str to ExtendedKalmanFilter
+    filters : mapping of str to ExtendedKalmanFilter or AdaptiveFilter
         In the order they run. An input of one that an earlier one estimates, as a state or a parameter, is that estimate;
         all others come from the record.
     every : mapping of str to str, optional
@@ -44,6 +45,8 @@ class Cascade:
 
     Attributes
     ----------
+    plain : mapping of str to ExtendedKalmanFilter
+        The filters; of an adaptive one, the filter it is made of.
     passed : mapping of str to mapping of str to str
         For each filter, by input: the earlier filter it comes from.
 
@@ -57,7 +60,7 @@ class Cascade:
 
     def __init__(
         self,
-        filters: Mapping[str, ExtendedKalmanFilter],
+        filters: Mapping[str, ExtendedKalmanFilter | AdaptiveFilter],
         *,
         every: Mapping[str, str] | None = None,
         uncertain: Sequence[str] = (),
@@ -65,6 +68,7 @@ class Cascade:
         if not filters:
             raise UsageError('a cascade needs at least one filter, as in Cascade({"yaw": yaw, "position": position}).')
         self.filters = dict(filters)
+        self.plain = {n: f.kalman if isinstance(f, AdaptiveFilter) else f for n, f in filters.items()}
         self.every = {}
         for name, value in (every or {}).items():
             if name not in self.filters:
@@ -74,12 +78,12 @@ class Cascade:
                 raise SensorRateError(f"'{name}' is to run every {value}: an interval is longer than zero.")
         self.passed: dict[str, dict[str, str]] = {}
         estimated: dict[str, str] = {}
-        for name, kalman in self.filters.items():
+        for name, kalman in self.plain.items():
             self.passed[name] = {i: estimated[i] for i in kalman.model.inputs if i in estimated}
             estimated |= dict.fromkeys([*kalman.model.states, *kalman.parameters], name)
         for i in uncertain:
             takers = [n for n, inputs in self.passed.items() if i in inputs]
-            lacking = [n for n in takers if i not in {s.name for s in self.filters[n].sources if s.place == "input"}]
+            lacking = [n for n in takers if i not in {s.name for s in self.plain[n].sources if s.place == "input"}]
             if not takers or lacking:
                 what = f"'{lacking[0]}', which has no noise on it" if lacking else "no filter"
                 raise UsageError(
@@ -91,7 +95,8 @@ class Cascade:
     @property
     def covariance_elements(self) -> int:
         """How many elements of covariances it carries from sample to sample."""
-        return sum(k.layout.joint * (k.layout.joint + 1) // 2 for k in self.filters.values())
+        levels = {n: len(f.factors) if isinstance(f, AdaptiveFilter) else 1 for n, f in self.filters.items()}
+        return sum(levels[n] * k.layout.joint * (k.layout.joint + 1) // 2 for n, k in self.plain.items())
 
     def __repr__(self) -> str:
         lines = []
@@ -140,7 +145,7 @@ class Cascade:
                 values, spread = runs[source].quantity(i)
                 taken[i] = values[latest]
                 if i in self.uncertain:
-                    factors[i] = spread[latest] / _level(kalman, i) * factors.get(i, 1.0)
+                    factors[i] = spread[latest] / _level(self.plain[name], i) * factors.get(i, 1.0)
             runs[name] = kalman.filter(taken, scale=factors)
         return CascadeRun(self, title, runs)
 
@@ -243,7 +248,7 @@ class OnlineCascade:
             for i, source in cascade.passed[name].items():
                 taken[i] = self.latest[source][i]
                 if i in cascade.uncertain:
-                    factors[i] = self.latest[source].std_of(i) / _level(cascade.filters[name], i)
+                    factors[i] = self.latest[source].std_of(i) / _level(cascade.plain[name], i)
             self.latest[name] = ran[name] = online.update(taken, scale=factors)
         if np.isfinite(t) and (self._began is None or t > self._last):
             self._began, self._last = (t if self._began is None else self._began), t

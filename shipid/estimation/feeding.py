@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.errors import UsageError
+from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.estimation.arrangement import Arrangement, column_of
 from shipid.estimation.start import state_spreads
 from shipid.estimation.step import total
@@ -29,7 +29,14 @@ def columns_of(record: Trial | Mapping[str, np.ndarray]) -> tuple[dict[str, np.n
         return {n: record[n] for n in record.table.columns}, record.name
     if "t" not in record:
         raise UsageError(f"a record to filter needs its times 't'; it has {', '.join(record)}.")
-    return {n: np.asarray(c, dtype=float) for n, c in record.items()}, "record"
+    columns = {n: np.asarray(c, dtype=float) for n, c in record.items()}
+    count = columns["t"].size
+    for name, column in columns.items():
+        if column.shape != (count,):
+            raise UsageError(
+                f"column '{name}' of the record has {column.size} samples, and 't' has {count}: give one value for each time."
+            )
+    return columns, "record"
 
 
 def first_sample(kalman: ExtendedKalmanFilter, record: Trial | Mapping[str, np.ndarray]) -> dict[str, float]:
@@ -145,18 +152,43 @@ def controls_of(
     table[:, places["scale"]] = 1.0
     # Rows that bridge a gap belong to the sample that ends it.
     sample = np.minimum(np.searchsorted(np.flatnonzero(arranged.shown), np.arange(rows)), arranged.shown.sum() - 1)
+    check_scale(kalman, scale)
     for i, source in enumerate(kalman.sources):
         column = table[:, places["scale"]][:, i]
         if scale and source.name in scale:
             factor = np.asarray(scale[source.name], dtype=float)
-            column *= factor[sample] if factor.ndim else factor
+            column *= _each(factor, arranged, f"factors on the noise of '{source.name}'")[sample]
         if source.name in kalman.lost:
             missing = arranged.lost[:, kalman.system.inputs.index(source.name)]
             usual = 0.0 if source.level == kalman.lost[source.name] else 1.0
             column *= np.where(missing, kalman.lost[source.name] / source.level, usual)
     if kalman.switchable:
-        table[:, places["adapting"]] = np.broadcast_to(adapt, arranged.shown.sum())[sample, None]
+        table[:, places["adapting"]] = _each(np.asarray(adapt), arranged, "'adapt'")[sample, None]
     return table
+
+
+def check_scale(kalman: ExtendedKalmanFilter, scale: Collection[str] | None) -> None:
+    """Raise an error if a factor is given for a noise that the filter does not have.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        The filter.
+    scale : collection of str or None
+        Names of sources.
+    """
+    for name in scale or ():
+        if name not in (driven := [s.name for s in kalman.sources]):
+            raise UnknownNameError("noise to scale called", name, driven)
+
+
+def _each(values: np.ndarray, arranged: Arrangement, what: str) -> np.ndarray:
+    """One value for each sample that was let through, from one for each or for all."""
+    if not values.ndim:
+        return np.broadcast_to(values, arranged.forward.sum())
+    if values.shape != arranged.forward.shape:
+        raise UsageError(f"{what}: {values.size} of them, and the record has {arranged.forward.size} samples.")
+    return values[arranged.forward]
 
 
 def _diagonal(deviation: np.ndarray, form: str) -> np.ndarray:

@@ -15,12 +15,13 @@ from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet, missing_values
 from shipid.declaration.units import to_si
-from shipid.estimation.arrangement import Arrangement, arrange, read_rates
+from shipid.estimation.arrangement import Arrangement, arrange
 from shipid.estimation.equations import make_equations
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.noise import Source, process_sources, sensor_levels
 from shipid.estimation.run import FilterRun
+from shipid.estimation.settings import read_inputs, read_lost, read_ranges, read_rates
 from shipid.estimation.start import bounds_of, parameter_starts, read_deviations, walking
 from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step
 from shipid.generation.loop import Loop, make_loop
@@ -156,7 +157,7 @@ class ExtendedKalmanFilter:
             self.base, tuple(estimated), self.ship, known, starts, self._length, self._speed, initial or {}
         )
         in_log = {n: self._estimates[n][0] for n, s in self.parameters.items() if s != n}
-        self.lost = {n: to_si(v, self.model[n].unit, f"uncertainty of lost '{n}'") for n, v in (lost or {}).items()}
+        self.lost = read_lost(self.model, lost or {})
         declared = {
             n: e.quantity.noise
             for n, e in self.model.entries.items()
@@ -181,12 +182,11 @@ class ExtendedKalmanFilter:
         self._r = np.array(list(levels.values()))
         self._deviations = read_deviations(self.model, initial or {}, self.parameters)
         self.rates = read_rates(self.model, self.measured, rates or {})
-        self.inputs = {n: to_si(v, self.model[n].unit, f"input '{n}'") for n, v in (inputs or {}).items()}
-        self.ranges = {
-            n: (to_si(a, self.model[n].unit, f"range of '{n}'"), to_si(b, self.model[n].unit, f"range of '{n}'"))
-            for n, (a, b) in (ranges or {}).items()
-        }
+        self.inputs = read_inputs(self.model, inputs or {})
+        self.ranges = read_ranges(self.model, self.measured, ranges or {})
         self.gate = None if gate is None else Gate(gate, to_si(patience, "s", "the patience"))
+        if self.gate is not None and self.gate.patience < 0:
+            raise UsageError(f"a patience of {patience} is over before it begins; give '0 s' or more.")
         self.form, self.switchable, self.compiled, self.single = form, switchable, compiled, single
         self.layout = Layout(self.equations, form, self.gate is not None, switchable)
         self._integration = (method, hold, substeps, shared_noise)
@@ -296,9 +296,8 @@ class ExtendedKalmanFilter:
             SI columns with ``t``; a mapping may hold NaN where a sample is missing.
         """
         columns, name = columns_of(record)
-        return arrange(
-            self.model, columns, name, self.measured, self.inputs, self.needed_inputs, self.rates, self.ranges
-        )
+        fixed = (self.measured, self.inputs, self.needed_inputs, self.rates, self.ranges, self._speed)
+        return arrange(self.model, columns, name, *fixed)
 
     @functools.cached_property
     def needed_inputs(self) -> tuple[str, ...]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,7 +15,8 @@ from shipid.declaration.errors import UsageError
 from shipid.estimation.arrangement import column_of
 from shipid.estimation.clock import Clock, steps
 from shipid.estimation.errors import FilterDivergedError, NotMeasurableError
-from shipid.estimation.feeding import carried_vector
+from shipid.estimation.feeding import carried_vector, check_scale
+from shipid.estimation.run import named
 from shipid.estimation.smoother import run_back
 from shipid.estimation.step import REJECTED, TAKEN
 from shipid.generation.loop import Stepper
@@ -52,7 +54,7 @@ class OnlineEstimate:
 
     def __getitem__(self, name: str) -> float:
         """Return the estimate of a state or an estimated parameter, SI."""
-        return self._value(name)[0]
+        return float(named(self._filter, self.x, self.std, name)[0])
 
     def std_of(self, name: str) -> float:
         """Return the standard deviation of a state or an estimated parameter, SI.
@@ -62,13 +64,7 @@ class OnlineEstimate:
         name : str
             A state or an estimated parameter.
         """
-        return self._value(name)[1]
-
-    def _value(self, name: str) -> tuple[float, float]:
-        state = self._filter.parameters.get(name, name)
-        i = self._filter.model.states.index(state)
-        x, std = float(self.x[i]), float(self.std[i])
-        return (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
+        return float(named(self._filter, self.x, self.std, name)[1])
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values, SI."""
@@ -116,6 +112,18 @@ class OnlineFilter:
         self._unseen: set[str] = set()
         self._counts = {n: -1 for n in kalman.rates}
         self._window: deque[tuple[float, np.ndarray, np.ndarray, np.ndarray, bool]] = deque()
+        # Looked up once: a sample costs microseconds.
+        model, free = kalman.model, (-math.inf, math.inf)
+        self._given = tuple((n, kalman.inputs.get(n), n in kalman.lost) for n in model.inputs)
+        self._sensors = tuple(
+            (i, n, model[n].quantity.measures, kalman.rates.get(n), *kalman.ranges.get(n, free))
+            for i, n in enumerate(kalman.measured)
+        )
+        self._lost = tuple(
+            (i, model.inputs.index(s.name), kalman.lost[s.name] / s.level, float(s.level != kalman.lost[s.name]))
+            for i, s in enumerate(kalman.sources)
+            if s.name in kalman.lost
+        )
 
     @property
     def t(self) -> float | None:
@@ -151,10 +159,11 @@ class OnlineFilter:
             If the estimate runs away.
         """
         t = sample.get("t")
-        if t is None or (self.stepper is None and not np.isfinite(t)):
+        if t is None or (self.stepper is None and not math.isfinite(t)):
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         if not adapt and not self.filter.switchable:
             raise UsageError("adaptation is to be switched off, and the filter was made without switchable=True.")
+        check_scale(self.filter, scale)
         if self.stepper is None:
             self._clock = Clock()
         elapsed = self._clock.let(float(t))
@@ -167,7 +176,7 @@ class OnlineFilter:
             self._begin(sample, inputs)
         assert self.stepper is not None
         count = steps(elapsed, self._clock.typical)
-        last = np.array(self.stepper.z[self.filter.layout.carried["u"]], dtype=float)
+        last = self.stepper.z[self.filter.layout.carried["u"]].astype(float)
         for k in range(1, count + 1):
             self._write(elapsed / count, last + k / count * (inputs - last), lost, adapt, scale)
             if k == count:
@@ -194,17 +203,18 @@ class OnlineFilter:
     def _inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
         """Inputs of a sample, and which of them are missing."""
         kalman = self.filter
-        values, lost = np.empty(len(kalman.model.inputs)), np.zeros(len(kalman.model.inputs), dtype=bool)
-        for i, name in enumerate(kalman.model.inputs):
-            value = kalman.inputs.get(name, sample.get(name))
-            if value is not None and np.isfinite(value):
+        values, lost = np.empty(len(self._given)), np.zeros(len(self._given), dtype=bool)
+        for i, (name, fixed, can_be_lost) in enumerate(self._given):
+            value = sample.get(name) if fixed is None else fixed
+            if value is not None and math.isfinite(value):
                 values[i] = value
                 continue
-            lost[i] = name in sample or name in kalman.lost
-            default = kalman.model[name].number("default")
+            lost[i] = name in sample or can_be_lost
             if held is not None:
                 values[i] = held[i]
-            elif name == "cruise" and (speed := sample.get("u", kalman.ship.particular("speed", "m/s"))) is not None:
+                continue
+            default = kalman.model[name].number("default")
+            if name in ("cruise", "u") and (speed := _known(sample.get("u"), kalman._speed)) is not None:
                 values[i] = speed
             elif default is not None or name not in kalman.needed_inputs:
                 values[i] = default or 0.0
@@ -224,12 +234,9 @@ class OnlineFilter:
         control[places["T"]] = interval
         control[places["z"]] = control[places["there"]] = 0.0
         factors = control[places["scale"]]
-        for i, source in enumerate(kalman.sources):
-            factors[i] = 1.0 if scale is None else scale.get(source.name, 1.0)
-            if source.name in kalman.lost:
-                missing = lost[kalman.system.inputs.index(source.name)]
-                usual = 0.0 if source.level == kalman.lost[source.name] else 1.0
-                factors[i] *= kalman.lost[source.name] / source.level if missing else usual
+        factors[:] = 1.0 if scale is None else [scale.get(s.name, 1.0) for s in kalman.sources]
+        for i, which, missing, usual in self._lost:
+            factors[i] *= missing if lost[which] else usual
         if kalman.switchable:
             control[places["adapting"]] = float(adapt)
 
@@ -238,17 +245,15 @@ class OnlineFilter:
         assert self.stepper is not None and self._began is not None
         kalman, outside = self.filter, []
         z, there = (self.stepper.control[kalman.layout.control[n]] for n in ("z", "there"))
-        for i, name in enumerate(kalman.measured):
-            column = column_of(kalman.model, name, sample)
-            value = None if column is None else sample[column]
-            if value is None or not np.isfinite(value):
+        for i, name, measures, seconds, low, high in self._sensors:
+            value = sample.get(name, sample.get(measures) if measures else None)
+            if value is None or not math.isfinite(value):
                 continue
-            if name in kalman.rates:
-                number = int((self._clock.now - self._began + 0.5 * self._clock.typical) // kalman.rates[name])
+            if seconds is not None:
+                number = int((self._clock.now - self._began + 0.5 * self._clock.typical) // seconds)
                 if number <= self._counts[name]:
                     continue
                 self._counts[name] = number
-            low, high = kalman.ranges.get(name, (-np.inf, np.inf))
             if not low <= value <= high:
                 outside.append(name)
                 continue
@@ -270,12 +275,12 @@ class OnlineFilter:
     def _outcome(self, outside: tuple[str, ...]) -> OnlineEstimate:
         assert self.stepper is not None
         kalman = self.filter
-        fate = self.stepper.out[kalman.layout.brief["fate"]]
+        fate = self.stepper.out[kalman.layout.brief["fate"]].tolist()
         rejected = outside + tuple(n for n, f in zip(kalman.measured, fate) if f == REJECTED)
         for name in rejected:
             self.rejected[name] += 1
         estimate = self._estimate(tuple(n for n, f in zip(kalman.measured, fate) if f == TAKEN), rejected, "")
-        if not np.isfinite(estimate.x).all():
+        if not math.isfinite(float(estimate.x.sum())):
             raise FilterDivergedError(
                 f"the filter of model {kalman.base.name} runs away at {self.t:.5g} s. Restore an earlier state, or start "
                 "nearer to the truth with more noise on the states."
@@ -285,8 +290,8 @@ class OnlineFilter:
     def _estimate(self, taken: tuple[str, ...], rejected: tuple[str, ...], refused: str) -> OnlineEstimate:
         assert self.stepper is not None
         brief = self.filter.layout.brief
-        x = np.array(self.stepper.out[brief["x"]], dtype=float)
-        std = np.sqrt(np.maximum(np.array(self.stepper.out[brief["var"]], dtype=float), 0.0))
+        x, variance = (self.stepper.out[brief[n]].astype(float) for n in ("x", "var"))
+        std = np.sqrt(np.maximum(variance, 0.0))
         return OnlineEstimate(self._clock.last or 0.0, x, std, taken, rejected, refused, self._lagged(), self.filter)
 
     def _lagged(self) -> tuple[float, np.ndarray, np.ndarray] | None:
@@ -320,3 +325,8 @@ class OnlineFilter:
         from shipid.estimation.saving import save_state
 
         save_state(self, Path(path))
+
+
+def _known(*values: float | None) -> float | None:
+    """The first that is a number."""
+    return next((v for v in values if v is not None and np.isfinite(v)), None)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from shipid.declaration.errors import UnknownNameError
 from shipid.estimation.arrangement import Arrangement
 from shipid.estimation.consistency import whiteness
 from shipid.estimation.step import MISSING, REJECTED, TAKEN
@@ -156,22 +157,11 @@ class FilterRun:
             A state, an estimated parameter, or what follows from them: its standard deviation is then first-order, by the
             exact Jacobian and the whole covariance.
         """
-        if name in self.filter.parameters:
-            return self._parameter(name)
-        if name in self.states:
-            return self.x[:, self._place(name)], self.std[:, self._place(name)]
+        if name in self.states or name in self.filter.parameters or name not in self.filter.model:
+            return named(self.filter, self.x, self.std, name)
         from shipid.estimation.derived import along
 
         return along(self, name)
-
-    def _place(self, name: str) -> int:
-        _ = self.filter.model[name]
-        return self.states.index(name)
-
-    def _parameter(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        state = self.filter.parameters[name]
-        x, std = self.x[:, self._place(state)], self.std[:, self._place(state)]
-        return (x, std) if state == name else (np.exp(x), np.exp(x) * std)
 
     @functools.cached_property
     def joint_covariance(self) -> np.ndarray:
@@ -209,7 +199,7 @@ class FilterRun:
         """
         result = {}
         for name, state in self.filter.parameters.items():
-            i = self._place(state)
+            i = self.states.index(state)
             entry = self.filter.base[name]
             x, std = float(self.x[-1, i]), float(self.std[-1, i])
             value, spread = (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
@@ -305,6 +295,26 @@ class FilterRun:
                 f"  innovations of {name:<10s} NIS {mean} (1 is right), whiteness p {white}, rejected {i.rejected}"
             )
         return "\n".join(lines)
+
+
+def named(kalman: ExtendedKalmanFilter, x: np.ndarray, std: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return estimates and standard deviations of a state or an estimated parameter, SI, the states along the last axis.
+
+    Parameters
+    ----------
+    kalman : ExtendedKalmanFilter
+        Whose states they are.
+    x, std : ndarray, shape (..., states)
+        Estimates and standard deviations; of a logarithm where a parameter is estimated by it.
+    name : str
+        A state or an estimated parameter.
+    """
+    state, states = kalman.parameters.get(name, name), kalman.model.states
+    if state not in states:
+        known = [*states, *kalman.parameters]
+        raise UnknownNameError(f"state or estimated parameter of model {kalman.base.name} called", name, known)
+    at, spread = x[..., states.index(state)], std[..., states.index(state)]
+    return (at, spread) if state == name else (np.exp(at), np.exp(at) * spread)
 
 
 def _innovations(run: FilterRun, i: int, e: np.ndarray, spread: np.ndarray, fate: np.ndarray) -> Innovations:

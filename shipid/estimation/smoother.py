@@ -19,7 +19,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.estimation import covariance_form
-from shipid.estimation.run import unpacked
+from shipid.estimation.run import named, unpacked
 from shipid.estimation.step import TAKEN, leapt
 from shipid.generation.loop import Loop, make_loop
 
@@ -47,9 +47,21 @@ class Smoothed:
     x: np.ndarray
     std: np.ndarray
     _packed: np.ndarray = field(repr=False)
+    _filter: ExtendedKalmanFilter = field(repr=False)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self.x[:, self.states.index(name)]
+        """Return the smoothed estimates of a state or an estimated parameter, SI, shape (N,)."""
+        return named(self._filter, self.x, self.std, name)[0]
+
+    def std_of(self, name: str) -> np.ndarray:
+        """Return the standard deviations of a state or an estimated parameter, SI, shape (N,).
+
+        Parameters
+        ----------
+        name : str
+            A state or an estimated parameter.
+        """
+        return named(self._filter, self.x, self.std, name)[1]
 
     @functools.cached_property
     def covariance(self) -> np.ndarray:
@@ -232,4 +244,4 @@ def smooth(run: FilterRun) -> Smoothed:
     shown = run_back(kalman, run._control, run._out, run._start)[run.arranged.shown]
     x, packed = shown[:, :n], shown[:, n:]
     diagonal = np.cumsum(np.arange(1, n + 1)) - 1
-    return Smoothed(run.t, run.states, x, np.sqrt(np.maximum(packed[:, diagonal], 0.0)), packed)
+    return Smoothed(run.t, run.states, x, np.sqrt(np.maximum(packed[:, diagonal], 0.0)), packed, kalman)

@@ -14,6 +14,8 @@ from shipid.estimation.errors import NoiseLevelError
 
 #: Default standard deviation of a first estimate: a share of a parameter, and of what L and U make of any other unit.
 PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
+#: A state that starts from a first sample is so many times less sure than that: one part in a hundred of it counts twice.
+VAGUER = 10.0
 
 
 def walking(model: Model) -> tuple[str, ...]:
@@ -123,7 +125,8 @@ def state_spreads(model: Model, length: float | None, speed: float | None, senso
             except UnitError:
                 scaled = None
             spread = scaled if scaled is not None else abs(nominal) if nominal else 1.0
-        result[i] = np.hypot(spread, sensors.get(name, 0.0))
+        # The sample the estimate starts from is taken in as well: a start hardly vaguer than that would count it twice.
+        result[i] = np.hypot(spread, VAGUER * sensors.get(name, 0.0))
     return result
 
 

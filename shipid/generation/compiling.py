@@ -22,6 +22,8 @@ import casadi as ca
 from shipid.declaration.cache import cache_folder
 
 FLAGS = ("-O3", "-fPIC", "-shared")
+#: Code of so many characters is one long run of arithmetic: more than -O1 takes a minute, and the code is slower for it.
+LONG, FLAGS_OF_LONG = 150_000, ("-O1", "-fPIC", "-shared")
 
 
 class CompilerNotice(UserWarning):
@@ -103,16 +105,17 @@ def _compiled(function: Any, load: Callable[[Path], Any], beside: str = "", sing
     generator = ca.CodeGenerator("shipid_code.c", options)
     generator.add(function)
     source = generator.dump() + beside
-    key = hashlib.sha256("\0".join((source, *compiler, *FLAGS)).encode()).hexdigest()[:32]
+    flags = FLAGS if len(source) < LONG else FLAGS_OF_LONG
+    key = hashlib.sha256("\0".join((source, *compiler, *flags)).encode()).hexdigest()[:32]
     try:
-        return load(_build(source, key, compiler[0]))
+        return load(_build(source, key, compiler[0], flags))
     except (OSError, RuntimeError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", "") or str(error)
         _notice(f"compiling failed: {detail.strip()[:200]}")
         return None
 
 
-def _build(source: str, key: str, compiler: str) -> Path:
+def _build(source: str, key: str, compiler: str, flags: tuple[str, ...]) -> Path:
     """Compile into the cache under a temporary name and rename: processes may race, none sees half a file."""
     folder = cache_folder()
     library = folder / f"{key}.so"
@@ -122,7 +125,7 @@ def _build(source: str, key: str, compiler: str) -> Path:
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
         (Path(scratch) / "code.c").write_text(source)
         # Relative names: a compiler that fails says the same each time, and is reported once.
-        command = [compiler, *FLAGS, "-o", "code.so", "code.c", "-lm"]
+        command = [compiler, *flags, "-o", "code.so", "code.c", "-lm"]
         subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, cwd=scratch)
         (Path(scratch) / "code.so").replace(library)
     return library

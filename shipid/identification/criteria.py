@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from shipid.declaration.catalogue import find_model, find_ship
+from shipid.declaration.drawing import draw_coefficients
 from shipid.declaration.errors import ParameterSetError, UsageError
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import ParameterSet, missing_values
-from shipid.declaration.units import factor, to_si
-from shipid.identification.draws import DRAWS, band_of, draws_of, normal_draws
+from shipid.declaration.units import to_si
+from shipid.identification.draws import DRAWS, band_of, draws_of
 from shipid.identification.fit import Fit
 from shipid.identification.imo import WORDING, Criteria, Row, Side, first_overshoot_limit, second_overshoot_limit
 from shipid.identification.spiral import Spiral, spiral_of
@@ -121,30 +122,11 @@ def _sets(
         drawn = draws_of(fit, count)
         sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
         return sets, "Bands: 95 %, from the covariance of the identified coefficients."
-    spread = {}
-    for name in model.parameters:
-        found = ship.find(model, name)
-        if found is not None and found.std:
-            spread[name] = found.std * factor(found.unit, model[name].unit)
-    if not spread:
-        return (
-            [],
-            f"No bands: ship {ship.name} states no standard deviation for the coefficients of model {model.name}.",
-        )
-    normal = normal_draws(len(spread), count, 0)
-    sets = []
-    for row in normal:
-        values = dict(known)
-        for (name, std), z in zip(spread.items(), row):
-            low, high = (model[name].number(side) for side in ("low", "high"))
-            positive = low is not None and low > 0 and known[name] > 0
-            moved = known[name] * np.exp(std / known[name] * z) if positive else known[name] + std * z
-            values[name] = float(np.clip(moved, -np.inf if low is None else low, np.inf if high is None else high))
-        sets.append(values)
-    return sets, (
-        "Bands: 95 %, from the standard deviations of the ship's set, taken as independent; a fit knows their correlation, "
-        "which makes the bands narrower."
-    )
+    drawn_set = draw_coefficients(model, ship, count)
+    if not drawn_set.names:
+        return [], f"No bands: {drawn_set.source}."
+    sets = [{**known, **dict(zip(drawn_set.names, row.tolist()))} for row in drawn_set.values]
+    return sets, f"Bands: 95 %, from {drawn_set.source}."
 
 
 def _rows(sides: list[tuple[Numbers, list[Numbers]]], length: float, unit_time: float) -> tuple[Row, ...]:

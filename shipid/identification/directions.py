@@ -204,7 +204,9 @@ class _Help:
         unit = vector / np.linalg.norm(vector)
         before = float(np.sqrt(unit @ self._relative @ unit))
         inverse = np.linalg.inv(self._relative)
-        ratios = [float(np.sqrt(unit @ np.linalg.inv(inverse + matrix) @ unit)) / before for _, matrix in self._found]
+        after = [float(unit @ np.linalg.inv(inverse + matrix) @ unit) for _, matrix in self._found]
+        # Where a combination is entirely open, rounding may leave less than nothing of a variance.
+        ratios = [float(np.sqrt(max(variance, 0.0))) / before for variance in after]
         helping = [k for k, ratio in enumerate(ratios) if ratio < _HELPS]
         if not helping:
             best = int(np.argmin(ratios))
@@ -217,8 +219,8 @@ class _Help:
         # The least effort first: the same sensors, and of the manoeuvres that help nearly as much, the first.
         best = min(helping, key=lambda k: ratios[k])
         easy = next(k for k in helping if ratios[k] <= 1.5 * ratios[best])
-        after = ratios[easy] * before * float(np.abs(unit).max())
-        return f"{self._found[easy][0]} as well: that would bring it to about ±{_percent(after)}."
+        left = ratios[easy] * before * float(np.abs(unit).max())
+        return f"{self._found[easy][0]} as well: that would bring it to about ±{_percent(left)}."
 
     def _candidates(self) -> Any:
         fit, problem = self._fit, self._fit._problem

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import ndtri
 
+from shipid.declaration.drawing import normal_draws
 from shipid.declaration.units import prime_factor
 from shipid.identification.scale import unit_time_of
 from shipid.identification.solve import Box, box_of
@@ -107,22 +107,6 @@ def _spread(box: Box) -> np.ndarray:
     size = np.maximum(np.abs(box.start), 1e-3 * np.where(np.isfinite(box.high), np.abs(box.high), 1.0))
     loose = np.where(box.in_log, _LOOSE, _LOOSE * size)
     return np.minimum(np.where(np.isfinite(inside), inside, loose), loose) * np.where(box.in_log, box.start, 1.0)
-
-
-def normal_draws(size: int, count: int, seed: int) -> np.ndarray:
-    """Return standard normal numbers, shape (count, size), spread evenly: each column has one in every stratum.
-
-    Parameters
-    ----------
-    size, count : int
-        Columns and rows.
-    seed : int
-        Of the draws.
-    """
-    rng = np.random.default_rng([seed, 3])
-    # A Latin hypercube; SciPy's generators of such numbers live in a package that takes half a second to load.
-    strata = np.column_stack([rng.permutation(count) for _ in range(size)]) if size else np.zeros((count, 0))
-    return np.asarray(ndtri((strata + rng.random(strata.shape)) / count))
 
 
 def band_of(point: float | None, drawn: list[float | None]) -> tuple[float, float] | None:

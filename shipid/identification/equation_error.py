@@ -17,12 +17,15 @@ from shipid.generation.record import make_record
 from shipid.identification.colour import colour_of
 from shipid.identification.problem import RUNAWAY
 from shipid.identification.regression import Regression
+from shipid.identification.search import search
 from shipid.identification.solve import Box
 
 _STEPS = 30
 _TURNS = 6
 #: Relative change of the coefficients at which the instruments have settled.
 _SETTLED = 1e-3
+#: Error of an equation that counts as none, in shares of its left side.
+_BALANCED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,33 +92,30 @@ def least_squares(regression: Regression, box: Box) -> Answer:
     box : Box
         Bounds and first values of the estimated coefficients.
     """
-    from scipy.optimize import least_squares as search
-
     count = len(regression.covered)
     at = [regression.problem.estimated.index(n) for n in regression.covered]
     reach = np.full(regression.size - count, np.deg2rad(10))
     low, high = np.concatenate([box.low[at], -reach]), np.concatenate([box.high[at], reach])
-    margin = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
-    theta = np.clip(np.concatenate([box.start[at], 0 * reach]), low + margin, high - margin)
-    sigma = np.std(np.concatenate([b.left for b in regression.blocks], axis=1), axis=1)
-    status, finite = 0, True
+    theta = np.concatenate([box.start[at], 0 * reach])
+    sigma = _size(regression)
+    none = np.zeros(regression.size, dtype=bool)
+    converged = False
     for _ in range(2):
-        scale = np.maximum(sigma, 1e-12)
 
-        def residual(q: np.ndarray, scale: np.ndarray = scale) -> np.ndarray:
-            errors = np.concatenate([(e / scale[:, None]).ravel() for e, _ in regression.rows(q)])
-            return np.nan_to_num(errors, nan=RUNAWAY, posinf=RUNAWAY, neginf=-RUNAWAY)
+        def evaluate(q: np.ndarray, scale: np.ndarray = sigma) -> tuple[np.ndarray, np.ndarray]:
+            rows = regression.rows(q)
+            errors = np.concatenate([(e / scale[:, None]).ravel() for e, _ in rows])
+            slopes = np.concatenate([(z / scale[:, None, None]).reshape(-1, regression.size) for _, z in rows])
+            good = (np.abs(errors) < RUNAWAY) & (np.abs(slopes) < RUNAWAY**2).all(axis=1)
+            return np.where(good, errors, RUNAWAY), np.where(good[:, None], -slopes, 0.0)
 
-        def jacobian(q: np.ndarray, scale: np.ndarray = scale) -> np.ndarray:
-            slopes = [(z / scale[:, None, None]).reshape(-1, regression.size) for _, z in regression.rows(q)]
-            return np.nan_to_num(-np.concatenate(slopes), posinf=0.0, neginf=0.0)
-
-        found = search(residual, theta, jac=jacobian, bounds=(low, high), x_scale="jac", max_nfev=60)
-        theta, status, finite = found.x, found.status, bool(np.abs(found.fun).max() < RUNAWAY)
+        found = search(evaluate, theta, none, low, high, most=60, tolerance=1e-8)
+        theta = found.q
+        converged = found.converged and bool(np.abs(evaluate(theta)[0]).max() < RUNAWAY)
         sigma = _scatter(regression, theta)
     how = "" if regression.linear else "not "
     return Answer(
-        regression, theta, sigma, [z for _, z in regression.rows(theta)], status > 0 and finite,
+        regression, theta, sigma, [z for _, z in regression.rows(theta)], converged,
         f"regression of {_named(regression)}, {how}linear in the coefficients.",
     )  # fmt: skip
 
@@ -150,12 +150,11 @@ def instrumental_variables(first: Answer, box: Box) -> Answer:
 def _uncorrelated(answer: Answer, simulated: list[np.ndarray]) -> Answer:
     """Newton's steps to where the errors are uncorrelated with the regressors of the simulated ship."""
     regression, theta = answer.regression, answer.theta
-    scale = np.maximum(answer.sigma, 1e-12)
     instruments = [z for _, z in regression.rows(theta, simulated)]
     for _ in range(_STEPS):
         matrix, right = np.zeros((regression.size, regression.size)), np.zeros(regression.size)
         for (error, slope), instrument in zip(regression.rows(theta), instruments):
-            z = instrument / scale[:, None, None] ** 2
+            z = instrument / answer.sigma[:, None, None] ** 2
             matrix += np.einsum("ewq,ewp->qp", z, slope)
             right += np.einsum("ewq,ew->q", z, error)
         size = np.sqrt(np.abs(np.diag(matrix))) + 1e-300
@@ -187,8 +186,15 @@ def _simulated(answer: Answer, box: Box) -> list[np.ndarray] | None:
 
 
 def _scatter(regression: Regression, theta: np.ndarray) -> np.ndarray:
+    """Standard deviation of each equation's error; an equation that balances to rounding does not weigh infinitely more."""
     errors = np.concatenate([e for e, _ in regression.rows(theta)], axis=1)
-    return np.asarray(np.sqrt(np.mean(np.nan_to_num(errors, nan=RUNAWAY) ** 2, axis=1)))
+    found = np.sqrt(np.mean(np.nan_to_num(errors, nan=RUNAWAY) ** 2, axis=1))
+    return np.asarray(np.maximum(found, _BALANCED * _size(regression)))
+
+
+def _size(regression: Regression) -> np.ndarray:
+    """Standard deviation of the left side of each equation."""
+    return np.asarray(np.maximum(np.std(np.concatenate([b.left for b in regression.blocks], axis=1), axis=1), 1e-12))
 
 
 def _named(regression: Regression) -> str:

@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 
 import shipid
 from shipid.declaration.errors import UnknownNameError, UsageError
+from shipid.declaration.joint import Joint
 from shipid.declaration.model import Model
 from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value
 from shipid.declaration.units import to_si
@@ -204,7 +205,9 @@ def _result(
     condition = covariance.condition_number if np.isfinite(covariance.condition_number) else None
     return Fit(
         model=setting.model,
-        ship=_identified_ship(setting, parameters, problem.fixed, [s.trial for s in sailed], used.method),
+        ship=_identified_ship(
+            setting, parameters, problem.fixed, [s.trial for s in sailed], used.method, correlation_of(block)
+        ),
         method=_in_words(used, solution, levels),
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
@@ -249,6 +252,7 @@ def _identified_ship(
     fixed: Mapping[str, float],
     trials: Sequence[Trial],
     method: str,
+    correlation: np.ndarray,
 ) -> ParameterSet:
     where = f"identified by {method.replace('-', ' ')} from {', '.join(t.name for t in trials)} (shipid {shipid.__version__})"
     section = {}
@@ -265,7 +269,11 @@ def _identified_ship(
         target = particulars if name == "L" else section
         target[name] = Value(name, value, setting.model[name].unit, source)
     sections = {**setting.ship.sections, PARTICULARS: particulars, setting.model.name: section}
-    return replace(setting.ship, sections=sections)
+    speeds = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+    # As written: a set that is read again says the same.
+    matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in correlation)
+    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds else None)
+    return replace(setting.ship, sections=sections, joint={**setting.ship.joint, setting.model.name: joint})
 
 
 def _provenance(model: Model, trials: Sequence[Trial]) -> dict[str, Any]:

@@ -132,7 +132,7 @@ def climb(problem: Problem, box: Box, method: str | None, how: Climb) -> tuple[S
 def _by_output_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
     best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
     end = refine(problem, best, box, how.weigh, how.tell)
-    return end, (_rung("output-error", best, f"asked for; {how.starts} starts", used=True, converged=end.converged),)
+    return end, (_rung("output-error", best, f"asked for; {_starts(how)}.", used=True, converged=end.converged),)
 
 
 def _by_the_ladder(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
@@ -155,7 +155,7 @@ def _by_the_ladder(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tu
         return _rescued(problem, thin, best, box, how, rungs)
     end = refine(problem, best, box, how.weigh, how.tell)
     if end.converged:
-        words = f"{how.starts} starts" + (", and one by regression." if first is not None else ".")
+        words = _starts(how) + (", and one by regression." if first is not None else ".")
         rungs.append(_rung("output-error", best, words, used=True, converged=True))
         return end, tuple(rungs)
     rungs.append(_rung("output-error", best, f"did not converge: {end.message}"))
@@ -172,7 +172,8 @@ def _rescued(
     before: Solution | None = None,
 ) -> tuple[Solution, tuple[Rung, ...]]:
     """Multiple shooting from the best start and the first one, finished by output error, if that comes to something."""
-    found = _shot(thin, [best.q, thin.first_guess(box.start)], box, how)
+    starts = [best.q, thin.first_guess(box.start)]
+    found = _shot(thin, starts[: 1 if np.allclose(starts[0], starts[1]) else 2], box, how)
     end = refine(problem, found, box, how.weigh, how.tell) if found.finite else found
     if not end.finite and before is None:
         before = refine(problem, best, box, how.weigh, how.tell)
@@ -199,6 +200,8 @@ def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solu
     """Multiple shooting from the first start from which it comes to a model that holds together, then single shooting."""
     tried: list[Solution] = []
     for i, start in enumerate(starts):
+        if tried and tried[-1].converged:
+            break
         joined = shoot(thin, start, box, how.unit_time)
         single = minimise_robustly(thin, joined.q, box, most=60, tolerance=_ROUGH)
         evaluations = joined.evaluations + single.evaluations
@@ -269,7 +272,9 @@ def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple
             f" Least squares and instrumental variables differ most in {regression.covered[worst]}, by "
             f"{away[worst]:.1f} standard deviations: noise in the regressors."
         )
-    solution = _with_own_unknowns(problem, answer, box, how)
+    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
+    solution = with_own_unknowns(problem, answer.parameters(box), answer.covariance(), how.weigh)
+    solution = replace(solution, converged=answer.converged and solution.converged, message=message + solution.message)
     thin = thinned(problem, how.unit_time)
     at = replace(solution, problem=thin, residual=thin.residuals(solution.q)[0])
     return solution, (_rung(method, at, reason, used=True, converged=answer.converged),)
@@ -286,47 +291,55 @@ def _by_prediction_error(problem: Problem, box: Box, how: Climb) -> tuple[Soluti
     shared = len(problem.estimated)
     levels = fit_levels(seen, box, start.q[:shared], how.unit_time, how.tell)
     reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
-    found = _own_unknowns(problem, levels.parameters, levels.covariance, levels.converged, levels.message, box, how)
-    found = replace(found, levels=levels)
+    own = with_own_unknowns(problem, levels.parameters, levels.covariance, how.weigh)
+    found = replace(
+        own, converged=own.converged and levels.converged, message=f"{levels.message}{own.message}", levels=levels
+    )
     thin = thinned(problem, how.unit_time)
     at = replace(found, problem=thin, residual=thin.residuals(found.q)[0])
     rungs.append(_rung("prediction-error", at, reason, used=True, converged=levels.converged))
     return found, tuple(rungs)
 
 
-def _with_own_unknowns(problem: Problem, answer: Answer, box: Box, how: Climb) -> Solution:
-    """The coefficients an equation error found, with each trial's own unknowns."""
-    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
-    return _own_unknowns(problem, answer.parameters(box), answer.covariance(), answer.converged, message, box, how)
+def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarray, weigh: bool) -> Solution:
+    """Return coefficients of another method with initial states and biases of each trial by output error.
 
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    values : ndarray, shape (parameters,)
+        The coefficients, SI.
+    covariance : ndarray, shape (parameters, parameters)
+        Their covariance.
+    weigh : bool
+        Whether noise levels are estimated from the residuals.
 
-def _own_unknowns(
-    problem: Problem,
-    values: np.ndarray,
-    covariance: np.ndarray,
-    converged: bool,
-    message: str,
-    box: Box,
-    how: Climb,
-) -> Solution:
-    """Coefficients found by another method, with initial states and biases by output error, and the covariance of both."""
+    Returns
+    -------
+    Solution
+        With the covariance of all unknowns; it converged where the model does not run away with these coefficients.
+    """
     shared = values.size
     empty = Box(*(np.zeros(0),) * 3)
     held = replace(problem, estimated=(), fixed={**problem.fixed, **dict(zip(problem.estimated, values))})
     own = minimise_robustly(held, held.first_guess(np.zeros(0)), empty, most=50)
-    if how.weigh and own.finite:
+    if weigh and own.finite:
         own = minimise_robustly(replace(own.problem, sigma=noise_levels(own)), own.q, empty, most=50)
     q = np.concatenate([values, own.q])
     seen = replace(problem, sigma=own.problem.sigma, weights=own.problem.weights)
     residual, jacobian = seen.residuals(q)
-    by_p, by_own = jacobian[:, :shared], jacobian[:, shared:]
-    follows = -np.linalg.pinv(by_own) @ by_p
+    # The unknowns of each trial follow the coefficients, and scatter by themselves.
+    follows = -np.linalg.pinv(jacobian[:, shared:]) @ jacobian[:, :shared]
     both = np.vstack([np.eye(shared), follows])
     matrix = both @ covariance @ both.T
     matrix[shared:, shared:] += covariance_of(own).matrix
-    if not own.finite:
-        message = f"{message} Run over a whole record, the model runs away with these coefficients."
-    return Solution(seen, q, residual, jacobian, converged and own.finite, message, own.evaluations, matrix)
+    message = "" if own.finite else " Run over a whole record, the model runs away with these coefficients."
+    return Solution(seen, q, residual, jacobian, own.finite, message, own.evaluations, matrix)
+
+
+def _starts(how: Climb) -> str:
+    return "one start" if how.starts == 1 else f"{how.starts} starts"
 
 
 def _rung(method: str, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:

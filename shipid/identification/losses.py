@@ -7,7 +7,6 @@ wild samples hardly moves.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +15,8 @@ from shipid.identification.problem import RUNAWAY, Problem
 
 #: Median of the size of a normal variable, in standard deviations.
 _MEDIAN = 0.6744897501960817
-#: Where a residual begins to count less, in standard deviations. Of normal residuals nothing but 5 % (Huber 1964) and 2 % of
-#: the information is lost.
+#: Where a residual begins to count less, in standard deviations. Of the information of normal residuals 5 % (Huber 1964)
+#: and 2 % are lost.
 _BEND = {"huber": 1.345, "soft-l1": 2.0}
 
 
@@ -112,11 +111,10 @@ def change_of(one: Problem, other: Problem) -> float:
     return max(float(np.abs(a - b).max()) for a, b in zip(one.weights, other.weights))
 
 
-def bends(problem: Problem) -> Sequence[float]:
-    """Return for each signal the root of its mean curvature over its mean weight.
+def bends(problem: Problem) -> list[float]:
+    """Return for each signal the root of the mean curvature of the loss: 1 where no residual lies far out.
 
-    The search sees the weights as fixed; the estimate moves by the curvature. The information of a signal is the smaller by
-    the square of this, and the standard deviations the larger (Huber 1981).
+    The search sees the weights as fixed, and so it sees more information than there is.
 
     Parameters
     ----------
@@ -126,4 +124,4 @@ def bends(problem: Problem) -> Sequence[float]:
     if problem.weights is None:
         return [1.0] * len(problem.signals)
     together = [np.concatenate([w[j] for w in problem.weights]) for j in range(len(problem.signals))]
-    return [float(np.sqrt(curvature_of(problem.loss, w).mean() / w.mean())) for w in together]
+    return [float(np.sqrt(curvature_of(problem.loss, w).mean())) for w in together]

@@ -14,6 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from shipid.generation.record import Record, make_record
 from shipid.generation.runs import run_many
@@ -78,7 +79,12 @@ def shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solut
     Solution
         Not yet finished by output error; its message says how far the joints were left open.
     """
-    problem = replace(problem, loss="linear", weights=None)
+    # The matrices are small: several threads on each cost more than they bring.
+    with threadpool_limits(1, "blas"):
+        return _shoot(replace(problem, loss="linear", weights=None), q0, box, unit_time)
+
+
+def _shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solution:
     paths, q, evaluations = _measured(problem), q0, 0
     lengths = _lengths(problem, unit_time)
     # As long as the start lets them be.

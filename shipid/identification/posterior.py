@@ -21,7 +21,7 @@ from shipid.identification.draws import box_of_fit, draws_of
 from shipid.identification.errors import PosteriorError
 from shipid.identification.losses import bends
 from shipid.identification.problem import Problem
-from shipid.identification.solve import bounds_of
+from shipid.identification.solve import Solution, bounds_of
 from shipid.identification.uncertainty import covariance_of
 
 if TYPE_CHECKING:
@@ -141,11 +141,10 @@ class _Density:
     def __init__(self, fit: Fit) -> None:
         problem: Problem = fit._problem
         self.problem, self.q = problem, fit._solution.q
-        self.record = make_record(problem.model, problem.signals, compiled=False)
+        self.record = make_record(problem.model, problem.signals)
         box = box_of_fit(fit)
         self.low, self.high = bounds_of(problem, box)
-        bend = np.square(bends(problem))
-        self.shares = covariance_of(fit._solution).effective * bend
+        self.shares = covariance_of(fit._solution).effective * _pulled(fit._solution)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         problem = self.problem
@@ -153,10 +152,8 @@ class _Density:
         inside = np.asarray(within.all(axis=1))
         out = np.full(len(points), -np.inf)
         if inside.any():
-            # The number of runs stays the same, so that the mapped function is built once.
-            safe = np.where(inside[:, None], points, self.q)
-            squares = np.sum([self._squares(safe, i) for i in range(len(problem.sailed))], axis=0)
-            out[inside] = -0.5 * squares[inside]
+            squares = [self._squares(points[inside], i) for i in range(len(problem.sailed))]
+            out[inside] = -0.5 * np.sum(squares, axis=0)
             if problem.prior is not None:
                 constant, slope = problem.beliefs(np.zeros(problem.size), problem.prior)
                 believed = points[inside] @ slope.T + constant
@@ -177,12 +174,26 @@ class _Density:
         p[:, [system.coefficients.index(n) for n in problem.estimated]] = points[:, : len(problem.estimated)]
         bias = np.repeat(np.array([problem.bias_offset.get(n, 0.0) for n in system.inputs])[None], len(points), axis=0)
         bias[:, [system.inputs.index(n) for n in problem.biases]] += own[:, len(problem.initial) :]
-        y, _ = run_many(self.record, x0, sailed.inputs, sailed.intervals, p, bias, whole=True)
+        y, _ = run_many(self.record, x0, sailed.inputs, sailed.intervals, p, bias)
         with np.errstate(over="ignore", invalid="ignore"):
             squares = ((y - sailed.measured) / problem.sigma[:, None]) ** 2
             if problem.weights is not None:
                 squares = squares * problem.weights[i]
             return np.asarray(np.nan_to_num(squares.sum(axis=2) @ self.shares[i], nan=np.inf))
+
+
+def _pulled(solution: Solution) -> np.ndarray:
+    """What the weighted squares of each signal are worth under a robust loss, so that their curvature is the information."""
+    problem = solution.problem
+    if problem.weights is None:
+        return np.ones(len(problem.signals))
+    split = problem.by_signal(solution.residual)
+    out = []
+    for j, bend in enumerate(bends(problem)):
+        weights = np.concatenate([w[j] for w in problem.weights])
+        power = float(np.mean(weights * np.concatenate([trial[j] for trial in split]) ** 2))
+        out.append(bend**4 / (power * weights.mean()))
+    return np.array(out)
 
 
 def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
@@ -227,7 +238,8 @@ def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
             "posterior has no end. Hold it fixed, or give it bounds."
         )
     start = _walkers(fit, density, walkers, seed)
-    sampler = emcee.EnsembleSampler(walkers, size, density, vectorize=True)
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    sampler = emcee.EnsembleSampler(walkers, size, density, moves=moves, vectorize=True)
     sampler._random = np.random.RandomState(seed)
     state = sampler.run_mcmc(start, _LEAST_BURNT, progress=False)
     first = float(np.nanmax(sampler.get_autocorr_time(tol=0)))

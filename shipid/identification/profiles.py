@@ -97,6 +97,9 @@ def profile_of(fit: Fit, name: str, points: int = 17) -> Profile:
         if name in fit.fixed:
             raise UsageError(f"'{name}' was held fixed in this fit; a profile needs a coefficient that is free.")
         raise UnknownNameError("coefficient of this fit called", name, fit.parameters)
+    if fit._solution.covariance is not None:
+        used = next(r.method for r in fit.ladder if r.used)
+        raise UsageError(f"a profile needs the maximum of a likelihood, and this fit is by {used}.")
     estimate = fit.parameters[name]
     if estimate.value is None:
         raise UsageError(f"'{name}' runs to infinity in this fit; profile the coefficients it follows from.")

@@ -127,16 +127,17 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
 
 
 def _bent(solution: Solution) -> Solution:
-    """The solution with the rows of a robust loss scaled by its curvature, residuals the other way: their product stays."""
+    """The solution of a robust loss as its estimate sees it: slopes without weights, residuals as far as they pull.
+
+    Slopes are scaled by the curvature of the loss, residuals the other way: their product stays (Huber 1981).
+    """
     problem = solution.problem
     if problem.weights is None:
         return solution
     rows = np.ones(solution.residual.size)
-    at = 0
-    for sailed in problem.sailed:
-        for bend in bends(problem):
-            rows[at : at + sailed.intervals.size] = bend
-            at += sailed.intervals.size
+    bend = np.array(bends(problem))[:, None]
+    weighted = np.concatenate([(bend / np.sqrt(w)).ravel() for w in problem.weights])
+    rows[: weighted.size] = weighted
     return replace(solution, residual=solution.residual / rows, jacobian=solution.jacobian * rows[:, None])
 
 

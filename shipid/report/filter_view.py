@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import metadata
 from typing import Any
@@ -10,8 +11,9 @@ import numpy as np
 from markupsafe import Markup
 
 import shipid
+from shipid.declaration.model import Entry
 from shipid.declaration.units import factor, pretty
-from shipid.estimation.run import FilterRun, Innovations
+from shipid.estimation.run import FilterRun, Innovations, ParameterEstimate
 from shipid.generation.typesetting import symbol, typeset
 from shipid.report.figures import Curve, Panel, histories
 from shipid.report.numbers import fixed, interval, number, uncertain
@@ -37,7 +39,7 @@ class FilterView:
     parameter_figure: Markup | None
     innovations: list[dict[str, Any]]
     innovation_figure: Markup
-    consistency_figure: Markup
+    consistency_figure: Markup | None
     signal_figure: Markup | None
     states: list[dict[str, Any]]
     sensors: list[dict[str, str]]
@@ -63,8 +65,10 @@ def filter_view(run: FilterRun) -> FilterView:
         answer=_answer(run),
         warnings=list(seen.messages),
         cautions=_cautions(run),
-        parameters=[_parameter(run, n) for n in run.parameters],
-        parameter_figure=_parameter_figure(run),
+        parameters=[parameter_row(run.parameters[n], run.filter.base[n]) for n in run.parameters],
+        parameter_figure=parameter_figure(
+            run.t, {n: (run[n], run.std_of(n), kalman.base[n].unit) for n in run.parameters}
+        ),
         innovations=[_innovation(run, n, i) for n, i in run.innovations.items()],
         innovation_figure=_innovation_figure(run),
         consistency_figure=_consistency_figure(run),
@@ -83,8 +87,8 @@ def filter_view(run: FilterRun) -> FilterView:
     )
 
 
-def _shown(unit: str) -> tuple[float, str]:
-    """Size in SI of the unit a reader expects, degrees for angles, and how it is printed."""
+def shown_size(unit: str) -> tuple[float, str]:
+    """Return the size in SI of the unit a reader expects, degrees for angles, and how it is printed."""
     wanted = unit.replace("rad", "deg") if "rad" in unit and "/rad" not in unit else unit
     return factor(wanted, unit), pretty(wanted)
 
@@ -120,11 +124,19 @@ def _cautions(run: FilterRun) -> list[str]:
     return said
 
 
-def _parameter(run: FilterRun, name: str) -> dict[str, Any]:
-    p, entry = run.parameters[name], run.filter.base[name]
+def parameter_row(p: ParameterEstimate, entry: Entry) -> dict[str, Any]:
+    """Return a row of the table of parameters.
+
+    Parameters
+    ----------
+    p : ParameterEstimate
+        The estimate.
+    entry : Entry
+        The parameter in its model.
+    """
     return {
-        "symbol": html_symbol(symbol(entry), name),
-        "name": name,
+        "symbol": html_symbol(symbol(entry), p.name),
+        "name": p.name,
         "value": uncertain(p.value, p.std),
         "unit": pretty(p.unit),
         "interval": interval(p.interval, p.std),
@@ -134,7 +146,7 @@ def _parameter(run: FilterRun, name: str) -> dict[str, Any]:
 
 
 def _state(run: FilterRun, name: str) -> dict[str, Any]:
-    size, shown = _shown(run.filter.model[name].unit)
+    size, shown = shown_size(run.filter.model[name].unit)
     return {
         "name": name,
         "value": uncertain(float(run[name][-1]) / size, float(run.std_of(name)[-1]) / size),
@@ -144,12 +156,12 @@ def _state(run: FilterRun, name: str) -> dict[str, Any]:
 
 
 def _sensor(run: FilterRun, name: str, level: float) -> dict[str, str]:
-    size, shown = _shown(run.filter.model[name].unit)
+    size, shown = shown_size(run.filter.model[name].unit)
     return {"name": name, "level": number(level / size, 3), "unit": shown}
 
 
 def _source(run: FilterRun, source: Any) -> dict[str, str]:
-    size, shown = _shown(run.filter.model[source.name].unit)
+    size, shown = shown_size(run.filter.model[source.name].unit)
     root = "" if not source.density else "/√s" if source.place == "state" else "·√s"
     return {
         "name": source.name,
@@ -161,7 +173,7 @@ def _source(run: FilterRun, source: Any) -> dict[str, str]:
 
 
 def _innovation(run: FilterRun, name: str, i: Innovations) -> dict[str, Any]:
-    size, shown = _shown(run.filter.model[name].unit)
+    size, shown = shown_size(run.filter.model[name].unit)
     rms = float(np.sqrt(np.mean(i.values[i.taken] ** 2))) / size if i.taken.any() else None
     return {
         "label": LABELS.get(name, name),
@@ -176,21 +188,28 @@ def _innovation(run: FilterRun, name: str, i: Innovations) -> dict[str, Any]:
     }
 
 
-def _parameter_figure(run: FilterRun) -> Markup | None:
+def parameter_figure(t: np.ndarray, courses: Mapping[str, tuple[np.ndarray, np.ndarray, str]]) -> Markup | None:
+    """Return the histories of estimates with their bands.
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    courses : mapping of str to tuple
+        By parameter: estimates, standard deviations and their unit.
+    """
     panels = []
-    for name in run.parameters:
-        value, std = run[name], run.std_of(name)
-        # The first samples know little: a band that reaches a hundred times further than the rest would hide it.
-        curves = [Curve("estimate", run.t, value)]
-        curves += [Curve("95 % band", run.t, value + s * _Z95 * std) for s in (-1, 1)]
-        panels.append(Panel(name, pretty(run.filter.base[name].unit), curves))
+    for name, (value, std, unit) in courses.items():
+        curves = [Curve("estimate", t, value)]
+        curves += [Curve("95 % band", t, value + s * _Z95 * std) for s in (-1, 1)]
+        panels.append(Panel(name, pretty(unit), curves))
     return histories(panels, "parameters", "Histories of the estimated parameters") if panels else None
 
 
 def _innovation_figure(run: FilterRun) -> Markup:
     panels = []
     for name, i in run.innovations.items():
-        size, shown = _shown(run.filter.model[name].unit)
+        size, shown = shown_size(run.filter.model[name].unit)
         bound = _Z95 * np.sqrt(i.variances) / size
         curves = [Curve("innovation", i.t, i.values / size)]
         curves += [Curve("95 % bounds", i.t, s * bound) for s in (-1, 1)]
@@ -222,7 +241,7 @@ def _signal_figure(run: FilterRun) -> Markup | None:
         shows = run.filter.model[name].quantity.measures or name
         if shows not in run.states:
             continue
-        size, shown = _shown(run.filter.model[shows].unit)
+        size, shown = shown_size(run.filter.model[shows].unit)
         there = arranged.there[:, j]
         curves = [
             Curve("measured", arranged.t[there], arranged.z[there, j] / size),

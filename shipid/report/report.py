@@ -5,6 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from shipid.autopilot.autopilot import Autopilot
+from shipid.autopilot.comparing import TuningComparison
+from shipid.autopilot.judgement import Judgement
 from shipid.declaration.errors import UsageError
 from shipid.trials.replacing import check_place, replacing
 
@@ -16,7 +19,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit or FilterRun
+    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
     path : str or Path
         The file to write.
@@ -50,7 +53,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit or FilterRun
+    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
 
     Raises
@@ -60,6 +63,7 @@ def render(result: Any) -> str:
     """
     from shipid.estimation.run import FilterRun
     from shipid.identification.fit import Fit
+    from shipid.identification.recursive.result import RecursiveIdentification
 
     if isinstance(result, Fit):
         from shipid.report.fit_view import fit_view
@@ -69,7 +73,22 @@ def render(result: Any) -> str:
         from shipid.report.filter_view import filter_view
 
         return _page("filter.html", filter_view(result))
-    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: Fit, FilterRun.")
+    if isinstance(result, RecursiveIdentification):
+        from shipid.report.recursive_view import recursive_view
+
+        return _page("filter.html", recursive_view(result))
+    if isinstance(result, Autopilot):
+        result = result.judgement
+    if isinstance(result, Judgement):
+        from shipid.report.tuning_view import tuning_view
+
+        return _page("tuning.html", tuning_view(result))
+    if isinstance(result, TuningComparison):
+        from shipid.report.tunings_view import comparison_view
+
+        return _page("tunings.html", comparison_view(result))
+    known = "Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
+    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
 
 
 def _page(template: str, view: Any) -> str:
@@ -79,10 +98,12 @@ def _page(template: str, view: Any) -> str:
 def _environment() -> Any:
     import jinja2
 
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.PackageLoader("shipid.report", ""),
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["zip"] = zip
+    return environment

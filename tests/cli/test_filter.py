@@ -137,3 +137,37 @@ def test_what_cannot_be_followed(refused, tmp_path, lines):
     refused(2, ["filter", *NOMOTO], "TRIAL")
     refused(2, ["filter", "--follow", "-", "--out", tmp_path / "out", *NOMOTO], "--out")
     assert len(lines) > 700
+
+
+@pytest.mark.parametrize("method", ["rls", "mras-parallel", "combined", "instrumental-variables"])
+def test_the_family_of_recursive_identification(call, method, tmp_path):
+    arguments = (
+        "filter",
+        TRIAL,
+        "--model",
+        "yaw-filter",
+        "--ship",
+        "soesterberg",
+        "--method",
+        method,
+        "--out",
+        tmp_path,
+    )
+    assert call(*arguments).code == 0
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert result["method"] == method and not result["diverged"]
+    # The trial was simulated with K* 1.6 and tau* 1.7; noise makes least squares biased by some percent.
+    for name, truth in (("K", 1.6), ("tau", 1.7)):
+        estimate = result["parameters"][name]
+        assert estimate["value"] == pytest.approx(truth, rel=0.08)
+        assert estimate["ci95"][0] < estimate["value"] < estimate["ci95"][1]
+    assert f"by {method}" in (tmp_path / "report.html").read_text()
+
+
+def test_methods_and_what_they_do_not_take(refused):
+    from shipid.cli.filter import METHODS
+    from shipid.identification.recursive.methods import METHODS as KNOWN
+
+    assert set(METHODS) == set(KNOWN)
+    refused(2, ["filter", TRIAL, *NOMOTO, "--method", "kalman"], "kalman", "ekf")
+    refused(2, ["filter", "--follow", "-", *NOMOTO, "--method", "rls"], "--follow")

@@ -50,7 +50,10 @@ def dense(hand: Any, record: dict[str, np.ndarray], start: Any, taken: np.ndarra
             weights.append(levels[j])
         means.append(mean)
         maps.append(by.copy())
-    A = np.array(rows) / np.array(weights)[:, None]
+    # Most of the random numbers drive nothing in a model with noise on one state.
+    live = np.any([np.abs(b).any(axis=0) for b in maps], axis=0) | np.abs(np.array(rows)).any(axis=0)
+    maps, total = [b[:, live] for b in maps], int(live.sum())
+    A = np.array(rows)[:, live] / np.array(weights)[:, None]
     y = np.array(rest) / np.array(weights)
     # Independent unit random numbers: min |q|^2 + |y - A q|^2.
     solved = np.linalg.lstsq(np.vstack([A, np.eye(total)]), np.concatenate([y, np.zeros(total)]), rcond=None)[0]

@@ -27,8 +27,8 @@ MODELS = sorted(known_models())
 IN_SECONDS = {("DeKeizerLag", "t_delta")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
 WITH_WIND = {"cubic-wind"}
-#: Declarations for filters: the sensors are in them, and each holds only what its filter estimates.
-FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter"}
+#: Declarations for filters and recursions: each holds only what it estimates.
+FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter", "wave-level"}
 SHIP_MODELS = [n for n in MODELS if n not in FILTERS]
 FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")
 

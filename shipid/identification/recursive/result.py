@@ -263,8 +263,11 @@ class RecursiveIdentification:
                     "value": _plain(p.value),
                     "unit": p.unit,
                     "std": _plain(p.std),
-                    "interval95": [_plain(v) for v in p.interval],
+                    "ci95": [_plain(v) for v in p.interval],
+                    "identifiable": p.determined and not self.diverged,
+                    "why": self.why_diverged,
                     "follows": n not in self.names,
+                    "meaning": p.meaning,
                 }
                 for n, p in self.parameters.items()
             },

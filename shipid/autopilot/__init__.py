@@ -1,0 +1,1 @@
+"""Autopilots: gain-scheduled design from the declaration, its judgement, and the model reference."""

@@ -1,0 +1,27 @@
+"""Errors of the autopilot: one class a cause."""
+
+from __future__ import annotations
+
+from shipid.declaration.errors import ShipidError, UsageError
+
+
+class NotSteerableError(ShipidError):
+    """A model that has no rudder, no heading or no rate of turn, or whose heading the rudder does not move."""
+
+
+class NoStraightCourseError(ShipidError):
+    """A ship that does not go straight with its rudder amidships, where an autopilot is linearised."""
+
+
+class UnstableDesignError(ShipidError):
+    """A request that this ship cannot be given: the loop it asks for has a pole that grows."""
+
+    exit_code = 4
+
+
+class DesignRequestError(UsageError):
+    """A request that is none: speeds, frequencies, dampings or limits that do not fit."""
+
+
+class ScheduleError(ShipidError):
+    """A schedule file that says nonsense."""

@@ -1,0 +1,185 @@
+"""``shipid tune``: a gain-scheduled autopilot and its tuning report, or two tunings side by side."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from shipid.cli.folder import fill, result_folder
+from shipid.cli.shared import json_option, overwrite_option, print_json, progress_on_stderr, say
+
+_FILES = ("result.json", "schedule.toml", "report.html")
+_COMPARED = ("result.json", "report.html")
+
+
+@click.command()
+@click.argument("model", required=False)
+@click.option(
+    "--ship",
+    "ships",
+    multiple=True,
+    metavar="SHIP",
+    help="A ship's name, or the path of a parameter set (TOML); several times for load conditions.",
+)
+@click.option("--speeds", metavar="A:B:STEP", help="Or a list; in m/s unless it names a unit: 4:12:1, '8,12,16 kn'.")
+@click.option("--design", default="pole", show_default=True, metavar="pole|lqr|pid", help="How the gains are found.")
+@click.option(
+    "--omega-n", metavar="W", help="Natural frequency in rad/s at the ship's own speed; it follows the speed."
+)
+@click.option("--zeta", type=float, metavar="Z", help="Damping ratio; 0.9 by default.")
+@click.option("--integral", type=float, metavar="R", help="For pid: the third pole over the natural frequency.")
+@click.option("--rudder-weight", type=float, metavar="W", help="For lqr: weight of the rudder against the heading.")
+@click.option("--rudder-limit", default="15 deg", show_default=True, help="Largest rudder angle the autopilot orders.")
+@click.option(
+    "--samples", default=200, type=click.IntRange(0), show_default=True, help="Ships drawn from the uncertainty."
+)
+@click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the draws and the waves.")
+@click.option("--compare", nargs=2, metavar="A.toml B.toml", help="Put two schedules side by side instead.")
+@click.option("--out", metavar="DIR", help="Folder for result.json, schedule.toml and report.html.")
+@click.option("--open", "open_report", is_flag=True, help="Open the report in the browser.")
+@overwrite_option
+@json_option
+def tune(
+    model: str | None,
+    ships: tuple[str, ...],
+    speeds: str | None,
+    design: str,
+    omega_n: str | None,
+    zeta: float | None,
+    integral: float | None,
+    rudder_weight: float | None,
+    rudder_limit: str,
+    samples: int,
+    seed: int,
+    compare: tuple[str, str] | None,
+    out: str | None,
+    open_report: bool,
+    overwrite: bool,
+    as_json: bool,
+) -> int:
+    """Tune an autopilot for a ship: gains against speed, margins, robustness, course changes, and a report.
+
+    The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
+    """
+    from shipid.declaration.errors import UsageError
+
+    if compare is not None:
+        if model is not None or ships:
+            raise UsageError(
+                "--compare reads two schedules, which hold their model and ship: leave MODEL and --ship out."
+            )
+        folder = result_folder(out, _COMPARED, overwrite)
+        return _compare(compare, folder, samples, seed, as_json, open_report)
+    if model is None or not ships:
+        raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
+    folder = result_folder(out, _FILES, overwrite)
+    pilot = _design(model, ships, speeds, design, omega_n, zeta, integral, rudder_weight, rudder_limit)
+    with progress_on_stderr(as_json) as tell:
+        judged = pilot.judge(samples=samples, seed=seed, progress=tell)
+        if folder is not None:
+            tell("writing the report")
+            _write(judged, folder, model)
+    _show(judged, folder, _FILES, as_json, open_report)
+    return 0
+
+
+def _design(
+    model: str,
+    ships: tuple[str, ...],
+    speeds: str | None,
+    design: str,
+    omega_n: str | None,
+    zeta: float | None,
+    integral: float | None,
+    rudder_weight: float | None,
+    rudder_limit: str,
+) -> Any:
+    from shipid.autopilot.design import design_autopilot
+    from shipid.declaration.catalogue import find_model, find_ship
+    from shipid.declaration.errors import UsageError
+
+    for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
+        if value is not None and design != its:
+            raise UsageError(f"{name} belongs to --design {its}; leave it out, or ask for that design.")
+    chosen: dict[str, Any] = {"integral": integral, "rudder_weight": rudder_weight}
+    return design_autopilot(
+        find_model(model),
+        [find_ship(s) for s in ships],
+        speeds=speeds,
+        design=design,
+        omega_n=_frequency(omega_n),
+        damping=zeta,
+        rudder_limit=rudder_limit,
+        **{n: v for n, v in chosen.items() if v is not None},
+    )
+
+
+def _frequency(text: str | None) -> str | float | None:
+    """The option counts in rad/s; another unit may be named."""
+    try:
+        return None if text is None else float(text)
+    except ValueError:
+        return text
+
+
+def _compare(
+    files: tuple[str, str], folder: Path | None, samples: int, seed: int, as_json: bool, open_report: bool
+) -> int:
+    from shipid.autopilot.comparing import compare_tunings
+    from shipid.autopilot.storing import read_schedule
+
+    pilots = [read_schedule(f) for f in files]
+    with progress_on_stderr(as_json) as tell:
+        first, second = (p.judge(samples=samples, seed=seed, progress=tell) for p in pilots)
+        found = compare_tunings(first, second, _names(files))
+        if folder is not None:
+            from shipid.report.report import write_report
+
+            fill(folder, {"result.json": _json(found), "report.html": lambda path: write_report(found, path)})
+    _show(found, folder, _COMPARED, as_json, open_report)
+    return 0
+
+
+def _names(files: tuple[str, str]) -> tuple[str, str]:
+    """What the two are called: their files, with the folder where the files are called alike."""
+    first, second = (Path(f) for f in files)
+    if first.name != second.name:
+        return first.name, second.name
+    return str(first), str(second)
+
+
+def _json(result: Any) -> Any:
+    text = json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
+    return lambda path: path.write_text(text + "\n", encoding="utf-8")
+
+
+def _write(judged: Any, folder: Path, model: str) -> None:
+    from shipid.autopilot.storing import write_schedule
+    from shipid.report.report import write_report
+
+    fill(
+        folder,
+        {
+            "result.json": _json(judged),
+            "schedule.toml": lambda path: write_schedule(judged.pilot, path, model),
+            "report.html": lambda path: write_report(judged, path),
+        },
+    )
+
+
+def _show(result: Any, folder: Path | None, names: tuple[str, ...], as_json: bool, open_report: bool) -> None:
+    if as_json:
+        print_json(result.to_dict())
+    else:
+        click.echo(repr(result))
+        if folder is not None:
+            click.echo(f"written: {', '.join(str(folder / n) for n in names)}")
+    if open_report and folder is not None:
+        import webbrowser
+
+        report = folder / "report.html"
+        if not webbrowser.open(report.resolve().as_uri()):
+            say(f"there is no browser here to open {report} with.")

@@ -1,0 +1,92 @@
+"""``shipid tune``: files, JSON, comparison, and every refusal in one paragraph."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+
+import pytest
+
+import shipid
+
+QUICK = ("--samples", "10", "--speeds", "7,9.5")
+
+
+@pytest.fixture(scope="module")
+def tuned(tmp_path_factory):
+    from shipid.cli import run
+
+    folder = tmp_path_factory.mktemp("tuned")
+    assert run(["tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--out", str(folder / "a")]) == 0
+    return folder / "a"
+
+
+def test_three_files(tuned):
+    result = json.loads((tuned / "result.json").read_text())
+    assert {"speeds", "gains", "poles", "margins", "robust", "steps", "weakest", "warnings"} <= set(result)
+    assert result["speeds"] == [7.0, 9.5] and set(result["gains"]) == {"Kp", "Kd"}
+    assert len(result["margins"]["disk"]) == 2 and {"disk_worst", "samples"} <= set(result["robust"])
+    schedule = tomllib.loads((tuned / "schedule.toml").read_text())
+    assert schedule["schedule"]["u"]["value"] == [7.0, 9.5]
+    assert schedule["schedule"]["Kp"]["value"] == pytest.approx(result["gains"]["Kp"])
+    assert "<!DOCTYPE html>" in (tuned / "report.html").read_text()
+    assert sorted(p.name for p in tuned.iterdir()) == ["report.html", "result.json", "schedule.toml"]
+
+
+def test_as_json(call):
+    options = ("--design", "lqr", "--rudder-weight", "2", "--samples", "0", "--speeds", "9.5 m/s", "--json")
+    answer = call("tune", "nomoto", "--ship", "soesterberg", *options)
+    assert answer.code == 0
+    result = json.loads(answer.out)
+    assert result["gains"]["Kp"][0] == pytest.approx(0.5**0.5) and result["robust"]["samples"] == 0
+
+
+def test_omega_and_zeta(call):
+    answer = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--omega-n", "0.05", "--zeta", "0.8", "--json")
+    real, imaginary = json.loads(answer.out)["poles"][1][0]
+    assert real == pytest.approx(-0.04, rel=1e-12) and abs(imaginary) == pytest.approx(0.03, rel=1e-12)
+    degrees = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--omega-n", "2.8647890 deg/s", "--json")
+    assert json.loads(degrees.out)["request"]["omega_n"] == pytest.approx(0.05)
+
+
+def test_in_words(call):
+    answer = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK)
+    assert answer.code == 0 and "The weakest point is" in answer.out and "Kp [1]" in answer.out
+
+
+def test_an_own_model_and_ship(call, own_model, own_ship, tmp_path):
+    out = str(tmp_path / "out")
+    answer = call("tune", f"{own_model()}:Yaw", "--ship", own_ship(), "--samples", "0", "--speeds", "4,5", "--out", out)
+    assert answer.code == 0, answer
+    again = shipid.read_schedule(tmp_path / "out" / "schedule.toml")
+    assert again.model.name == "yaw"
+
+
+def test_two_side_by_side(call, tuned, tmp_path):
+    other = str(tmp_path / "b")
+    assert call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--design", "pid", "--out", other).code == 0
+    files = (str(tuned / "schedule.toml"), f"{other}/schedule.toml")
+    answer = call("tune", "--compare", *files, "--samples", "10", "--out", str(tmp_path / "both"))
+    assert answer.code == 0 and "least disk margin" in answer.out
+    result = json.loads((tmp_path / "both" / "result.json").read_text())
+    assert len(result["tunings"]) == 2 and (tmp_path / "both" / "report.html").exists()
+
+
+def test_refusals(refused, tuned, tmp_path, own_ship):
+    refused(2, ["tune"], "--compare with two schedules")
+    refused(2, ["tune", "de-keizer"], "--ship")
+    refused(2, ["tune", "de-keizr", "--ship", "soesterberg"], "de-keizer")
+    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--out", str(tuned)], "--overwrite")
+    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--design", "fuzzy"], "no design 'fuzzy'")
+    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--integral", "0.2"], "belongs to --design pid")
+    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--rudder-weight", "2"], "belongs to --design lqr")
+    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--speeds", "fast"], "neither FROM:TO:STEP")
+    refused(3, ["tune", "de-keizer", "--ship", "soesterberg", "--omega-n", "quick"], "does not start with a number")
+    refused(3, ["tune", "pershitz-discrete", "--ship", "semerdjiev"], "is sampled")
+    refused(4, ["tune", "de-keizer-lag", "--ship", "gunnerus", "--omega-n", "1.6"], "is unstable")
+    refused(3, ["tune", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")
+    schedule = str(tuned / "schedule.toml")
+    refused(2, ["tune", "de-keizer", "--compare", schedule, schedule], "leave MODEL and --ship out")
+    edited = tmp_path / "edited.toml"
+    edited.write_text((tuned / "schedule.toml").read_text().replace("\nKp = { value = [", "\nKp = { value = [-"))
+    refused(3, ["tune", "--compare", schedule, str(edited)], "unstable")

@@ -1,0 +1,48 @@
+"""The doctor inside an identification: what he found is in the result; nothing is repaired."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+import shipid
+
+UNITS = {"t": "s", "delta": "rad", "psi": "rad", "r": "rad/s", "u": "m/s"}
+
+
+@pytest.fixture(scope="module")
+def mirrored(sail):
+    """A zig-zag whose rudder counts positive to port."""
+    trial = sail("norrbin", "zeefakkel", sampling="0.5 s")
+    table = trial.table[list(UNITS)].copy()
+    table["delta"] *= -1
+    return shipid.Trial.from_frame(table, name="mirrored", units=UNITS)
+
+
+def test_a_finding_is_in_the_result_and_nothing_is_repaired(mirrored):
+    before = mirrored["delta"].copy()
+    fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1)
+    first = fit.findings[0]
+    assert (first.trial, first.role, first.finding.kind) == ("mirrored", "fitted", "rudder-sign")
+    assert (fit.fitted[0].trial["delta"] == before).all()
+    found = json.loads(json.dumps(fit.to_dict(bands=False), allow_nan=False))["findings"]
+    assert found[0]["kind"] == "rudder-sign" and found[0]["trial"] == "mirrored" and found[0]["repair"]
+    line = next(x for x in repr(fit).splitlines() if "rudder-sign" in x)
+    assert line.startswith("  check     mirrored: rudder-sign (delta")
+
+
+def test_a_trial_kept_apart_is_looked_at_too(sail, mirrored):
+    fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", starts=1, validate=[mirrored])
+    assert [(f.role, f.finding.kind) for f in fit.findings] == [("validation", "rudder-sign")]
+
+
+def test_a_clean_trial_is_not_spoken_of(sail):
+    fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", starts=1)
+    assert fit.findings == () and "check" not in repr(fit)
+    assert fit.to_dict(bands=False)["findings"] == []
+
+
+def test_it_can_be_left_out(mirrored):
+    fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1, check=False)
+    assert fit.findings == () and fit.to_dict(bands=False)["findings"] is None

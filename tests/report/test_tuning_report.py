@@ -1,0 +1,135 @@
+"""The tuning report: whole, self-contained, words first, and weak designs named in its summary."""
+
+from __future__ import annotations
+
+import dataclasses
+import html.parser
+import re
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.autopilot.comparing import compare_tunings
+from shipid.declaration.errors import UsageError
+from shipid.report.report import render
+
+
+class Page(html.parser.HTMLParser):
+    """Text, ids and links of a page; every element that is opened is closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.words: list[str] = []
+        self.ids: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.ids += [v for n, v in attrs if n == "id"]
+        if tag not in ("meta", "br", "link"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.ids += [v for n, v in attrs if n == "id"]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, self.getpos()
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture(scope="module")
+def judged():
+    ship = shipid.find_ship("kvlcc2")  # it states standard deviations
+    return shipid.design_autopilot("norrbin", ship, design="pid", speeds=[6.0, 7.97]).judge(samples=20)
+
+
+@pytest.fixture(scope="module")
+def weak():
+    """Poles far too quick for the servo, a speed range beyond the table, and no uncertainty known."""
+    return shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2").judge(samples=20)
+
+
+@pytest.fixture(scope="module")
+def pages(judged, weak):
+    both = compare_tunings(judged, weak, ("A.toml", "B.toml"))
+    return {"judged": render(judged), "weak": render(weak), "both": render(both)}
+
+
+@pytest.mark.parametrize("which", ["judged", "weak", "both"])
+def test_pages_are_whole_and_need_nothing(pages, which):
+    text = pages[which]
+    page = Page(text)
+    assert page.open == [] and len(page.ids) == len(set(page.ids))
+    links = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert links <= set(page.ids)
+    assert re.findall(r"https?:|//[a-z]|@import|<link|<script|<img|xlink", text) == []
+    bare = re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL)
+    assert re.findall(r"(?i)(?<![a-z])(?:nan|inf|infinity)(?![a-z])", bare) == []
+    assert re.findall(r"\bNone\b", bare) == [] and "compliant" not in bare
+
+
+def test_the_answer_comes_first(pages, judged):
+    text = Page(pages["judged"]).text
+    lead = text[: text.index("Weak points")]
+    assert "A heading autopilot for kvlcc2 from 6 to 7.97 m/s" in lead
+    assert judged.weakest.sentence in lead and "the disk margin is never less than" in lead
+    for part in ("Schedule", "Margins", "Robustness", "Course changes", "Wind, waves and current", "Keeping a course"):
+        assert part in text
+
+
+def test_a_weak_design_is_named_in_the_summary(pages, weak):
+    text = Page(pages["weak"]).text
+    lead = text[: text.index("Weak points")]
+    assert min(m.disk for m in weak.margins[0]) < 0.5
+    assert "below 0.5" in lead and "Outside the identified range" in lead and "Disk margin: the least" in lead
+    assert "is not known" in lead
+    assert pages["weak"].count('class="box warning"') >= 3
+
+
+def test_tables_hold_the_numbers(pages, judged):
+    text = Page(pages["judged"]).text
+    for speed in judged.pilot.speeds:
+        assert f"{speed:.2f}" in text
+    own = next(s for s in judged.steps if s.change_deg == 60 and s.speed == judged.pilot.speeds[-1])
+    assert f"{own.overshoot_deg:.2f}" in text and f"{own.settling_s:.0f}" in text
+    assert "Without the sea filter the rms rudder is" in text
+
+
+def test_a_design_reports_as_its_judgement(judged):
+    pilot = dataclasses.replace(judged.pilot)
+    object.__setattr__(pilot, "judgement", judged)
+    assert render(pilot) == render(judged)
+
+
+def test_two_tunings_side_by_side(pages, judged, weak):
+    found = compare_tunings(judged, weak, ("A.toml", "B.toml"))
+    row = next(r for r in found.rows if r.what == "least disk margin")
+    assert row.better == 0 and row.values[0] > row.values[1]
+    assert any(w.startswith("two ships") for w in found.warnings)
+    assert found.to_dict()["names"] == ["A.toml", "B.toml"]
+    assert found.to_frame().shape == (len(found.rows), 2)
+    assert "* the better one" in repr(found)
+    assert "Least disk margin" in Page(pages["both"]).text
+
+
+def test_a_run_that_never_settled_is_not_better(judged):
+    """A number beats none, whichever side it stands on."""
+    steps = tuple(dataclasses.replace(s, settling_s=None) for s in judged.steps)
+    lost = dataclasses.replace(judged, steps=steps)
+    for pair, better in (((judged, lost), 0), ((lost, judged), 1)):
+        row = next(r for r in compare_tunings(*pair, ("a", "b")).rows if r.what == "settling, 60 deg")
+        assert row.better == better and None in row.values
+
+
+def test_no_report_of_anything_else():
+    with pytest.raises(UsageError, match="no report for a ndarray"):
+        render(np.zeros(3))
