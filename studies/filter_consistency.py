@@ -18,16 +18,12 @@ import json
 import sys
 from typing import Any
 
-import casadi as ca
 import numpy as np
+from _sailing import sail
 from scipy.stats import chi2
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.estimation.feeding import first_estimate
-from shipid.generation.loop import Loop, make_loop
-from shipid.generation.step import make_step
-from shipid.generation.system import generate
 
 DURATION, INTERVAL, FINER = 400.0, 1.0, 10
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "10 m", "y": "10 m"}
@@ -35,63 +31,6 @@ NOISE = {"r": "0.002 deg/s^1.5", "u": "0.01 m/s^1.5"}
 FIRST = {"psi": "2 deg", "r": "0.05 deg/s", "u": "0.3 m/s", "x": "20 m", "y": "20 m"}
 PARAMETERS = {"K": "0.15", "tau": "0.15"}
 START = {"psi": "0 deg", "r": "0 deg/s", "u": "9.5 m/s", "x": "0 m", "y": "0 m"}
-
-
-def make_ship() -> Loop:
-    """Return the true ship over fine steps: control is inputs and interval, then what is added to the states."""
-    system = generate(shipid.find_model("de-keizer"))
-    step = make_step(system, "rk4", "linear").function
-    n, m = system.x.shape[0], system.u.shape[0]
-    z, c = ca.SX.sym("z", n + m), ca.SX.sym("c", m + 1 + n)
-    ahead = step(z[:n], z[n:], c[:m], system.p, c[m]) + c[m + 1 :]
-    function = ca.Function("ship", [z, c, system.p], [ca.vertcat(ahead, c[:m]), ahead])
-    return make_loop(function)
-
-
-def simulate(kalman: Any, runs: int) -> tuple[list[dict[str, np.ndarray]], np.ndarray]:
-    """Return records and true joint states, shape (runs, samples, states), of runs drawn from what the filter believes."""
-    model, base = kalman.model, kalman.base
-    rng = np.random.default_rng(2026)
-    fine = int(DURATION / INTERVAL) * FINER
-    t = np.arange(fine + 1) * INTERVAL / FINER
-    swing = np.deg2rad(20) * np.sign(np.sin(2 * np.pi * t / 160 + 0.2))
-    # Between the samples of the filter the rudder runs in a straight line.
-    coarse = t[::FINER]
-    delta = np.interp(t, coarse, swing[::FINER])
-    inputs = np.zeros((t.size, len(base.inputs)))
-    inputs[:, base.inputs.index("delta")], inputs[:, base.inputs.index("cruise")] = delta, 9.5
-    levels = np.zeros(len(base.states))
-    for source in kalman.sources:
-        levels[base.states.index(source.name)] = source.level * np.sqrt(INTERVAL / FINER)
-    believed, deviation = first_estimate(kalman, {})
-    coefficients = kalman.base.parameters + kalman.base.constants
-    ship = kalman.ship.values(base, speed=9.5)
-    known = np.array([ship[n] for n in coefficients])
-    own = [model.states.index(s) for s in base.states]
-    starts, controls, values, joints = [], [], [], []
-    for _ in range(runs):
-        joint = believed + deviation * rng.standard_normal(believed.size)
-        p = known.copy()
-        for name, state in kalman.parameters.items():
-            p[coefficients.index(name)] = np.exp(joint[model.states.index(state)])
-        noise = levels * rng.standard_normal((fine, len(base.states)))
-        starts.append(np.concatenate([joint[own], inputs[0]]))
-        controls.append(np.hstack([inputs[1:], np.full((fine, 1), INTERVAL / FINER), noise]))
-        values.append(p)
-        joints.append(joint)
-    sailed = make_ship().map(starts, controls, values)
-    records, truth = [], []
-    deviations = kalman.constants[kalman.layout.constants["r"]]
-    for start, joint, (_, out) in zip(starts, joints, sailed):
-        x = np.vstack([start[: len(own)], out])[::FINER]
-        whole = np.tile(joint, (x.shape[0], 1))
-        whole[:, own] = x
-        columns = {"t": coarse, "delta": delta[::FINER], "cruise": np.full(coarse.size, 9.5)}
-        for name, level in zip(kalman.measured, deviations):
-            columns[name] = whole[:, model.states.index(name)] + level * rng.standard_normal(coarse.size)
-        records.append(columns)
-        truth.append(whole)
-    return records, np.array(truth)
 
 
 def squared(error: np.ndarray, covariance: np.ndarray) -> np.ndarray:
@@ -111,7 +50,10 @@ def consistency(name: str, estimated: dict[str, str], runs: int) -> dict[str, An
         estimated=list(estimated),
         gate=None,
     )
-    records, truth = simulate(kalman, runs)
+    t = np.arange(0, DURATION + INTERVAL, INTERVAL)
+    # Between the samples of the filter the rudder runs in a straight line.
+    helm = np.deg2rad(20) * np.sign(np.sin(2 * np.pi * t / 160 + 0.2))
+    records, truth = sail(kalman, t, {"delta": helm, "cruise": np.full(t.size, 9.5)}, runs, FINER)
     nees, smoothed, nis, count, wide = [], [], 0.0, 0, []
     for record, true in zip(records, truth):
         run = kalman.filter(record)

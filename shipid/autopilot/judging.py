@@ -243,9 +243,9 @@ def _weathered(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], l
     weather = yardstick(pilot.length, pilot.service_speed)
     directions = np.array(list(_FROM))
     words = []
-    if not weather.components(pilot.model)[:-1]:
+    if "r_disturbance" not in pilot.model.inputs:
         words.append(f"no wind: model {pilot.model.name} reads no 'r_disturbance', so wind does not act on it here.")
-    elif "N_w" in weather.values(pilot, pilot.loop(*weather.components(pilot.model))):
+    elif pilot.ship.find(pilot.loop(*weather.components(pilot.model)), "N_w") is None:
         words.append(
             f"assumed: ship {pilot.ship.name} states no wind coefficients; those of a ship of its length are taken, and what is "
             "said of wind is of that size and no more."

@@ -204,9 +204,9 @@ class _Help:
         unit = vector / np.linalg.norm(vector)
         before = float(np.sqrt(unit @ self._relative @ unit))
         inverse = np.linalg.inv(self._relative)
-        after = [float(unit @ np.linalg.inv(inverse + matrix) @ unit) for _, matrix in self._found]
+        variances = [float(unit @ np.linalg.inv(inverse + matrix) @ unit) for _, matrix in self._found]
         # Where a combination is entirely open, rounding may leave less than nothing of a variance.
-        ratios = [float(np.sqrt(max(variance, 0.0))) / before for variance in after]
+        ratios = [float(np.sqrt(max(variance, 0.0))) / before for variance in variances]
         helping = [k for k, ratio in enumerate(ratios) if ratio < _HELPS]
         if not helping:
             best = int(np.argmin(ratios))

@@ -134,7 +134,7 @@ def instrumental_variables(first: Answer, box: Box) -> Answer:
     for _ in range(_TURNS):
         simulated = _simulated(answer, box)
         if simulated is None:
-            return replace(answer, converged=False, message="the simulated ship of the instruments runs away.")
+            return replace(answer, converged=False, message="the model runs away where it is run for the instruments.")
         before = answer.theta
         answer = _uncorrelated(answer, simulated)
         if not np.isfinite(answer.theta).all():
@@ -143,7 +143,7 @@ def instrumental_variables(first: Answer, box: Box) -> Answer:
         if moved < _SETTLED:
             break
     settled = "settled" if moved < _SETTLED else f"still moved the coefficients by {moved:.1%}"
-    message = f"regression of {_named(first.regression)}, its instruments simulated; they {settled}."
+    message = f"regression of {_named(first.regression)}, instruments from a run of the model; they {settled}."
     return replace(answer, converged=moved < 10 * _SETTLED, message=message)
 
 

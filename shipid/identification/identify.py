@@ -270,8 +270,10 @@ def _identified_ship(
         target[name] = Value(name, value, setting.model[name].unit, source)
     sections = {**setting.ship.sections, PARTICULARS: particulars, setting.model.name: section}
     speeds = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
-    # As written: a set that is read again says the same.
-    matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in correlation)
+    # As written: a set that is read again says the same. Rounding leaves a badly conditioned matrix a little askew.
+    even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
+    np.fill_diagonal(even, 1.0)
+    matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
     joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds else None)
     return replace(setting.ship, sections=sections, joint={**setting.ship.joint, setting.model.name: joint})
 

@@ -226,3 +226,41 @@ def test_model_of_the_users_own(call, own_model, own_ship, tmp_path):
         one = result["parameters"][parameter]
         assert one["identifiable"]
         assert abs(one["value"] - truth) < 4 * one["std"]
+
+
+def test_method_loss_check_and_posterior(call, zigzag, fitted):
+    pytest.importorskip("emcee")
+
+    def result_of(*options):
+        answer = call("identify", zigzag, *fitted, *options, "--json")
+        assert answer.code == 0, answer.err
+        return parse(answer.out)
+
+    plain = result_of()
+    assert plain["loss"] == "linear" and plain["findings"] == [] and "posterior" not in plain
+    assert [r["method"] for r in plain["ladder"] if r["used"]] == ["output-error"]
+    assert result_of("--no-check")["findings"] is None
+    regressed = result_of("--method", "equation-error")
+    assert [r["method"] for r in regressed["ladder"]] == ["equation-error"]
+    assert regressed["method"].startswith("equation error by least squares")
+    other = result_of("--loss", "huber", "--posterior", "400")
+    assert other["loss"] == "huber" and other["posterior"]["draws"] >= 400
+    assert set(other["posterior"]["parameters"]) == {"K", "tau"}
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--method", "magic"], "'magic' is not one of"),
+        (["--loss", "cubic"], "'cubic' is not one of"),
+        (["--posterior", "0"], "0 is not in the range"),
+        (["--posterior", "20"], "ask for 1600"),
+        (["--method", "equation-error", "--loss", "huber"], "knows squares only"),
+        (["--method", "equation-error", "--posterior", "4000"], "needs the likelihood of output error"),
+    ],
+)
+def test_what_method_loss_and_posterior_refuse(call, zigzag, fitted, options, said):
+    pytest.importorskip("emcee")
+    answer = call("identify", zigzag, *fitted, *options)
+    assert answer.code in (2, 3)
+    assert said in answer.said and "Traceback" not in answer.err

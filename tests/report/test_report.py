@@ -11,6 +11,7 @@ import pytest
 
 import shipid
 from shipid.declaration.errors import UsageError
+from shipid.identification.posterior import Posterior
 from shipid.report import report
 from shipid.report.report import render, write_report
 from shipid.trials.errors import MissingFileError, OverwriteError
@@ -262,3 +263,27 @@ def test_real_trials_with_a_turning_circle():
         assert trial.source.sha256 in text
         assert trial.name in page.text
     assert len(text) < 1_500_000
+
+
+def test_what_was_tried_and_found_is_on_the_page(fit, text):
+    page = Page(text)
+    assert "What was tried" in page.text and "instrumental-variables" in page.text
+    assert "Nothing was found in the records" in page.text
+    assert "Sampled posterior" not in page.text
+    regressed = dataclasses.replace(fit, checked=False, loss="huber")
+    said = Page(render(regressed)).text
+    assert "Check of the trials" not in said and "Huber's loss" in said
+
+
+def test_findings_and_a_posterior_on_the_page(fit):
+    table = fit.fitted[0].trial.table.copy()
+    table["delta"] *= -1
+    units = {n: shipid.trials.COLUMNS[n].unit for n in table.columns}
+    trial = shipid.Trial.from_frame(table, name="<mirrored>", units=units)
+    wrong = dataclasses.replace(fit, fitted=(dataclasses.replace(fit.fitted[0], trial=trial),))
+    k, n = len(fit.estimated), 4
+    drawn = Posterior(fit.estimated, ("1",) * k, np.ones((n, k)), np.ones((5, k)), np.ones(k), 2, 0.5, (None,) * k)
+    text = render(dataclasses.replace(wrong, posterior=drawn))
+    said = Page(text).text
+    assert "rudder-sign" in said and "nothing was repaired" in said and "<mirrored>" not in text
+    assert "Sampled posterior" in said and "4 draws of 2 walkers" in said
