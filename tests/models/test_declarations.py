@@ -28,7 +28,7 @@ IN_SECONDS = {("DeKeizerLag", "t_delta")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
 WITH_WIND = {"cubic-wind"}
 #: Declarations for filters and recursions: each holds only what it estimates.
-FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter", "wave-level"}
+FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter"}
 SHIP_MODELS = [n for n in MODELS if n not in FILTERS]
 FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")
 

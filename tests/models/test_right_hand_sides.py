@@ -367,7 +367,7 @@ MODELS: dict[str, Case] = {
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
     "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag,
     "yaw-filter": yaw_filter, "yaw-filter-seven": yaw_filter_seven, "position-filter": position_filter,
-    "own-ship-filter": own_ship_filter, "wave-level": wave_level,
+    "own-ship-filter": own_ship_filter,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled,
