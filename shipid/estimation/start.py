@@ -119,14 +119,16 @@ def state_spreads(model: Model, length: float | None, speed: float | None, senso
     result = np.empty(len(model.states))
     for i, name in enumerate(model.states):
         spread, nominal = model[name].number("spread"), model[name].number("nominal")
+        vaguer = 1.0
         if spread is None:
+            # The sample the estimate starts from is taken in as well: a start hardly vaguer than that would count it twice.
+            vaguer = VAGUER
             try:
                 scaled = STATE_SHARE * prime_factor(model[name].unit, length, speed) if length and speed else None
             except UnitError:
                 scaled = None
             spread = scaled if scaled is not None else abs(nominal) if nominal else 1.0
-        # The sample the estimate starts from is taken in as well: a start hardly vaguer than that would count it twice.
-        result[i] = np.hypot(spread, VAGUER * sensors.get(name, 0.0))
+        result[i] = np.hypot(spread, vaguer * sensors.get(name, 0.0))
     return result
 
 
