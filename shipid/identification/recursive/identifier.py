@@ -85,6 +85,11 @@ class RecursiveIdentifier:
     ------
     ShipidError
         For names, units and levels that do not fit, and for parameters that enter nonlinearly.
+
+    Notes
+    -----
+    A first uncertainty is best about as large as the distance to the truth may be. Much larger, the extended Kalman filter
+    loses its way now and then; least squares and MRAS do not mind (``studies/passenier_ch4.py`` counts both).
     """
 
     def __init__(

@@ -116,7 +116,7 @@ _ALL = (
     ),
     Method(
         "instrumental-variables",
-        "least squares along an auxiliary model's output: without bias, wider than ekf",
+        "least squares along an auxiliary model's output: without bias; wants a manoeuvre from the start",
         "Young (1970); Söderström and Stoica (1989), section 9.3",
         "measured",
         forgets=True,

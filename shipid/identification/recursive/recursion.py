@@ -134,16 +134,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.remembers == "weighted" else half[0] + added[0]
     quadratic = ca.dot(psi, along)
     memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
-    if method.remembers == "optimal":
-        gains = joint[:, 0] / spread  # (4.115)
-        gain, correction = gains[0], gains[1:]
-    else:
-        unsure = own + quadratic
-        gain = {"measured": 1.0, "predicted": 0.0, "weighted": unsure / (unsure + r)}[method.remembers]
-        # (4.74) leaves out the uncertainty of the output, (4.130) counts it.
-        correction = along / (memory * (r if method.separate else own + r) + quadratic)
-        gain = ca.SX(gain)
-
+    gain, correction = _gains(method, joint, r, own, quadratic, along, memory)
     gain, correction = gain * there, correction * there
     theta = old["theta"] + correction * e
     y = ahead + gain * e
@@ -153,15 +144,12 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         updated = _symmetric(updated)
     if method.projects:
         theta = _stable(regression, y, theta, updated, old["u"], u1, p, T)
-    all_gains = ca.vertcat(gain, correction)
-    column = joint[:, 0]
-    joint = _symmetric(joint - all_gains @ column.T - column @ all_gains.T + (all_gains * spread) @ all_gains.T)
+    joint = _updated(joint, ca.vertcat(gain, correction), spread)
 
     uncertain = (1 - gain) * (own + quadratic)  # (4.131)
     y, y_aux, uncertain = (ca.if_else(begins, new, kept) for new, kept in ((z, y), (z, y_aux), (r, uncertain)))
-    joint[0, 0] = ca.if_else(begins, r, joint[0, 0])
-    for k in range(1, n + 1):
-        joint[0, k] = joint[k, 0] = ca.if_else(begins, 0.0, joint[0, k])
+    settled = ca.diagcat(r, joint[1:, 1:])
+    joint = ca.if_else(begins, settled, joint)
 
     nis = old["nis"] + there * e**2 / spread
     count = old["count"] + there
@@ -195,6 +183,27 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         for values, places in ((following, layout.carried), (shown, layout.outputs))
     ]
     return ca.Function("recursion", [before, control, constants], ca.cse(results))
+
+
+def _gains(method: Method, joint: Any, r: Any, own: Any, quadratic: Any, along: Any, memory: Any) -> tuple[Any, Any]:
+    """K_y and K_theta: the one line in which the methods differ.
+
+    `own` is the variance of the predicted output apart from its parameters, `quadratic` what those add, `along` the
+    covariance of parameters and predicted output.
+    """
+    if method.remembers == "optimal":
+        both = joint[:, 0] / (joint[0, 0] + r)  # (4.115)
+        return both[0], both[1:]
+    unsure = own + quadratic
+    gain = {"measured": 1.0, "predicted": 0.0, "weighted": unsure / (unsure + r)}[method.remembers]
+    # (4.74) leaves out the uncertainty of the output, (4.130) counts it.
+    return ca.SX(gain), along / (memory * (r if method.separate else own + r) + quadratic)
+
+
+def _updated(joint: Any, gains: Any, spread: Any) -> Any:
+    """Joseph's form for one measurement of the first unknown: what any gain makes of a covariance."""
+    column = joint[:, 0]
+    return _symmetric(joint - gains @ column.T - column @ gains.T + (gains * spread) @ gains.T)
 
 
 def _instruments(

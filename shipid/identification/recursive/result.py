@@ -7,10 +7,11 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from shipid.declaration.units import pretty
 from shipid.estimation.arrangement import Arrangement
-from shipid.estimation.consistency import autocorrelation, whiteness
+from shipid.estimation.consistency import whiteness
 from shipid.estimation.run import ParameterEstimate, unpacked
 from shipid.identification.recursive.following import following
 from shipid.identification.recursive.recursion import FEW
@@ -314,6 +315,10 @@ def correlation_length(values: np.ndarray) -> float:
     values : ndarray, shape (N,)
         In the order of time.
     """
-    r = autocorrelation(values, min(values.size // 4, 1000))
+    centred = values - values.mean()
+    # By the spectrum, padded so that the end does not meet the beginning: a day of samples has too many lags to sum one by one.
+    size = next_fast_len(2 * values.size)
+    r = np.fft.irfft(np.abs(np.fft.rfft(centred, size)) ** 2, size)[: values.size // 4 + 1]
+    r = r[1:] / r[0] if r[0] > 0 else np.zeros(1)
     positive = np.flatnonzero(r <= 0)
     return float(1 + 2 * r[: int(positive[0]) if positive.size else r.size].sum())

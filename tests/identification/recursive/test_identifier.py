@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import shipid
 from shipid.declaration.errors import ParameterSetError, UnknownNameError, UsageError
@@ -15,6 +16,7 @@ from shipid.identification.recursive.identifier import RecursiveIdentifier, iden
 from shipid.identification.recursive.methods import METHODS, find_method
 from shipid.identification.recursive.noise_level import noise_of
 from shipid.identification.recursive.recursion import LARGEST_POLE
+from shipid.identification.recursive.result import correlation_length
 
 NOISE = {"r": "0.02 deg/s", "u": "0.05 m/s"}
 START = {"b1": "1.5", "a": "2"}
@@ -231,6 +233,45 @@ def test_the_size_of_the_innovations_scales_what_does_not_believe_its_noise(firs
         said[method, level] = result.std[-1, 0]
     assert said["rls", 0.1 / 3] == pytest.approx(said["rls", 0.1], rel=0.05)
     assert said["minimum-variance", 0.1 / 3] == pytest.approx(said["minimum-variance", 0.1] / 3, rel=0.05)
+
+
+def test_how_many_samples_in_a_row_say_the_same():
+    """(1 + phi) / (1 - phi) for a first-order process; 1 for white noise, and for one that alternates."""
+    rng = np.random.default_rng(0)
+    white = rng.standard_normal(40000)
+    assert correlation_length(white) == pytest.approx(1.0, abs=0.03)
+    # What is summed past the true correlations, until one is negative by chance, scatters.
+    assert correlation_length(lfilter([1.0], [1.0, -0.8], white)) == pytest.approx(9.0, rel=0.2)
+    assert correlation_length(np.ones(50)) == 1.0
+    assert correlation_length(lfilter([1.0], [1.0, 0.8], white)) == 1.0
+
+
+@pytest.mark.parametrize("method", ["ekf", "combined", "mras-parallel", "instrumental-variables"])
+def test_intervals_of_coloured_noise_are_widened_until_they_hold_the_truth(method):
+    """Forty zig-zags under a drift of 5 s: by the noise level alone, an interval of 95 % would hold the truth half of the time."""
+    clean = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15")
+    rng, pole, records = np.random.default_rng(4), np.exp(-1 / 5), []
+    for _ in range(40):
+        drift = lfilter([np.sqrt(1 - pole**2)], [1.0, -pole], rng.standard_normal(len(clean) + 100))[100:]
+        noise = np.deg2rad(0.05) * drift + np.deg2rad(0.01) * rng.standard_normal(len(clean))
+        records.append({n: clean[n] for n in ("t", "u", "delta")} | {"r": clean["r"] + noise})
+    results = RecursiveIdentifier("yaw-filter", "soesterberg", method=method).identify_all(records)
+    held, bare = [], []
+    for name, truth in TRUTH.items():
+        held += [r.parameters[name].interval[0] <= truth <= r.parameters[name].interval[1] for r in results]
+        bare += [abs(r[name][-1] - truth) < 1.96 * r.std_of(name)[-1] for r in results]
+    assert np.mean(held) >= 0.93 and np.mean(bare) < 0.8
+    assert all(r.widening > 1.5 and "not white" in repr(r) for r in results)
+
+
+def test_intervals_of_white_noise_are_left_alone(first_order, noisy):
+    for method in ("ekf", "combined", "rls", "instrumental-variables"):
+        made = RecursiveIdentifier(first_order, method=method, measured={"y": 0.1}, hold="zero")
+        results = made.identify_all([noisy(0.1, seed) for seed in range(10)])
+        assert np.median([r.widening for r in results]) < 1.15, method
+        assert results[0].parameters["a"].std == pytest.approx(
+            results[0].std_of("a")[-1] * results[0].widening, rel=1e-12
+        )
 
 
 def test_a_lost_recursion_says_so(first_order, noisy):
