@@ -120,7 +120,7 @@ def carried_vector(kalman: ExtendedKalmanFilter, sample: Mapping[str, float], in
     full[: kalman.layout.n] = deviation
     z[places["P"]] = _diagonal(full, kalman.form)
     if kalman.gate is not None:
-        z[places["last"]] = np.inf
+        z[places["last"]] = z[places["grain"]] = np.inf
     return z
 
 

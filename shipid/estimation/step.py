@@ -21,6 +21,11 @@ FORMS: dict[str, ModuleType] = {"covariance": covariance_form, "square-root": sq
 TAKEN, MISSING, REJECTED = 1, 0, -1
 #: So many equal values in a row make a sensor suspect, and its gate this part as wide.
 _SUSPECT, _NARROW = 5, 0.5
+#: Values are equal within this part of the sensor's noise; a sensor whose values differ by less than that part is a fine one.
+_EQUAL, _FINE = 1e-6, 0.1
+#: What a gate remembers of each sensor: its last value, how often it repeated it and for how long, how long it has been refused,
+#: and the smallest difference of two values.
+MEMORY = ("last", "same", "refused", "held", "grain")
 
 
 @dataclass(frozen=True)
@@ -71,6 +76,8 @@ class Layout:
             last=self.sensors * gated,
             same=self.sensors * gated,
             refused=self.sensors * gated,
+            held=self.sensors * gated,
+            grain=self.sensors * gated,
         )
         self.control = _places(
             u=self.inputs, T=1, z=self.sensors, there=self.sensors, scale=self.sources, adapting=int(switchable)
@@ -200,7 +207,7 @@ def make_filter_step(
         of(constants, layout.constants, "q"),
         of(control, layout.control, "scale"),
     )
-    memory = [of(before, layout.carried, k) for k in ("last", "same", "refused")]
+    memory = [of(before, layout.carried, k) for k in MEMORY]
     switch = of(control, layout.control, "adapting")
     after, packed_after, e, spread, fate, ll, leap, *memory = sensed(
         x_ahead,
@@ -262,7 +269,7 @@ def _sensed(
     deviation = ca.SX.sym("r", layout.sensors)
     switch = ca.SX.sym("a", layout.control["adapting"].stop - layout.control["adapting"].start)
     count = layout.carried["last"].stop - layout.carried["last"].start
-    memory = [ca.SX.sym(k, count) for k in ("last", "same", "refused")]
+    memory = [ca.SX.sym(k, count) for k in MEMORY]
     followed = [m + 0 for m in memory]
     factor = None
     if adapting is not None:
@@ -279,7 +286,7 @@ def _sensed(
         e = e - row @ correction
         variance = deviation[i] ** 2 + sum(effect[i] ** 2 * power for effect, power in equations.doubled)
         expected = rules.innovation(root, row, variance)
-        counts, beyond = _judged(gate, i, e, expected, z, there, memory, followed, equations.T)
+        counts, beyond = _judged(gate, i, e, expected, z, there, memory, followed, equations.T, deviation[i])
         leap = ca.if_else(counts * beyond, ca.sqrt(e**2 / expected), 1.0) if gate is not None else ca.SX(1)
         if gate is not None:
             for state in leapt(equations.sensitivity, i, leaping):
@@ -347,22 +354,30 @@ def _judged(
     memory: list[Any],
     followed: list[Any],
     interval: Any,
+    deviation: Any,
 ) -> tuple[Any, Any]:
     """Whether a sample counts (1 or 0), and whether it lies beyond the gate; what is remembered is brought up to date."""
     if gate is None:
         return there[i], ca.SX(0)
-    last, same, refused = (m[i] for m in memory)
-    repeats = ca.if_else(there[i] * (z[i] == last), same + 1, ca.if_else(there[i], 0, same))
+    last, same, refused, held, grain = (m[i] for m in memory)
+    change, patience = ca.fabs(z[i] - last), (1 - 1e-6) * gate.patience
+    equal = change <= _EQUAL * deviation
+    repeats = ca.if_else(there[i], ca.if_else(equal, same + 1, 0), same)
+    holding = ca.if_else(there[i], ca.if_else(equal, held + interval, 0), held)
     width = ca.if_else(repeats >= _SUSPECT, _NARROW * gate.width, gate.width)
-    beyond = e**2 > width**2 * spread
-    # Once found out, it is stuck for as long as it repeats itself, even where what it says comes true for a moment.
-    beyond = ca.fmax(beyond, (repeats >= _SUSPECT) * (refused > 0))
+    outside = e**2 > width**2 * spread
+    # Once found out, it is stuck for as long as it repeats itself, even where what it says comes true for a moment. A fine
+    # sensor would not show the same noise for so long at all.
+    stuck = ca.fmax((repeats >= _SUSPECT) * (refused > 0), (holding >= patience) * (grain < _FINE * deviation))
+    beyond = ca.fmax(outside, stuck)
     waited = refused + interval
     # A sensor that keeps saying something else is right in the end; one that repeats itself is stuck.
-    insists = (waited >= (1 - 1e-6) * gate.patience) * (repeats == 0)
+    insists = (waited >= patience) * (repeats == 0)
     counts = there[i] * (1 - beyond * (1 - insists))
     followed[0][i] = ca.if_else(there[i], z[i], last)
     followed[1][i] = repeats
     # Between the samples of a slow sensor the waiting goes on.
     followed[2][i] = ca.if_else(there[i], beyond, refused > 0) * waited
+    followed[3][i] = holding
+    followed[4][i] = ca.if_else(there[i] * (1 - equal), ca.fmin(grain, change), grain)
     return counts, beyond

@@ -37,21 +37,15 @@ def test_outliers_are_rejected_as_if_they_were_missing(setup: Any, swing: Any) -
     assert without.innovations["psi"].t.size == 97 and np.all(fates(without, "psi")[at] == MISSING)
 
 
-def test_the_gate_is_as_wide_as_it_says(setup: Any) -> None:
-    """One sample just inside, one just outside so many standard deviations of the innovation."""
-    hand = setup("yaw", {"psi": 0.01}, gate=3.0)
-    kalman = hand.kalman
-    width = 3 * np.hypot(1.0, 0.01)  # first estimate 0.01 off at most, one radian unsure
-    for off, fate in ((0.999 * width, TAKEN), (1.001 * width, REJECTED), (-1.001 * width, REJECTED)):
-        online = kalman.start()
-        online._clock.let(0.0)
-        online._begin({"t": 0.0, "psi": 0.0}, np.zeros(1))
-        spread = 1.0**2 + 0.01**2 + 0.01**2
-        places = kalman.layout.control
-        online.stepper.control[places["z"]] = off / width * 3 * np.sqrt(spread) % (2 * np.pi)
-        online.stepper.control[places["there"]] = 1.0
-        online.stepper.step()
-        assert online.stepper.out[kalman.layout.brief["fate"]] == fate
+def test_the_gate_is_as_wide_as_it_says(setup: Any, swing: Any) -> None:
+    """One sample just inside, one just outside so many standard deviations of its innovation, on both sides."""
+    hand = setup("yaw", {"psi": 0.01}, density={"r": 1e-4}, gate=3.0)
+    record = sailed(hand, np.arange(30) * 0.7, swing)
+    told = hand.kalman.filter(record).innovations["psi"]
+    expected, width = record["psi"][20] - told.values[20], 3 * np.sqrt(told.variances[20])
+    for off, fate in ((0.999, TAKEN), (1.001, REJECTED), (-0.999, TAKEN), (-1.001, REJECTED)):
+        record["psi"][20] = expected + off * width
+        assert fates(hand.kalman.filter(record), "psi")[20] == fate
 
 
 def test_none_takes_in_all(setup: Any, swing: Any) -> None:
@@ -110,13 +104,29 @@ def test_a_stuck_sensor_is_never_right(setup: Any, swing: Any) -> None:
     assert abs(run["psi"][-1] - free["psi"][-1]) < free.std_of("psi")[-1]
 
 
+def test_a_stuck_log_that_stays_plausible(setup: Any) -> None:
+    """A speed that hardly changes: no gate finds a log that is stuck, but noise that repeats itself to the last digit does."""
+    hand = setup("surge", {"log": 0.1}, density={"u": 0.02}, gate=5.0, patience="10 s")
+    t = np.arange(300.0)
+    record, truth = hand.sail(
+        t, {"thrust": np.full(300, 0.3)}, np.array([5.0]), np.array([0.1]), np.random.default_rng(3)
+    )
+    record["log"][150:250] = record["log"][149]
+    run = hand.kalman.filter(record)
+    verdict = fates(run, "log")
+    assert np.all(verdict[:159] == TAKEN) and np.all(verdict[160:250] == REJECTED) and np.all(verdict[250:] == TAKEN)
+    assert np.abs((run.x - truth) / run.std)[160:].max() < 4
+
+
 def test_a_coarse_sensor_is_not_stuck(setup: Any, swing: Any) -> None:
-    """On a straight course a compass of whole degrees repeats itself, and is taken in all the same."""
-    hand = setup("yaw", SENSORS, density={"r": 1e-5}, gate=5.0)
-    t = np.arange(100) * 0.7
-    record = sailed(hand, t, lambda t: 0 * t)
-    record["psi"] = np.deg2rad(np.round(np.rad2deg(record["psi"] * 0 + 0.4)))
-    assert np.all(fates(hand.kalman.filter(record), "psi") == TAKEN)
+    """A compass of whole degrees repeats itself on a straight course, also after turns, and is taken in all the same."""
+    hand = setup("yaw", {"psi": 0.01, "r": 5e-4}, density={"r": 1e-5}, gate=5.0)
+    t = np.arange(300) * 0.7
+    record = sailed(hand, t, lambda t: np.where(t < 100, 0.1 * np.sin(t / 10), 0.0))
+    record["psi"] = np.deg2rad(np.round(np.rad2deg(record["psi"])))
+    assert np.count_nonzero(np.diff(record["psi"]) == 0) > 100
+    run = hand.kalman.filter(record)
+    assert run.innovations["psi"].rejected == 0
 
 
 @pytest.mark.parametrize("turns", [0, 1, -3])
