@@ -117,7 +117,8 @@ def test_a_change_of_speed_leaves_the_coefficients_alone() -> None:
 
 
 def test_the_seventh_state_cannot_be_told_from_the_heading(sailed: dict[str, np.ndarray]) -> None:
-    wrong = make("yaw-filter-seven", start={"psi_wave": "1 deg"}).filter(sailed)
+    alike = {"psi": "1 deg", "psi_wave": "1 deg"}
+    wrong = make("yaw-filter-seven", start={"psi_wave": "1 deg"}, initial=alike).filter(sailed)
     found = wrong.observability()
     assert [set(d.weights) for d in found.unobservable] == [{"psi", "psi_wave"}]
     assert "psi" in found.messages[0] and "psi_wave" in found.messages[0]
