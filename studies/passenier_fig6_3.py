@@ -48,12 +48,12 @@ def coefficients(kalman: shipid.ExtendedKalmanFilter, records: list[Columns]) ->
 def adapted(method: str, wave: float, records: list[Columns]) -> dict[str, np.ndarray]:
     """Return K* and tau* of every run by model-reference adaptation, shape (runs, samples)."""
     scheme = shipid.RecursiveIdentifier(
-        "linear-yaw",
+        "yaw-filter",
         "zeefakkel",
         method=method,
         measured={"r": f"{wave} deg/s"},
-        start={"damping": "2", "effectiveness": "1"},
-        initial={"damping": "1", "effectiveness": "1"},
+        start={"a": "1", "b1": "2"},
+        initial={"a": "1", "b1": "1"},
     )
     results = scheme.identify_all(records)
     return {n: np.array([r[n] for r in results]) for n in TRUTH}
