@@ -90,8 +90,8 @@ class SlowCurrent(Component):
 class ConsistentWaves(ColouredWavesSeven):
     """The seven states' waves, started from calm water: what nothing tells apart is known from the start."""
 
-    v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.001 deg/s")
-    psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", spread="0.003 deg", latex=r"\psi_v")
+    v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.03 deg/s")
+    psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", spread="0.03 deg", latex=r"\psi_v")
 
 
 position_filter = join("position-filter", Track, SteadySpeed, SwayConstant, SlowCurrent, Log, PositionSensor)

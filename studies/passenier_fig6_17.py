@@ -75,10 +75,10 @@ def identification(runs: int) -> tuple[list[Claim], Columns, dict[str, dict[str,
         )
     for what, found in (("the thesis's timing", thesis), ("exact step", exact)):
         took = convergence(truth["t"], found)
-        slow, never = np.nanmax(took), int(np.isnan(took).sum())
+        slow, never = np.nanquantile(took, 0.9), int(np.isnan(took).sum())
         holds = float(np.nanmedian(took)) < 150 and never == 0
-        said = "about 300 s (thesis); median below 150 s, in every run"
-        text = f"{np.nanmedian(took):.0f} s, slowest {slow:.0f} s, never in {never}"
+        said = "about 300 s (thesis); median below 150 s, all settle"
+        text = f"{np.nanmedian(took):.0f} s, 90 % by {slow:.0f} s, never in {never}"
         rows.append(claim(f"P12 both within 10 % for good, {what}", said, text, holds, f"{runs} runs", TUNED))
     for what, found in (("exact step", exact), ("exact step, waves counted twice", counted_twice)):
         for name in TRUTH:

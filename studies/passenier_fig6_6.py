@@ -166,7 +166,7 @@ def split(runs: int) -> list[Claim]:
     truth = sail("soesterberg", 15, 1100, 0.4, **STEPS)
     noise = {"psi": 0.1 * DEG, "r": 0.01 * DEG, "u": 0.1, "x": 50.0, "y": 50.0}
     records = measured(truth, runs, noise, 0.15 * DEG, seed=5)
-    calm = {"v_f": "0.001 deg/s", "psi_wave": "0.003 deg"}
+    calm = {"v_f": "0.03 deg/s", "psi_wave": "0.03 deg"}
     whole = shipid.ExtendedKalmanFilter(
         shipid.find_model("own-ship-filter"),
         "soesterberg",

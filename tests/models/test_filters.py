@@ -117,7 +117,8 @@ def test_a_change_of_speed_leaves_the_coefficients_alone() -> None:
 
 
 def test_the_seventh_state_cannot_be_told_from_the_heading(sailed: dict[str, np.ndarray]) -> None:
-    wrong = make("yaw-filter-seven", start={"psi_wave": "1 deg"}).filter(sailed)
+    alike = {"psi": "1 deg", "psi_wave": "1 deg"}
+    wrong = make("yaw-filter-seven", start={"psi_wave": "1 deg"}, initial=alike).filter(sailed)
     found = wrong.observability()
     assert [set(d.weights) for d in found.unobservable] == [{"psi", "psi_wave"}]
     assert "psi" in found.messages[0] and "psi_wave" in found.messages[0]
@@ -183,3 +184,9 @@ def test_published_coefficients_start_a_filter() -> None:
     run = kalman.filter({"t": t, "u": t + 9, "delta": 0 * t, "psi": 0 * t, "r": 0 * t})
     for name, value in TRUTH.items():
         assert run[name][0] == pytest.approx(value, rel=1e-6)
+
+
+def test_one_filter_for_all_has_nothing_to_complain_of(sailed: dict[str, np.ndarray]) -> None:
+    """The track tells a little of the heading, and what is left of the seventh state is known from the start."""
+    run = make("own-ship-filter", measured=None).filter(sailed)
+    assert run.observability().messages == ()
