@@ -28,6 +28,7 @@ from shipid.identification.scale import own_unit_time, speed_of
 from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare, predictions, warm_up_samples
+from shipid.identification.weighing import weigh_again
 from shipid.trials.columns import COLUMNS
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
@@ -148,7 +149,7 @@ def identify(
             problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
         )
         if purpose == "prediction" and noise is None:
-            solution = seen_with_own_noise(solution)
+            solution = seen_with_own_noise(weigh_again(solution, box, sigma))
         fit = _result(setting, solution, box, sailed, weigh)
         return fit.validate(validate) if validate else fit
 
