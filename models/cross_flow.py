@@ -86,10 +86,14 @@ class CrossFlow(SpeedScaled):
         latex=r"k_\delta",
     )
 
+    def angle(self):
+        """Angle of the rudder: the one recorded."""
+        return self.delta
+
     def rudder(self):
         """Square of the speed at the rudder times its angle, by u^(2-m) U0^m, with the propeller's side force."""
         slowed = self.cruise / self.way
-        return self.way**2 * slowed**self.m * (self.delta + self.delta_p * (slowed - 1))
+        return self.way**2 * slowed**self.m * (self.angle() + self.delta_p * (slowed - 1))
 
     def drag(self, power):
         """Integral of xi^power |w| w along the hull, w the local cross-flow, where it is fast enough.
@@ -127,8 +131,25 @@ class CrossFlow(SpeedScaled):
         """
         thrust = self.cruise**2 + self.k_T * self.cruise * (self.cruise - self.u)
         balance = self.X0 * (thrust - self.u * self.way)
-        turn = self.X_vr * self.v * self.r * self.L + self.k_delta * self.s21 * self.rudder() * self.delta
+        turn = self.X_vr * self.v * self.r * self.L + self.k_delta * self.s21 * self.rudder() * self.angle()
         return (balance + turn * self.way_left) / self.L + self.u_disturbance
 
 
+class CrossFlowLag(CrossFlow):
+    """Sway, yaw and surge with cross-flow drag, behind an actuator with a lag: for a log that holds only the order."""
+
+    delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
+    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, latex=r"\tau_\delta")
+
+    def angle(self):
+        """Angle of the rudder: the one the actuator has reached."""
+        return self.delta_lagged
+
+    @delta_lagged.rate
+    def actuator(self):
+        """First-order lag: the simplest form of the steering machine of Passenier (1989), section 2.3.4."""
+        return (self.delta - self.delta_lagged) / self.t_delta
+
+
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)
+cross_flow_lag = join("cross-flow-lag", CrossFlowLag, PlanarMotion)

@@ -18,7 +18,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value, missing_values
 from shipid.declaration.units import prime_factor, to_si
 from shipid.generation.system import generate
-from shipid.identification.beliefs import prior_of, scales_of
+from shipid.identification.beliefs import INDEPENDENT, prior_of, scales_of
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
@@ -149,7 +149,7 @@ def identify(
             problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
         )
         if purpose == "prediction" and noise is None:
-            solution = seen_with_own_noise(weigh_again(solution, box, sigma))
+            solution = seen_with_own_noise(weigh_again(solution, box, sigma, INDEPENDENT * setting.unit_time))
         fit = _result(setting, solution, box, sailed, weigh)
         return fit.validate(validate) if validate else fit
 

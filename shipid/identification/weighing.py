@@ -2,7 +2,7 @@
 
 In a towing tank the structure of the model is what is wrong, and it is wrong by about the same shares for every ship. At sea
 and on a pond waves, wind and current move the ship as well: a signal they disturb says less of the coefficients, and the
-beliefs more.
+beliefs more. So does one whose error lasts: a heading that drifts off says once what a thousand samples seem to repeat.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.fft import next_fast_len
 
 from shipid.identification.solve import Box, Solution, minimise, noise_levels
 
@@ -18,7 +19,7 @@ _SETTLED = 0.05
 _TURNS = 4
 
 
-def weigh_again(solution: Solution, box: Box, least: np.ndarray) -> Solution:
+def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
     """Return the solution under weights that are no firmer than its own residuals.
 
     Parameters
@@ -29,6 +30,8 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray) -> Solution:
         Bounds of the parameters.
     least : ndarray, shape (signals,)
         Standard deviation a signal is never believed beyond, SI.
+    independent : float
+        Time in s for which a residual lasts where nothing but the structure of the model is wrong.
 
     Returns
     -------
@@ -36,9 +39,24 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray) -> Solution:
         The same where every residual is within `least`.
     """
     for _ in range(_TURNS):
-        sigma = np.maximum(least, noise_levels(solution))
+        sigma = np.maximum(least, noise_levels(solution) * np.sqrt(np.maximum(1.0, _lasting(solution) / independent)))
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
             break
         again = minimise(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)
         solution = replace(again, evaluations=solution.evaluations + again.evaluations)
     return solution
+
+
+def _lasting(solution: Solution) -> np.ndarray:
+    """Time in s for which a residual of each signal lasts: the sum of its autocorrelation up to the first zero."""
+    problem = solution.problem
+    times = np.zeros((len(problem.sailed), len(problem.signals)))
+    for i, (sailed, trial) in enumerate(zip(problem.sailed, problem.by_signal(solution.residual))):
+        for j, residual in enumerate(trial):
+            count = residual.size
+            power = np.abs(np.fft.rfft(residual - residual.mean(), next_fast_len(2 * count))) ** 2
+            lags = np.fft.irfft(power)[:count]
+            if lags[0] > 0:
+                zero = int(np.argmax(lags < 0)) or count
+                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * sailed.trial.sampling
+    return times.mean(axis=0)
