@@ -55,7 +55,13 @@ class BechYaw(SpeedScaled):
         "1", "sum of the poles with the sign turned", start=2.5, low=-5.0, high=50.0, spread=0.5, latex="A_1"
     )
     A0 = parameter(
-        "1", "product of the poles, negative for an unstable ship", start=-0.15, low=-20.0, high=50.0, spread=0.35, latex="A_0"
+        "1",
+        "product of the poles, negative for an unstable ship",
+        start=-0.15,
+        low=-20.0,
+        high=50.0,
+        spread=0.35,
+        latex="A_0",
     )
     A3 = parameter("1", "cubic damping", start=8.0, low=-100.0, high=1000.0, latex="A_3")
     r_star = derived("1", "rate of turn, made dimensionless: r L/u", latex="r^*")

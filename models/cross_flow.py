@@ -139,7 +139,7 @@ class CrossFlowLag(CrossFlow):
     """Sway, yaw and surge with cross-flow drag, behind an actuator with a lag: for a log that holds only the order."""
 
     delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
-    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, latex=r"\tau_\delta")
+    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
 
     def angle(self):
         """Angle of the rudder: the one the actuator has reached."""

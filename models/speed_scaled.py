@@ -68,7 +68,7 @@ class DeKeizerLag(DeKeizer):
     delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
     # In seconds on purpose: an actuator knows nothing of the ship's speed, and runs at two speeds showed one lag in
     # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
-    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, latex=r"\tau_\delta")
+    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
 
     @delta_lagged.rate
     def actuator(self):
