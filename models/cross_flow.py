@@ -31,6 +31,7 @@ class CrossFlow(SpeedScaled):
     u = state("m/s", "forward speed through the water", nominal=1.0)
     v = state("m/s", "sway speed through the water, positive to starboard", nominal=0.5)
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
+    delta_lagged = state("rad", "rudder angle that has come to act", nominal="10 deg", latex=r"\delta_l")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     u_disturbance = given(
@@ -52,6 +53,18 @@ class CrossFlow(SpeedScaled):
         high=2.5,
         spread=0.3,
     )
+    # In seconds, as an actuator knows nothing of the speed; its bounds count in ship lengths. Below the least, steps of a
+    # tenth of L/U would be unstable, and the flow past rudder and stern needs about that long to build up a force.
+    t_delta = parameter(
+        "s",
+        "lag of the rudder's force behind the recorded angle, or order",
+        start=0.06,
+        low=0.04,
+        high=3.0,
+        spread=0.1,
+        prime=True,
+        latex=r"\tau_\delta",
+    )
     # One degree and a half: a propeller that asks for more would be noticed by every helmsman.
     delta_p = parameter(
         "rad",
@@ -64,7 +77,7 @@ class CrossFlow(SpeedScaled):
         latex=r"\delta_p",
     )
     X0 = parameter("1", "resistance and thrust", start=0.06, low=0.002, high=2.0, latex="X_0")
-    X_vr = parameter("1", "resistance of the turn", start=1.6, low=0.0, high=20.0, spread=0.2, latex="X_{vr}")
+    X_vr = parameter("1", "resistance of the turn", start=1.65, low=0.0, high=20.0, spread=0.12, latex="X_{vr}")
     w_0 = parameter(
         "1",
         "cross-flow, in shares of the forward speed, at which its drag is 0.7 of a full one",
@@ -86,14 +99,10 @@ class CrossFlow(SpeedScaled):
         latex=r"k_\delta",
     )
 
-    def angle(self):
-        """Angle of the rudder: the one recorded."""
-        return self.delta
-
     def rudder(self):
         """Square of the speed at the rudder times its angle, by u^(2-m) U0^m, with the propeller's side force."""
         slowed = self.cruise / self.way
-        return self.way**2 * slowed**self.m * (self.angle() + self.delta_p * (slowed - 1))
+        return self.way**2 * slowed**self.m * (self.delta_lagged + self.delta_p * (slowed - 1))
 
     def drag(self, power):
         """Integral of xi^power |w| w along the hull, w the local cross-flow, where it is fast enough.
@@ -109,6 +118,11 @@ class CrossFlow(SpeedScaled):
         return sum(
             weight * xi**power * w**3 / np.sqrt(w**2 + late + least) for xi, weight, w in zip(_POINTS, _WEIGHTS, flow)
         )
+
+    @delta_lagged.rate
+    def actuator(self):
+        """First-order lag: the simplest form of the steering machine of Passenier (1989), section 2.3.4."""
+        return (self.delta - self.delta_lagged) / self.t_delta
 
     @v.rate
     def sway(self):
@@ -131,25 +145,8 @@ class CrossFlow(SpeedScaled):
         """
         thrust = self.cruise**2 + self.k_T * self.cruise * (self.cruise - self.u)
         balance = self.X0 * (thrust - self.u * self.way)
-        turn = self.X_vr * self.v * self.r * self.L + self.k_delta * self.s21 * self.rudder() * self.angle()
+        turn = self.X_vr * self.v * self.r * self.L + self.k_delta * self.s21 * self.rudder() * self.delta_lagged
         return (balance + turn * self.way_left) / self.L + self.u_disturbance
 
 
-class CrossFlowLag(CrossFlow):
-    """Sway, yaw and surge with cross-flow drag, behind an actuator with a lag: for a log that holds only the order."""
-
-    delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
-    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
-
-    def angle(self):
-        """Angle of the rudder: the one the actuator has reached."""
-        return self.delta_lagged
-
-    @delta_lagged.rate
-    def actuator(self):
-        """First-order lag: the simplest form of the steering machine of Passenier (1989), section 2.3.4."""
-        return (self.delta - self.delta_lagged) / self.t_delta
-
-
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)
-cross_flow_lag = join("cross-flow-lag", CrossFlowLag, PlanarMotion)

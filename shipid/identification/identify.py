@@ -25,10 +25,10 @@ from shipid.identification.fit import Fit
 from shipid.identification.problem import make_problem
 from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
 from shipid.identification.scale import own_unit_time, speed_of
-from shipid.identification.solve import Box, Progress, Solution, box_of, seen_with_own_noise, solve
+from shipid.identification.solve import Box, Progress, Solution, box_of, solve
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare, predictions, warm_up_samples
-from shipid.identification.weighing import weigh_again
+from shipid.identification.weighing import enough_of, seen_on_every_sample, weigh_again
 from shipid.trials.columns import COLUMNS
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
@@ -145,11 +145,14 @@ def identify(
         )
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
+        pooled = purpose == "prediction" and noise is None
+        searched = enough_of(problem, setting.unit_time) if pooled else problem
         solution = solve(
-            problem, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
+            searched, box, starts=starts, seed=seed, weigh=weigh, unit_time=setting.unit_time, progress=progress
         )
-        if purpose == "prediction" and noise is None:
-            solution = seen_with_own_noise(weigh_again(solution, box, sigma, INDEPENDENT * setting.unit_time))
+        if pooled:
+            solution = weigh_again(solution, box, sigma, INDEPENDENT * setting.unit_time)
+            solution = seen_on_every_sample(solution, problem)
         fit = _result(setting, solution, box, sailed, weigh)
         return fit.validate(validate) if validate else fit
 

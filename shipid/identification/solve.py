@@ -204,7 +204,7 @@ def solve(
     """
     tell = progress or (lambda _: None)
     samples = [_thin(s.trial.duration, unit_time) for s in problem.sailed]
-    thin = _thinned(problem, samples)
+    thin = thinned(problem, samples)
     tried = []
     for i, start in enumerate(make_starts(box, starts, seed)):
         tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=1e-4))
@@ -230,8 +230,16 @@ def solve(
     return replace(best, evaluations=evaluations)
 
 
-def _thinned(problem: Problem, samples: list[int]) -> Problem:
-    """The same problem on fewer samples, its beliefs weakened as much as its data."""
+def thinned(problem: Problem, samples: list[int]) -> Problem:
+    """Return the same problem on fewer samples, its beliefs weakened as much as its data.
+
+    Parameters
+    ----------
+    problem : Problem
+        On every sample.
+    samples : list of int
+        How many to keep of each trial, about.
+    """
     sailed = tuple(s.thinned(n) for s, n in zip(problem.sailed, samples))
     kept = sum(s.intervals.size for s in sailed) / sum(s.intervals.size for s in problem.sailed)
     prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))

@@ -12,11 +12,42 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import next_fast_len
 
-from shipid.identification.solve import Box, Solution, minimise, noise_levels
+from shipid.identification.problem import Problem
+from shipid.identification.solve import Box, Solution, minimise, noise_levels, seen_with_own_noise, thinned
 
 #: Change of a weight below which it has settled, and how often it may change.
 _SETTLED = 0.05
 _TURNS = 4
+#: Samples in L/U that are enough: residuals last for longer, and a rudder takes longer to be put over.
+_ENOUGH = 40
+
+
+def enough_of(problem: Problem, unit_time: float) -> Problem:
+    """Return the problem on as many samples as tell something of their own.
+
+    Parameters
+    ----------
+    problem : Problem
+        On every sample.
+    unit_time : float
+        L/U in s.
+    """
+    return thinned(problem, [int(_ENOUGH * s.trial.duration / unit_time) + 1 for s in problem.sailed])
+
+
+def seen_on_every_sample(solution: Solution, problem: Problem) -> Solution:
+    """Return the same unknowns over all samples, in units of the standard deviation of their own residuals.
+
+    Parameters
+    ----------
+    solution : Solution
+        Found on some of them.
+    problem : Problem
+        On every sample.
+    """
+    whole = replace(problem, sigma=solution.problem.sigma)
+    residual, jacobian = whole.residuals(solution.q)
+    return seen_with_own_noise(replace(solution, problem=whole, residual=residual, jacobian=jacobian))
 
 
 def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
@@ -58,5 +89,5 @@ def _lasting(solution: Solution) -> np.ndarray:
             lags = np.fft.irfft(power)[:count]
             if lags[0] > 0:
                 zero = int(np.argmax(lags < 0)) or count
-                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * sailed.trial.sampling
+                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(sailed.intervals[:-1]))
     return times.mean(axis=0)
