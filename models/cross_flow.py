@@ -37,10 +37,10 @@ class CrossFlow(SpeedScaled):
     u_disturbance = given(
         "m/s^2", "forward acceleration by wind or another disturbance", default=0.0, latex=r"\dot u_d"
     )
-    q21 = parameter("1", "sway force per drift angle", start=0.55, low=-1.0, high=5.0, spread=0.1, latex="q_{21}")
-    r21 = parameter("1", "sway force per rate of turn", start=-0.33, low=-5.0, high=0.5, spread=0.1, latex="r_{21}")
-    s21 = parameter("1", "sway force per rudder angle", start=-0.15, low=-3.0, high=0.5, latex="s_{21}")
-    q31 = parameter("1", "yaw moment per drift angle", start=-4.2, low=-20.0, high=2.0, spread=0.7, latex="q_{31}")
+    q21 = parameter("1", "sway force per drift angle", start=0.55, low=0.0, high=5.0, spread=0.1, latex="q_{21}")
+    r21 = parameter("1", "sway force per rate of turn", start=-0.33, low=-5.0, high=0.0, spread=0.1, latex="r_{21}")
+    s21 = parameter("1", "sway force per rudder angle", start=-0.15, low=-3.0, high=0.0, latex="s_{21}")
+    q31 = parameter("1", "yaw moment per drift angle", start=-4.2, low=-20.0, high=0.0, spread=0.7, latex="q_{31}")
     r31 = parameter("1", "yaw damping", start=1.8, low=0.01, high=20.0, spread=0.35, latex="r_{31}")
     s31 = parameter("1", "yaw moment per rudder angle", start=-1.1, low=-10.0, high=0.0, latex="s_{31}")
     c_y = parameter("1", "cross-flow drag in sway", start=2.5, low=0.0, high=30.0, spread=0.8, latex="c_y")
