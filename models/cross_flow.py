@@ -17,6 +17,7 @@ import numpy as np
 
 from shipid import given, join, parameter, state
 from shipid.models.kinematics import PlanarMotion, SpeedScaled
+from shipid.models.speed_scaled import WindMoment
 
 #: Gauss-Legendre points along the hull, from -1/2 to 1/2 of the length, with their weights. For a full drag six of them
 #: are exact where the cross-flow keeps its sign along the hull; where it changes, the moment is within 0.3 %, and the force
@@ -149,4 +150,9 @@ class CrossFlow(SpeedScaled):
         return (balance + turn * self.way_left) / self.L + self.u_disturbance
 
 
+class CrossFlowInWind(WindMoment, CrossFlow):
+    """Sway, yaw and surge with cross-flow drag, turned by the true wind of the log."""
+
+
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)
+cross_flow_wind = join("cross-flow-wind", CrossFlowInWind, PlanarMotion)
