@@ -51,9 +51,17 @@ class BechYaw(SpeedScaled):
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     B1 = parameter("1", "yaw acceleration per rudder angle", start=1.0, low=-5.0, high=20.0, latex="B_1")
     B0 = parameter("1", "its growth as the sway builds up", start=1.3, low=0.01, high=50.0, latex="B_0")
-    A1 = parameter("1", "sum of the poles with the sign turned", start=2.7, low=-5.0, high=50.0, latex="A_1")
+    A1 = parameter(
+        "1", "sum of the poles with the sign turned", start=2.5, low=-5.0, high=50.0, spread=0.5, latex="A_1"
+    )
     A0 = parameter(
-        "1", "product of the poles, negative for an unstable ship", start=0.3, low=-20.0, high=50.0, latex="A_0"
+        "1",
+        "product of the poles, negative for an unstable ship",
+        start=-0.15,
+        low=-20.0,
+        high=50.0,
+        spread=0.35,
+        latex="A_0",
     )
     A3 = parameter("1", "cubic damping", start=8.0, low=-100.0, high=1000.0, latex="A_3")
     r_star = derived("1", "rate of turn, made dimensionless: r L/u", latex="r^*")

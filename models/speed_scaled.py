@@ -35,6 +35,9 @@ class CubicYaw(SpeedScaled):
 class WindMoment(Component):
     """Yaw acceleration by the true wind, two harmonics of its direction.
 
+    Moment coefficients of 0.1 on as much side above the water as below make 0.004, by the densities of air and water and a
+    ship's moment of inertia: what is believed of them before a trial.
+
     It states the disturbance of the yaw, so it joins with any model of yaw in the place of `Wind`, which takes the
     relative wind and pushes ahead as well.
     """
@@ -43,8 +46,26 @@ class WindMoment(Component):
     wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
     wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
     L = constant("m", "length between perpendiculars")
-    w1 = parameter("1", "first harmonic of the wind moment", start=0.0, low=-0.1, high=0.1, nominal=0.002, latex="w_1")
-    w2 = parameter("1", "second harmonic of the wind moment", start=0.0, low=-0.1, high=0.1, nominal=0.002, latex="w_2")
+    w1 = parameter(
+        "1",
+        "first harmonic of the wind moment",
+        start=0.0,
+        low=-0.1,
+        high=0.1,
+        spread=0.004,
+        nominal=0.002,
+        latex="w_1",
+    )
+    w2 = parameter(
+        "1",
+        "second harmonic of the wind moment",
+        start=0.0,
+        low=-0.1,
+        high=0.1,
+        spread=0.004,
+        nominal=0.002,
+        latex="w_2",
+    )
     r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")
 
     @r_disturbance.equals
@@ -68,7 +89,7 @@ class DeKeizerLag(DeKeizer):
     delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
     # In seconds on purpose: an actuator knows nothing of the ship's speed, and runs at two speeds showed one lag in
     # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
-    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, latex=r"\tau_\delta")
+    t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
 
     @delta_lagged.rate
     def actuator(self):

@@ -15,18 +15,18 @@ from shipid.identification.problem import Prior
 from shipid.identification.sailed import Sailed
 
 #: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
-RUDDER_BIAS = np.deg2rad(0.05)
-MEAN_RUDDER_BIAS = np.deg2rad(2.0)
+RUDDER_BIAS = np.deg2rad(0.08)
+MEAN_RUDDER_BIAS = np.deg2rad(3.0)
 #: Standard deviation of a measured initial heading (and drift) in rad, of an initial speed in shares of the ship's; of the
 #: cruising speed, which the approach shows.
-INITIAL_ANGLE = np.deg2rad(0.2)
-INITIAL_SPEED = 0.006
-CRUISE = 0.003
+INITIAL_ANGLE = np.deg2rad(0.3)
+INITIAL_SPEED = 0.01
+CRUISE = 0.005
 #: Error at which a low-order model is as good as can be hoped: angles in rad, speeds in shares of the ship's.
 STRUCTURE_ANGLE = np.deg2rad(1.0)
 STRUCTURE_SPEED = 0.03
 #: Time between two independent samples of a residual, in L/U.
-INDEPENDENT = 0.5
+INDEPENDENT = 1.5
 
 
 def prior_of(

@@ -21,15 +21,23 @@ from shipid.identification.identify import identify
 from shipid.identification.solve import Progress
 from shipid.trials.trial import Trial
 
-#: What a prediction is judged by: name, unit of the value, meaning. Each counts in shares of what was measured.
+#: What a prediction is judged by: name, unit of the value, meaning. Each counts in shares of what was measured. A heading
+#: that is not corrected for a rudder bias is shown and does not count: on a ship that hardly keeps her course it measures
+#: the bias, which no structure knows.
 MEASURES = {
     "rate": ("rad/s", "rms error of the rate of turn, nothing refitted"),
-    "heading_warm": ("rad", "rms error of the heading after a warm-up to the first reversal of the rudder"),
     "heading_refitted_bias": ("rad", "rms error of the heading with rudder bias and initial state refitted"),
     "overshoot": ("rad", "rms error of the first two overshoot angles, recorded rudder"),
-    "heading": ("rad", "rms error of the heading, nothing refitted; shown, not counted: it measures the rudder bias"),
+    "speed": ("m/s", "rms error of the forward speed, nothing refitted"),
+    "sway": ("m/s", "rms error of the sway speed, nothing refitted"),
+    "heading_warm": (
+        "rad",
+        "rms error of the heading after a warm-up to the first reversal of the rudder; not counted",
+    ),
+    "heading": ("rad", "rms error of the heading, nothing refitted; not counted"),
 }
-_COUNTED = ("rate", "heading_warm", "heading_refitted_bias", "overshoot")
+_COUNTED = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway")
+_SHOWN = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway", "heading_warm", "heading")
 #: Share of what was measured at which a prediction is no better than none.
 _WORTHLESS = 3.0
 
@@ -44,11 +52,15 @@ class Rank:
         Its name.
     coefficients : int
         How many it estimates.
+    free : int
+        How many of them nothing but the trials says anything about: those the model declares no belief of.
     score : float or None
         Geometric mean over left-out trials and measures of the error in shares of what was measured; smaller is better.
         None where no fold could be fitted.
     std : float or None
         Standard error of the score, from the scatter between left-out trials; None for fewer than two.
+    shares : tuple of float
+        The score of each left-out trial.
     measures : mapping of str to float or None
         Root-mean-square of each measure over the left-out trials, SI.
     validation : mapping of str to mapping
@@ -59,8 +71,10 @@ class Rank:
 
     model: str
     coefficients: int
+    free: int
     score: float | None
     std: float | None
+    shares: tuple[float, ...]
     measures: Mapping[str, float | None]
     validation: Mapping[str, Mapping[str, float | None]]
     message: str = ""
@@ -70,10 +84,12 @@ class Rank:
         return {
             "model": self.model,
             "coefficients": self.coefficients,
+            "free": self.free,
             "score": self.score,
             "std": self.std,
+            "shares": list(self.shares),
             "measures": dict(self.measures),
-            "validation": {t: dict(m) for t, m in self.validation.items()},
+            "validation": {n: dict(m) for n, m in self.validation.items()},
             "message": self.message,
         }
 
@@ -89,7 +105,7 @@ class Ranking:
     folds : tuple of str
         What was left out, in turn.
     tied : tuple of str
-        Models whose score is within one standard error of the smallest.
+        Models whose score is within one standard error of the smallest, the error being that of the difference.
     """
 
     ranks: tuple[Rank, ...]
@@ -98,9 +114,13 @@ class Ranking:
 
     @property
     def best(self) -> str | None:
-        """The model to take: among those that are tied, the one with the fewest coefficients; None where none fitted."""
+        """The model to take among those that are tied; None where none fitted.
+
+        It is the one with the fewest coefficients that only the trials determine, then the better one: where others are
+        sailed than those that were left out, what is known of ships in general carries further than what two trials tell.
+        """
         tied = [r for r in self.ranks if r.model in self.tied]
-        return min(tied, key=lambda r: (r.coefficients, r.score or 0.0)).model if tied else None
+        return min(tied, key=lambda r: (r.free, r.score or 0.0)).model if tied else None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values for JSON."""
@@ -119,7 +139,7 @@ class Ranking:
 
         rows = [
             {"model": r.model, "score": r.score, "std": r.std}
-            | {f"{n} [{u.replace('rad', 'deg')}]": _degrees(r.measures.get(n)) for n, (u, _) in MEASURES.items()}
+            | {f"{n} [{u.replace('rad', 'deg')}]": _shown(n, r.measures.get(n)) for n, (u, _) in MEASURES.items()}
             for r in self.ranks
         ]
         return pd.DataFrame(rows).set_index("model")
@@ -127,18 +147,22 @@ class Ranking:
     def __repr__(self) -> str:
         lines = [f"predictions of what was left out ({', '.join(self.folds)}); a smaller score is better"]
         lines.append(
-            f"  {'model':<22s}{'score':>14s}{'rate':>9s}{'warm':>9s}{'bias':>9s}{'overshoot':>11s}{'as it is':>10s}"
+            f"  {'model':<22s}{'score':>14s}{'rate':>9s}{'bias':>9s}{'overshoot':>11s}{'speed':>9s}{'sway':>9s}{'warm':>9s}{'as it is':>10s}"
         )
         for r in self.ranks:
             score = "-" if r.score is None else f"{r.score:.3f}" + ("" if r.std is None else f" ± {r.std:.3f}")
-            cells = [_degrees(r.measures.get(n)) for n in (*_COUNTED, "heading")]
-            shown = [("-" if c is None else f"{c:.3g}").rjust(w) for c, w in zip(cells, (9, 9, 9, 11, 10))]
+            cells = [_shown(n, r.measures.get(n)) for n in _SHOWN]
+            shown = [("-" if c is None else f"{c:.3g}").rjust(w) for c, w in zip(cells, (9, 9, 11, 9, 9, 9, 10))]
             lines.append(f"  {r.model:<22s}{score:>14s}{''.join(shown)}" + (f"  {r.message}" if r.message else ""))
-        lines.append("  rate in deg/s, the others in deg; 'as it is' is the heading with nothing refitted")
+        lines.append(
+            "  rate in deg/s, speed and sway in m/s, the others in deg; 'as it is' is the heading with nothing refitted"
+        )
         if len(self.tied) > 1:
             lines.append(f"  within one standard error of the smallest: {', '.join(self.tied)}")
         if self.best:
-            lines.append(f"  to take: {self.best}, the one of these with the fewest coefficients")
+            lines.append(
+                f"  to take: {self.best}, the one of these with the fewest coefficients that only trials determine"
+            )
         return "\n".join(lines)
 
 
@@ -196,14 +220,15 @@ def compare_models(
             kept, trouble = _attempt(model, trials, validate, ship, starts, seed)
         ranks.append(_rank(model, compared, kept, trouble))
     ranks.sort(key=lambda r: (r.score is None, r.score or 0.0))
-    return Ranking(tuple(ranks), tuple(t.name for t, _ in folds), _tied(ranks))
+    return Ranking(tuple(ranks), tuple(left_out.name for left_out, _ in folds), _tied(ranks))
 
 
 def _folds(trials: Sequence[Trial]) -> list[tuple[Trial, list[Trial]]]:
     if len(trials) > 1:
-        return [(t, [o for o in trials if o is not t]) for t in trials]
-    t = trials[0]["t"]
-    halves = [trials[0].window(t[0], t[t.size // 2]), trials[0].window(t[t.size // 2], t[-1])]
+        return [(one, [o for o in trials if o is not one]) for one in trials]
+    clock = trials[0]["t"]
+    middle = clock[clock.size // 2]
+    halves = [trials[0].window(clock[0], middle), trials[0].window(middle, clock[-1])]
     return [(halves[0], [halves[1]]), (halves[1], [halves[0]])]
 
 
@@ -224,22 +249,30 @@ def _attempt(
 
 
 def _rank(model: Model, compared: Sequence[Comparison | None], kept: Fit | None, trouble: str) -> Rank:
-    folds = [_measures(c) for c in compared if c is not None]
+    folds = [_measures(model, c) for c in compared if c is not None]
     together = {n: _together([m[n] for m, _ in folds]) for n in MEASURES}
-    scores = [_score(m, size) for m, size in folds]
     # A fold that could not be fitted counts as a prediction that is worth nothing.
-    scores += [float(np.log(_WORTHLESS))] * (len(compared) - len(folds))
+    scores = [float(np.log(_WORTHLESS)) if c is None else _score(*_measures(model, c)) for c in compared]
     score = float(np.exp(np.mean(scores))) if folds else None
     std = score * float(np.std(scores, ddof=1)) / len(scores) ** 0.5 if score is not None and len(scores) > 1 else None
-    validation = {c.trial.name: _measures(c)[0] for c in kept.validation} if kept else {}
-    count = sum(model[n].quantity.estimated for n in model.parameters)
-    return Rank(model.name, count, score, std, together, validation, trouble)
+    validation = {c.trial.name: _measures(model, c)[0] for c in kept.validation} if kept else {}
+    estimated = [model[n].quantity for n in model.parameters if model[n].quantity.estimated]
+    return Rank(
+        model.name,
+        len(estimated),
+        sum(q.spread is None for q in estimated),
+        score,
+        std,
+        tuple(np.exp(scores).tolist()),
+        together,
+        validation,
+        trouble,
+    )
 
 
-def _measures(c: Comparison) -> tuple[dict[str, float | None], dict[str, float]]:
+def _measures(model: Model, c: Comparison) -> tuple[dict[str, float | None], dict[str, float]]:
     """Measures of one prediction, and the size of what was measured, by measure."""
-    swing = float(np.std(c.trial["psi"])) if c.trial.has("psi") else 1.0
-    rate = float(np.std(c.trial["r"])) if c.trial.has("r") else 1.0
+    size = {n: float(np.std(c.trial[n])) if c.trial.has(n) else 1.0 for n in ("psi", "r", "u", "v")}
     pairs = [(m, p) for m, p in zip(c.overshoots[:2], c.predicted_overshoots[:2]) if p is not None]
     overshoot = float(np.sqrt(np.mean([(m - p) ** 2 for m, p in pairs]))) if pairs else None
     found = {
@@ -247,15 +280,31 @@ def _measures(c: Comparison) -> tuple[dict[str, float | None], dict[str, float]]
         "heading_warm": c.warm.get("psi"),
         "heading_refitted_bias": c.refitted.get("psi"),
         "overshoot": overshoot,
+        "speed": _missed(model, c, "u"),
+        "sway": _missed(model, c, "v"),
         "heading": c.rmse.get("psi"),
     }
-    size = {
-        "rate": rate,
-        "heading_warm": swing,
-        "heading_refitted_bias": swing,
+    sizes = {
+        "rate": size["r"],
+        "heading_warm": size["psi"],
+        "heading_refitted_bias": size["psi"],
         "overshoot": float(np.mean(c.overshoots[:2])) if pairs else 1.0,
+        "speed": size["u"],
+        "sway": size["v"],
     }
-    return {n: v if v is not None and np.isfinite(v) else None for n, v in found.items()}, size
+    return {n: v if v is not None and np.isfinite(v) else None for n, v in found.items()}, sizes
+
+
+def _missed(model: Model, c: Comparison, name: str) -> float | None:
+    """Error of a speed; a model that says nothing of it has the speed of the approach, and no sway."""
+    if not c.trial.has(name):
+        return None
+    measured = c.trial[name]
+    predicted: np.ndarray | float | None = c.predicted.get(name)
+    if predicted is None or model[name].quantity.kind == "given":
+        predicted = c.predicted["u"][0] if name == "u" and "u" in c.predicted else 0.0
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float(np.sqrt(np.mean((measured - predicted) ** 2)))
 
 
 def _score(measures: Mapping[str, float | None], size: Mapping[str, float]) -> float:
@@ -272,12 +321,22 @@ def _together(values: Sequence[float | None]) -> float | None:
 
 
 def _tied(ranks: Sequence[Rank]) -> tuple[str, ...]:
+    """The best, and those that are worse by no more than one standard error of the difference.
+
+    Left-out trials are hard or easy for all models alike, so that only the differences between models count.
+    """
     best = ranks[0]
     if best.score is None:
         return ()
-    reach = best.score + (best.std or 0.0)
-    return tuple(r.model for r in ranks if r.score is not None and r.score <= reach)
+    tied = [best.model]
+    for r in ranks[1:]:
+        worse = np.log(r.shares) - np.log(best.shares)
+        reach = float(np.std(worse, ddof=1)) / worse.size**0.5 if worse.size > 1 else 0.0
+        if r.score is not None and worse.mean() <= reach:
+            tied.append(r.model)
+    return tuple(tied)
 
 
-def _degrees(value: float | None) -> float | None:
-    return None if value is None else float(np.rad2deg(value))
+def _shown(name: str, value: float | None) -> float | None:
+    """A measure in the unit a reader expects: degrees for angles."""
+    return value if value is None or "rad" not in MEASURES[name][0] else float(np.rad2deg(value))

@@ -18,7 +18,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value
 from shipid.declaration.units import to_si
 from shipid.generation.system import generate
-from shipid.identification.beliefs import prior_of, scales_of
+from shipid.identification.beliefs import INDEPENDENT, prior_of, scales_of
 from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
 from shipid.identification.ladder import Climb, Rung, climb
@@ -26,9 +26,10 @@ from shipid.identification.methods import LOSSES, METHODS, PURPOSES
 from shipid.identification.problem import make_problem
 from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
 from shipid.identification.setting import Setting, check_length, search_box, settle
-from shipid.identification.solve import Box, Progress, Solution, seen_with_own_noise
+from shipid.identification.solve import Box, Progress, Solution
 from shipid.identification.uncertainty import correlation_of, covariance_of
 from shipid.identification.validation import compare, predictions, warm_up_samples
+from shipid.identification.weighing import enough_of, seen_on_every_sample, weigh_again
 from shipid.trials.columns import COLUMNS
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
@@ -146,9 +147,14 @@ def identify(
     how = Climb(starts, seed, weigh, setting.unit_time, progress or (lambda _: None))
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
-        solution, rungs = climb(problem, box, method, how)
-        if purpose == "prediction" and noise is None:
-            solution = seen_with_own_noise(solution)
+        pooled = purpose == "prediction" and noise is None
+        searched = enough_of(problem, setting.unit_time) if pooled else problem
+        solution, rungs = climb(searched, box, method, how)
+        if pooled:
+            # Coefficients of a method that minimises no residuals are not to be moved by new weights.
+            if solution.covariance is None:
+                solution = weigh_again(solution, box, sigma, INDEPENDENT * setting.unit_time)
+            solution = seen_on_every_sample(solution, problem)
         fit = _result(setting, solution, rungs, box, sailed, levels, check)
         return fit.validate(validate) if validate else fit
 

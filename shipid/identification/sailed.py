@@ -60,7 +60,7 @@ class Sailed:
         n = max(1, self.intervals.size // most)
         if n == 1:
             return self
-        t = self.trial["t"][::n]
+        t = np.concatenate([[0.0], np.cumsum(self.intervals[:-1])])[::n]
         return replace(
             self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, ::n], measured=self.measured[:, ::n]
         )

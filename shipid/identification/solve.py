@@ -236,7 +236,19 @@ def thinned(problem: Problem, unit_time: float | None) -> Problem:
     unit_time : float or None
         L/U in s: no thinned record is coarser than a tenth of it.
     """
-    samples = [_thin(s.trial.duration, unit_time) for s in problem.sailed]
+    return thinned_to(problem, [_thin(s.trial.duration, unit_time) for s in problem.sailed])
+
+
+def thinned_to(problem: Problem, samples: list[int]) -> Problem:
+    """Return the same problem on so many samples, its beliefs weakened as much as its data.
+
+    Parameters
+    ----------
+    problem : Problem
+        With every sample.
+    samples : list of int
+        How many to keep of each trial, about.
+    """
     sailed = tuple(s.thinned(n) for s, n in zip(problem.sailed, samples))
     kept = sum(s.intervals.size for s in sailed) / sum(s.intervals.size for s in problem.sailed)
     prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))
