@@ -228,6 +228,9 @@ def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
     if step.size_out(0) != step.size_in(0) or step.size2_out(1) != 1:
         raise ValueError(f"a step returns what it carries, and {step} does not")
     library = None
+    # Under a name of our own: the C library has a `step` too, and the loop would call that one.
+    symbols = [(ca.SX if step.is_a("SXFunction") else ca.MX).sym(f"a{i}", step.size1_in(i)) for i in range(3)]
+    step = ca.Function(f"shipid_{step.name()}", symbols, step.call(symbols))
     if compiled or single:
         text = _LOOP.format(
             nz=nz,
