@@ -8,7 +8,8 @@ rounding eats first. Covariance form in double precision, square-root form in do
 - the filter at work: more than 99 % of the samples taken in, every number finite;
 - symmetric: by construction (the upper triangle is what is carried), looked at through the formed matrix;
 - positive: the smallest eigenvalue of the correlation matrix above zero, in every look;
-- no drift: in the last tenth of the run within a factor of two of that of the square root in double precision.
+- no drift: in the last tenth of the run within a factor of two of that of the square root in double precision; in single
+  precision not below half of it (floats stop learning at about 1e-7, which leaves the filter less sure than it could be).
 
 Single precision in the covariance form is run beside them and reported without being asked anything: that is what the square
 root is for.
@@ -148,7 +149,9 @@ def main() -> int:
         results = [endure(*case, options.steps) for case in CASES]
     exact = results[0]["late"]
     for r in results:
-        r["holds"] = not r["asked"] or (r["positive"] and 0.5 <= r["late"] / exact <= 2.0)
+        r["holds"] = not r["asked"] or (
+            r["positive"] and r["late"] / exact >= 0.5 and (r["precision"] == "single" or r["late"] / exact <= 2.0)
+        )
     if options.json:
         print(json.dumps(results, indent=1, allow_nan=False))
     else:

@@ -13,8 +13,11 @@ import numpy as np
 
 #: Longest pause in s that is bridged; so many stamps in a row that agree make a new clock.
 LONGEST_GAP, CONFIRMED = 600.0, 3
-#: Longest step in sampling intervals: a gap is bridged in steps no longer, so that the integration stays accurate.
-LONGEST_STEP = 4.0
+#: Longest step in sampling intervals: a gap is bridged in steps no longer, so that the integration stays accurate; and so many
+#: steps at most.
+LONGEST_STEP, MOST_STEPS = 4.0, 2000
+#: The sampling interval is the median of so many of the last.
+_RECENT = 9
 
 
 class Clock:
@@ -28,8 +31,14 @@ class Clock:
 
     def __init__(self) -> None:
         self.last: float | None = None
-        self.shift = self.typical = 0.0
+        self.shift = 0.0
+        self._recent: list[float] = []
         self._doubted: list[float] = []
+
+    @property
+    def typical(self) -> float:
+        """The sampling interval in s; zero before the second sample."""
+        return sorted(self._recent)[len(self._recent) // 2] if self._recent else 0.0
 
     @property
     def now(self) -> float:
@@ -37,13 +46,13 @@ class Clock:
         return (self.last or 0.0) + self.shift
 
     @property
-    def state(self) -> list[float]:
+    def state(self) -> list[list[float]]:
         """Everything it remembers, as numbers."""
-        return [self.last or 0.0, self.shift, self.typical, *self._doubted]
+        return [[self.last or 0.0, self.shift], self._recent, self._doubted]
 
     @state.setter
-    def state(self, numbers: list[float]) -> None:
-        self.last, self.shift, self.typical, *self._doubted = numbers
+    def state(self, numbers: list[list[float]]) -> None:
+        (self.last, self.shift), self._recent, self._doubted = numbers
 
     def let(self, t: float) -> float | None:
         """Return the seconds since the sample before, or None for one that is left out.
@@ -61,11 +70,7 @@ class Clock:
         elapsed = t - self.last
         if 0 < elapsed <= LONGEST_GAP:
             self.last, self._doubted = t, []
-            # A slow average of what is no gap: the sampling interval of a log may change.
-            if not self.typical:
-                self.typical = elapsed
-            elif steps(elapsed, self.typical) == 1:
-                self.typical += 0.05 * (elapsed - self.typical)
+            self._recent = [*self._recent[1 - _RECENT :], elapsed]
             return elapsed
         follows = self._doubted and 0 < t - self._doubted[-1] <= LONGEST_GAP
         self._doubted = [*self._doubted, t] if follows else [t]
@@ -92,7 +97,9 @@ def steps(elapsed: float, typical: float) -> int:
         Sampling interval in s; zero where it is not known.
     """
     # A whole number of longest steps is not one more by rounding.
-    return max(1, math.ceil(elapsed / (LONGEST_STEP * typical) - 1e-6)) if typical else 1
+    if elapsed <= LONGEST_STEP * typical or not typical:
+        return 1
+    return max(1, math.ceil(min(elapsed / (LONGEST_STEP * typical), MOST_STEPS) - 1e-6))
 
 
 def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -109,12 +116,12 @@ def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return np.ones(t.size, dtype=bool), t
     kept, own, clock = np.zeros(t.size, dtype=bool), np.array(t, dtype=float), Clock()
     good = d[(d > 0) & (d <= LONGEST_GAP)]
-    clock.typical = float(np.median(good)) if good.size else 0.0
+    clock._recent = [float(np.median(good))] * _RECENT if good.size else []
     # Between two stamps that cannot be right all follow each other: one that is let through brings the rest with it.
     for a, b in zip([0, *(bad + 1)], [*(bad + 1), t.size]):
         first = next((k for k in range(a, b) if clock.let(float(t[k])) is not None), b)
         kept[first:b] = True
         own[first:b] += clock.shift
         if first < b:
-            clock.last = float(t[b - 1])
+            clock.last, clock._doubted = float(t[b - 1]), []
     return kept, own[kept]

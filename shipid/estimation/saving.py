@@ -37,7 +37,7 @@ def save_state(online: OnlineFilter, path: Path) -> None:
         "model": online.filter.base.name,
         "filter": fingerprint(online.filter),
         "began": float(online._began or 0.0).hex(),
-        "clock": [v.hex() for v in online._clock.state],
+        "clock": [[float(v).hex() for v in part] for part in online._clock.state],
         "carried": [float(v).hex() for v in online.stepper.z],
         "out": [float(v).hex() for v in online.stepper.out[: brief["ll"].stop]],
         "counts": online._counts,
@@ -65,7 +65,8 @@ def restore_state(kalman: ExtendedKalmanFilter, path: Path) -> OnlineFilter:
         state = json.loads(path.read_text(encoding="utf-8"))
         numbers = [float.fromhex(v) for v in state["carried"]]
         out = [float.fromhex(v) for v in state["out"]]
-        online._began, online._clock.state = float.fromhex(state["began"]), [float.fromhex(v) for v in state["clock"]]
+        online._began = float.fromhex(state["began"])
+        online._clock.state = [[float.fromhex(v) for v in part] for part in state["clock"]]
         online._counts, online.rejected = dict(state["counts"]), dict(state["rejected"])
         online.refused, online._unseen = int(state["refused"]), set(state["unseen"])
     except OSError as error:

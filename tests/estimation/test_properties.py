@@ -1,0 +1,165 @@
+"""What holds for any record: covariances, the order of sensors, splitting a record anywhere, whatever is in it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as some
+
+SENSORS = {"psi": 0.01, "r": 5e-4}
+OPTIONS: dict[str, Any] = {"density": {"r": 1e-4}, "estimated": ["K", "tau"]}
+FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+
+
+@pytest.fixture(scope="module")
+def filters(setup: Any) -> dict[str, Any]:
+    """Made once: with and without a gate, with the sensors the other way round, and as a square root."""
+    turned = dict(reversed(SENSORS.items()))
+    return {
+        "gated": setup("yaw", SENSORS, gate=5.0, **OPTIONS).kalman,
+        "open": setup("yaw", SENSORS, **OPTIONS).kalman,
+        "turned": setup("yaw", turned, **OPTIONS).kalman,
+        "root": setup("yaw", SENSORS, gate=5.0, form="square-root", **OPTIONS).kalman,
+    }
+
+
+@some.composite
+def records(draw: Any, wild: bool = True) -> dict[str, np.ndarray]:
+    """A record of 2 to 60 samples: any intervals, holes, outliers, stuck sensors; plausible where it is not wild."""
+    count = draw(some.integers(2, 60))
+    rng = np.random.default_rng(draw(some.integers(0, 2**32 - 1)))
+    t = np.cumsum(rng.choice([0.1, 0.7, 1.0, 3.0, 45.0], count) * rng.uniform(0.5, 1.5, count))
+    delta = 0.3 * np.sin(t / rng.uniform(5, 50))
+    psi, r = 0.01 * rng.standard_normal(count), 5e-4 * rng.standard_normal(count)
+    if wild:
+        psi += rng.choice([0.0, 0.3, -20.0, 400.0], count, p=[0.8, 0.1, 0.05, 0.05])
+        r += rng.choice([0.0, 0.01, 5.0], count, p=[0.9, 0.05, 0.05])
+        psi[rng.random(count) < 0.2] = np.nan
+        r[rng.random(count) < 0.2] = np.nan
+        psi[count // 2 : count // 2 + int(rng.integers(0, 15))] = psi[count // 2]
+        delta[rng.random(count) < 0.1] = np.nan
+    return {"t": t, "psi": psi, "r": r, "delta": delta}
+
+
+@FEW
+@given(record=records(), which=some.sampled_from(["gated", "root"]))
+def test_covariances_are_symmetric_and_positive(
+    filters: dict[str, Any], record: dict[str, np.ndarray], which: str
+) -> None:
+    run = filters[which].filter(record)
+    P = run.covariance
+    assert np.array_equal(P, P.transpose(0, 2, 1)) and np.isfinite(run.x).all()
+    scale = np.sqrt(np.diagonal(P, axis1=1, axis2=2))
+    assert np.all(scale > 0) and scale == pytest.approx(run.std)
+    assert np.linalg.eigvalsh(P / (scale[:, :, None] * scale[:, None, :])).min() > -1e-9
+    # What was taken in never makes a state less sure than the prediction, unless it leapt.
+    smoothed = run.smooth()
+    assert np.isfinite(smoothed.x).all() and np.all(smoothed.std >= 0)
+
+
+@FEW
+@given(record=records(wild=False))
+def test_the_order_of_sensors_does_not_matter(filters: dict[str, Any], record: dict[str, np.ndarray]) -> None:
+    """All are linearised at the same point, so sequential updates are the joint one, in any order."""
+    a, b = filters["open"].filter(record), filters["turned"].filter(record)
+    assert np.all(np.abs(a.x - b.x) <= 1e-8 * a.std)
+    assert b.std == pytest.approx(a.std, rel=1e-8)
+    assert b.log_likelihood == pytest.approx(a.log_likelihood, rel=1e-9, abs=1e-9)
+    assert b.nis == pytest.approx(a.nis, rel=1e-7, abs=1e-9)
+
+
+@FEW
+@given(record=records(), at=some.floats(0, 1))
+def test_a_record_can_be_split_anywhere(
+    filters: dict[str, Any], tmp_path: Path, record: dict[str, np.ndarray], at: float
+) -> None:
+    """Through a file, to the bit."""
+    kalman = filters["gated"]
+    rows = [{n: float(c[k]) for n, c in record.items()} for k in range(record["t"].size)]
+    rows[0]["delta"] = 0.0
+    split = 1 + int(at * (len(rows) - 2))
+    whole, first = kalman.start(), kalman.start()
+    wanted = [whole.update(s) for s in rows]
+    for s in rows[:split]:
+        first.update(s)
+    first.save(tmp_path / "state.json")
+    second = kalman.restore(tmp_path / "state.json")
+    for s, w in zip(rows[split:], wanted[split:]):
+        got = second.update(s)
+        assert np.array_equal(got.x, w.x) and np.array_equal(got.std, w.std) and got.rejected == w.rejected
+    assert second.rejected == whole.rejected
+
+
+STAMPS = some.one_of(some.integers(-50, 50), some.sampled_from([np.nan, np.inf, 1e300, 5000.0, 1e-9]))
+
+
+@FEW
+@given(record=records(), stamps=some.lists(STAMPS, min_size=2, max_size=60))
+def test_any_clock_is_survived(filters: dict[str, Any], record: dict[str, np.ndarray], stamps: list[float]) -> None:
+    """Whatever the stamps: both ways of running agree on which are left out, or the record says that it has no times."""
+    from shipid.declaration.errors import UsageError
+
+    kalman, count = filters["gated"], min(len(stamps), record["t"].size)
+    spoilt = {n: c[:count] for n, c in record.items()} | {"t": np.array(stamps[:count], dtype=float)}
+    try:
+        run = kalman.filter(spoilt)
+    except UsageError as error:
+        assert "do not run forward" in str(error)
+        return
+    assert np.isfinite(run.x).all() and np.all(np.diff(run.t) > 0) and run.t.size + run.arranged.back == count
+    from shipid.estimation.clock import Clock
+
+    clock = Clock()
+    assert [clock.let(float(t)) is not None for t in stamps[:count]] == list(run.arranged.forward)
+
+
+def test_results_as_plain_values(filters: dict[str, Any]) -> None:
+    """JSON without NaN, a table with units, a text; also where a sensor never showed anything."""
+    t = np.arange(40) * 0.7
+    record = {"t": t, "psi": np.full(40, np.nan), "r": 1e-4 * np.sin(t), "delta": 0.1 * np.sin(t / 9)}
+    run = filters["gated"].filter(record)
+    plain = json.loads(json.dumps(run.to_dict(), allow_nan=False))
+    assert plain["model"] == "yaw" and plain["samples"] == 40 and plain["clock_went_back"] == 0
+    assert set(plain["parameters"]) == {"K", "tau"} and set(plain["states"]) == {"psi", "r"}
+    assert plain["innovations"]["psi"] == {
+        "nis_mean": None, "nis_band95": None, "white_p": None, "rejected": 0, "out_of_range": 0, "samples": 0,
+    }  # fmt: skip
+    low, high = plain["innovations"]["r"]["nis_band95"]
+    assert low < 1 < high and 0 <= plain["innovations"]["r"]["white_p"] <= 1
+    K = run.parameters["K"]
+    assert plain["parameters"]["K"]["interval95"] == list(K.interval) and K.interval[0] < K.value < K.interval[1]
+    assert K.value == run["K"][-1] and K.std == pytest.approx(run.std_of("K")[-1])
+    # Of a parameter estimated by its logarithm: exactly, so not symmetric.
+    assert K.interval[0] * K.interval[1] == pytest.approx(K.value**2)
+    frame = run.to_frame()
+    assert list(frame.columns) == ["t [s]", "psi [rad]", "std_psi [rad]", "r [rad/s]", "std_r [rad/s]", "K [1/s]",
+                                   "std_K [1/s]", "tau [s]", "std_tau [s]"]  # fmt: skip
+    assert frame["K [1/s]"].to_numpy() == pytest.approx(run["K"]) and len(frame) == 40
+    text = repr(run)
+    assert "extended Kalman filter of 'yaw'" in text and "record record: 40 samples" in text
+    assert "innovations of psi        NIS - (1 is right), whiteness p -, rejected 0" in text
+    assert run.nis.shape == (40,) and np.isfinite(run.nis).all()
+
+
+def test_whiteness() -> None:
+    """Ljung and Box's number against statsmodels' formula written out, and what it is for."""
+    from scipy.stats import chi2
+
+    from shipid.estimation.consistency import autocorrelation, whiteness
+
+    rng = np.random.default_rng(1)
+    e = rng.standard_normal(500)
+    centred = e - e.mean()
+    r = np.array([np.sum(centred[k:] * centred[: 500 - k]) for k in range(1, 21)]) / np.sum(centred**2)
+    assert autocorrelation(e, 20) == pytest.approx(r)
+    q = 500 * 502 * sum(r[k - 1] ** 2 / (500 - k) for k in range(1, 21))
+    assert whiteness(e) == pytest.approx(chi2.sf(q, 20))
+    coloured = np.convolve(rng.standard_normal(520), np.ones(5) / 5, "valid")
+    assert whiteness(coloured) < 1e-6
+    assert whiteness(e[:29]) is None and whiteness(np.ones(40)) == 1.0
+    # Of many white records one in twenty falls below 0.05.
+    few = np.mean([whiteness(rng.standard_normal(200)) < 0.05 for _ in range(400)])
+    assert 0.02 < few < 0.09
