@@ -90,7 +90,7 @@ def jacobian_deviation(model: Model, points: list[Values]) -> float:
     arguments = [system.x, system.u, system.p, system.T]
     function = ca.Function("J", arguments, [ca.jacobian(generated(system), everything)])
     names = system.states + system.inputs + system.coefficients
-    smooth = model.name not in ("pershitz", "pershitz-discrete", "cross-flow")
+    smooth = model.name not in ("pershitz", "pershitz-discrete")
     worst = 0.0
     for point in points:
         got = function(*vectors(system, point), INTERVAL).full() * np.array([point[n] for n in names])
