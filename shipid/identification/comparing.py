@@ -309,11 +309,12 @@ def _missed(model: Model, c: Comparison, name: str) -> float | None:
     """Error of a speed; a model that says nothing of it has the speed of the approach, and no sway."""
     if not c.trial.has(name):
         return None
-    measured, predicted = c.trial[name], c.predicted.get(name)
-    if predicted is None or model[name].quantity.kind == "given":
-        predicted = c.predicted["u"][0] if name == "u" and "u" in c.predicted else 0.0
+    if name in c.predicted and model[name].quantity.kind != "given":
+        predicted = c.predicted[name]
+    else:
+        predicted = c.predicted["u"][:1] if name == "u" and "u" in c.predicted else np.zeros(1)
     with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.sqrt(np.mean((measured - predicted) ** 2)))
+        return float(np.sqrt(np.mean((c.trial[name] - predicted) ** 2)))
 
 
 def _score(measures: Mapping[str, float | None], size: Mapping[str, float]) -> float:
