@@ -123,8 +123,8 @@ def zigzag(model: Model, speed: float, count: int) -> tuple[np.ndarray, np.ndarr
 def simulation_deviation(model: Model, speed: float, unit: float, values: Values) -> float:
     """Largest deviation of a state from SciPy's, relative to the largest value the state takes."""
     x0, u = zigzag(model, speed, 150)
-    # No longer than the lag of a rudder, which is faster than the ship.
-    interval = min(0.1 * unit, values.get("t_delta", np.inf))
+    # Shorter than the lag of a rudder, which is faster than the ship.
+    interval = min(0.1 * unit, 0.8 * values.get("t_delta", np.inf))
     record = make_record(model, model.states, substeps=8, compiled=False)
     system = record.system
     p = system.vector(system.coefficients, values)
