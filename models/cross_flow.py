@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import given, join, parameter, state
+from shipid import constant, given, join, parameter, state
 from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.speed_scaled import WindMoment
 
@@ -79,26 +79,11 @@ class CrossFlow(SpeedScaled):
     )
     X0 = parameter("1", "resistance and thrust", start=0.06, low=0.002, high=2.0, latex="X_0")
     X_vr = parameter("1", "resistance of the turn", start=1.65, low=0.0, high=20.0, spread=0.12, latex="X_{vr}")
-    w_0 = parameter(
-        "1",
-        "cross-flow, in shares of the forward speed, at which its drag is 0.7 of a full one",
-        start=0.4,
-        low=0.0,
-        high=10.0,
-        estimated=False,
+    w_0 = constant(
+        "1", "cross-flow, in shares of the forward speed, at which its drag is 0.7 of a full one", default=0.4
     )
-    k_T = parameter(
-        "1", "growth of the thrust with the share of lost speed", start=0.8, low=0.0, high=5.0, estimated=False
-    )
-    k_delta = parameter(
-        "1/rad",
-        "drag of the rudder over its side force, by angle",
-        start=0.77,
-        low=0.0,
-        high=5.0,
-        estimated=False,
-        latex=r"k_\delta",
-    )
+    k_T = constant("1", "growth of the thrust with the share of lost speed", default=0.8)
+    k_delta = constant("1/rad", "drag of the rudder over its side force, by angle", default=0.77, latex=r"k_\delta")
 
     def rudder(self):
         """Square of the speed at the rudder times its angle, by u^(2-m) U0^m, with the propeller's side force."""
@@ -114,8 +99,8 @@ class CrossFlow(SpeedScaled):
         """
         flow = [self.v + xi * self.L * self.r for xi in _POINTS]
         late = (self.w_0 * self.way) ** 2
-        # A ship that lies still has no cross-flow and no way: the millionth keeps 0/0 out, and out of the derivatives.
-        least = (1e-6 * self.cruise) ** 2
+        # A ship that lies still has no cross-flow and no way: the billionth keeps 0/0 out, and out of the derivatives.
+        least = (1e-9 * self.cruise) ** 2
         return sum(
             weight * xi**power * w**3 / np.sqrt(w**2 + late + least) for xi, weight, w in zip(_POINTS, _WEIGHTS, flow)
         )

@@ -97,9 +97,9 @@ class ConsistentWaves(ColouredWavesSeven):
 position_filter = join("position-filter", Track, SteadySpeed, SwayConstant, SlowCurrent, Log, PositionSensor)
 own_ship_filter = join(
     "own-ship-filter",
+    ConsistentWaves,
     AdaptiveYaw,
     SlowDisturbance,
-    ConsistentWaves,
     Heading,
     SteadySpeed,
     SwayConstant,

@@ -126,4 +126,4 @@ class ColouredWavesSeven(ColouredWaves):
 
 
 yaw_filter = join("yaw-filter", AdaptiveYaw, SlowDisturbance, ColouredWaves, Heading, Compass, Gyro)
-yaw_filter_seven = join("yaw-filter-seven", AdaptiveYaw, SlowDisturbance, ColouredWavesSeven, Heading, Compass, Gyro)
+yaw_filter_seven = join("yaw-filter-seven", ColouredWavesSeven, AdaptiveYaw, SlowDisturbance, Heading, Compass, Gyro)

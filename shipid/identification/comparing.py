@@ -38,6 +38,8 @@ MEASURES = {
 }
 _COUNTED = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway")
 _SHOWN = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway", "heading_warm", "heading")
+#: What a model may take as given although it is what the ship does.
+_MOTION = ("x", "y", "psi", "u", "v", "r", "cruise")
 #: Share of what was measured at which a prediction is no better than none.
 _WORTHLESS = 3.0
 
@@ -54,6 +56,8 @@ class Rank:
         How many it estimates.
     free : int
         How many of them nothing but the trials says anything about: those the model declares no belief of.
+    reads : int
+        How many recorded inputs it reads, as the rudder and the wind; a motion of the ship is no input.
     score : float or None
         Geometric mean over left-out trials and measures of the error in shares of what was measured; smaller is better.
         None where no fold could be fitted.
@@ -72,6 +76,7 @@ class Rank:
     model: str
     coefficients: int
     free: int
+    reads: int
     score: float | None
     std: float | None
     shares: tuple[float, ...]
@@ -85,6 +90,7 @@ class Rank:
             "model": self.model,
             "coefficients": self.coefficients,
             "free": self.free,
+            "reads": self.reads,
             "score": self.score,
             "std": self.std,
             "shares": list(self.shares),
@@ -116,11 +122,12 @@ class Ranking:
     def best(self) -> str | None:
         """The model to take among those that are tied; None where none fitted.
 
-        It is the one with the fewest coefficients that only the trials determine, then the better one: where others are
-        sailed than those that were left out, what is known of ships in general carries further than what two trials tell.
+        It is the one with the fewest coefficients that only the trials determine: where others are sailed than those that
+        were left out, what is known of ships in general carries further than what two trials tell. Then the one that reads
+        most of what was recorded, as a wind that was measured has turned the ship; then the one with fewer coefficients.
         """
         tied = [r for r in self.ranks if r.model in self.tied]
-        return min(tied, key=lambda r: (r.free, r.score or 0.0)).model if tied else None
+        return min(tied, key=lambda r: (r.free, -r.reads, r.coefficients, r.score or 0.0)).model if tied else None
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values for JSON."""
@@ -256,11 +263,14 @@ def _rank(model: Model, compared: Sequence[Comparison | None], kept: Fit | None,
     score = float(np.exp(np.mean(scores))) if folds else None
     std = score * float(np.std(scores, ddof=1)) / len(scores) ** 0.5 if score is not None and len(scores) > 1 else None
     validation = {c.trial.name: _measures(model, c)[0] for c in kept.validation} if kept else {}
+    trials = [c.trial for c in compared if c is not None]
+    recorded = [n for n in model.inputs if n not in _MOTION and all(t.has(n) for t in trials)]
     estimated = [model[n].quantity for n in model.parameters if model[n].quantity.estimated]
     return Rank(
         model.name,
         len(estimated),
         sum(q.spread is None for q in estimated),
+        len(recorded),
         score,
         std,
         tuple(np.exp(scores).tolist()),
@@ -299,12 +309,12 @@ def _missed(model: Model, c: Comparison, name: str) -> float | None:
     """Error of a speed; a model that says nothing of it has the speed of the approach, and no sway."""
     if not c.trial.has(name):
         return None
-    measured = c.trial[name]
-    predicted: np.ndarray | float | None = c.predicted.get(name)
-    if predicted is None or model[name].quantity.kind == "given":
-        predicted = c.predicted["u"][0] if name == "u" and "u" in c.predicted else 0.0
+    if name in c.predicted and model[name].quantity.kind != "given":
+        predicted = c.predicted[name]
+    else:
+        predicted = c.predicted["u"][:1] if name == "u" and "u" in c.predicted else np.zeros(1)
     with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.sqrt(np.mean((measured - predicted) ** 2)))
+        return float(np.sqrt(np.mean((c.trial[name] - predicted) ** 2)))
 
 
 def _score(measures: Mapping[str, float | None], size: Mapping[str, float]) -> float:

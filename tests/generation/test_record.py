@@ -25,7 +25,9 @@ def test_simulations_agree_with_scipy(sailing: Any, sail: Any) -> None:
     The integrator starts afresh at every sample, where the rudder's line has a corner.
     """
     x0, u, intervals = sail(sailing, 150, 0.1 * sailing.unit_time)
-    record = make_record(sailing.model, sailing.model.states, substeps=8, compiled=False)
+    # The lag of the rudder is twenty times as fast as the ship.
+    substeps = 16 if sailing.model.name.startswith("cross-flow") else 8
+    record = make_record(sailing.model, sailing.model.states, substeps=substeps, compiled=False)
     system = record.system
     p = system.vector(system.coefficients, sailing.coefficients)
     got, _ = record(x0, u, intervals, p)
@@ -112,7 +114,9 @@ def test_sensitivities_over_a_whole_record(one: Any, sail: Any, hold: str) -> No
     (1e-3)^4 of a fifth derivative, and rounding divided by 1e-3, leave. Where the rudder's sign matters it
     never comes near rest.
     """
-    x0, u, intervals = sail(one, 60, 0.2 * one.unit_time)
+    # With the lag of its rudder, cross-flow is stable up to steps of 2.7 times that.
+    step = 0.1 if one.model.name.startswith("cross-flow") else 0.2
+    x0, u, intervals = sail(one, 60, step * one.unit_time)
     x0 = x0 + 0.01  # away from rest, so that a relative step of each initial state is one
     model = one.model
     outputs = (*model.states, *model.derived)
@@ -143,8 +147,8 @@ def test_sensitivities_over_a_whole_record(one: Any, sail: Any, hold: str) -> No
         measured = (8 * (y[1] - y[-1]) - y[2] + y[-2]) / (12 * h)
         # Rounding of the outputs is of their own size, whatever the unknown does to them.
         rounding = 1e-13 * np.abs(y[1]).max(axis=1) / h
-        # The cross-flow changes its sign along the hull, and w |w| has no third derivative there.
-        smooth = 1e-5 if model.name == "cross-flow" else 1e-7
+        # The cross-flow changes its sign along the hull, where its drag bends within a tenth of the speed.
+        smooth = 1e-5 if model.name.startswith("cross-flow") else 1e-7
         allowed = smooth * np.abs(measured).max(axis=1) + rounding
         assert (np.abs(dy[:, j] - measured).max(axis=1) <= allowed).all(), name
         moving += np.abs(dy[:, j]).max() > 0

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.comparing import MEASURES, Ranking, compare_models
+from shipid.identification.comparing import MEASURES, Rank, Ranking, _tied, compare_models
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +29,11 @@ def test_the_structure_that_made_the_data_wins(ranking):
     assert [r.model for r in ranking.ranks] == ["norrbin", "nomoto"]
     right, wrong = ranking.ranks
     assert wrong.score - right.score > 3 * np.hypot(wrong.std, right.std)
-    assert all(right.measures[n] < wrong.measures[n] for n in MEASURES)
+    assert all(right.measures[n] < wrong.measures[n] for n in MEASURES if n not in ("speed", "sway"))
+    # Both take the speed as given, and no sway: neither gains by what it does not predict.
+    assert [right.measures[n] for n in ("speed", "sway")] == [wrong.measures[n] for n in ("speed", "sway")]
+    assert len(right.shares) == 3 and right.reads == 1  # the rudder, and not the speed that both are given
+    assert right.score == pytest.approx(np.exp(np.mean(np.log(right.shares))))
 
 
 def test_every_trial_is_left_out_once(ranking):
@@ -45,6 +49,31 @@ def test_the_simpler_of_two_tied_models_is_taken(sail):
     counts = {r.model: r.coefficients for r in ranking.ranks}
     assert counts == {"nomoto": 2, "norrbin": 3}
     assert ranking.best == min(ranking.tied, key=counts.get)
+
+
+def rank(model: str, free: int, shares: tuple[float, ...], reads: int = 1, coefficients: int = 9) -> Rank:
+    score = float(np.exp(np.mean(np.log(shares))))
+    return Rank(model, coefficients, free, reads, score, 0.0, shares, {}, {})
+
+
+def test_models_tie_by_the_error_of_their_difference():
+    """One trial is hard for both: the scatter between trials is large, that of the difference is not."""
+    best, worse = rank("one", 5, (0.1, 0.4)), rank("two", 2, (0.15, 0.62))
+    assert _tied([best, worse]) == ("one",)
+    close = rank("three", 2, (0.15, 0.39))
+    assert _tied([best, close]) == ("one", "three")
+
+
+def test_of_tied_models_the_one_with_most_beliefs_is_taken():
+    ranks = (rank("lucky", 8, (0.1, 0.3)), rank("known", 3, (0.14, 0.29)), rank("known, worse", 3, (0.15, 0.3)))
+    assert Ranking(ranks, ("a", "b"), tuple(r.model for r in ranks)).best == "known"
+    # Then the one that reads the wind of the log; one that finds no wind in it has coefficients for nothing.
+    windy = (*ranks, rank("in wind", 3, (0.15, 0.3), reads=3, coefficients=11))
+    assert Ranking(windy, ("a", "b"), tuple(r.model for r in windy)).best == "in wind"
+    calm = (*ranks, rank("in wind", 3, (0.14, 0.29), reads=1, coefficients=11))
+    assert Ranking(calm, ("a", "b"), tuple(r.model for r in calm)).best == "known"
+    fitted = shipid.find_model("cross-flow")
+    assert sum(fitted[n].quantity.spread is None for n in fitted.parameters) == 3
 
 
 def test_a_single_trial_predicts_itself_by_halves(cubic_trials):

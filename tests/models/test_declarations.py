@@ -26,7 +26,7 @@ MODELS = sorted(known_models())
 #: Time constants of machinery, which know nothing of ship lengths: R/V Gunnerus showed one lag in seconds at two speeds.
 IN_SECONDS = {("DeKeizerLag", "t_delta")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
-WITH_WIND = {"cubic-wind"}
+WITH_WIND = {"cubic-wind", "cross-flow-wind"}
 #: Declarations for filters and recursions: each holds only what it estimates.
 FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter"}
 SHIP_MODELS = [n for n in MODELS if n not in FILTERS]
@@ -121,7 +121,7 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
             join("whole", *order)
         text = str(error.value)
         assert "'r_disturbance' is stated twice: by " in text
-        assert re.search(r"CubicYawInWind \(derived, .*speed_scaled\.py:\d+\)", text)
+        assert re.search(r"(CubicYaw|CrossFlow)InWind \(derived, .*speed_scaled\.py:\d+\)", text)
         assert re.search(r"\bWind \(derived, .*environment\.py:\d+\)", text)
 
 

@@ -205,18 +205,26 @@ def bech_slipstream(n: Numbers) -> Numbers:
 
 
 def cross_flow(n: Numbers) -> Numbers:
-    n |= {"q21": 0.02, "r21": -0.44, "s21": -0.16, "q31": -4.2, "r31": 2.1, "s31": -1.18, "c_y": 4.0, "c_z": 33.0}
-    n |= {"X0": 0.027, "X_rr": 0.67, "m": 1.01, "v": -1.9}
+    n |= {"q21": 0.51, "r21": -0.44, "s21": -0.16, "q31": -4.2, "r31": 2.1, "s31": -1.18, "c_y": 4.0, "c_z": 33.0}
+    n |= {"X0": 0.027, "X_vr": 1.67, "m": 1.01, "v": -1.9, "delta_lagged": -0.16, "t_delta": 1.3, "delta_p": -0.02}
+    n |= {"w_0": 0.0, "k_T": 0.8, "k_delta": 0.77}
     u, v, r, length, u0 = 6.7, -1.9, 0.0117, 161.0, 8.9
-    # From -2.8 at the stern to -0.96 at the bow, the cross-flow keeps its sign: w |w| = -(v + xi L r)^2, integrated.
+    # A full drag, from -2.8 at the stern to -0.96 at the bow: w |w| = -(v + xi L r)^2, integrated.
     sway_drag = -(v * v + (length * r) ** 2 / 12)
     yaw_drag = -v * length * r / 6
-    rudder = u**0.99 * u0**1.01 * n["delta"]
+    rudder = u**0.99 * u0**1.01 * (-0.16 - 0.02 * (u0 - u) / u)
     beta, rs = -v / u, length * r / u
-    sway = u * u / length * (0.02 * beta - 0.44 * rs) - 0.16 * rudder / length - 4.0 / length * sway_drag
+    sway = u * u / length * (0.51 * beta - 0.44 * rs) - 0.16 * rudder / length - 4.0 / length * sway_drag
     yaw = (u / length) ** 2 * (4.2 * beta - 2.1 * rs) + 1.18 * rudder / length**2 - 33.0 / length**2 * yaw_drag
-    surge = 0.027 / length * (u0 * u0 - u * u) - 0.67 * length * r * r - 2.1e-3
-    return {"v": sway, "r": yaw + n["r_disturbance"], "u": surge, "way": u, **planar(n)}
+    surge = 0.027 / length * (u0 * u0 + 0.8 * u0 * (u0 - u) - u * u) - 2.1e-3
+    surge += 1.67 * v * r + 0.77 * -0.16 * rudder * -0.16 / length
+    lag = (n["delta"] + 0.16) / 1.3
+    return {"v": sway, "r": yaw + n["r_disturbance"], "u": surge, "delta_lagged": lag, "way": u, **planar(n)}
+
+
+def cross_flow_wind(n: Numbers) -> Numbers:
+    n |= wind_moment(n)
+    return cross_flow(n) | {"r_disturbance": n["r_disturbance"]}
 
 
 def cubic(n: Numbers) -> Numbers:
@@ -365,7 +373,7 @@ MODELS: dict[str, Case] = {
     "pershitz-discrete": pershitz_discrete, "pershitz-track": pershitz_track,
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
-    "cubic-wind": cubic_wind, "de-keizer-lag": de_keizer_lag,
+    "cubic-wind": cubic_wind, "cross-flow-wind": cross_flow_wind, "de-keizer-lag": de_keizer_lag,
     "yaw-filter": yaw_filter, "yaw-filter-seven": yaw_filter_seven, "position-filter": position_filter,
     "own-ship-filter": own_ship_filter,
 }  # fmt: skip

@@ -137,7 +137,7 @@ def test_the_rudder_force_goes_by_its_power_of_the_speed(evaluate: Evaluate, m: 
 def test_the_drag_of_the_cross_flow_against_its_closed_form(evaluate: Evaluate, v: float, turn: float) -> None:
     """Integrals of w |w| and xi w |w| over -1/2..1/2 for w = v + turn xi, whose zero is put in by hand."""
     length = 100.0
-    values = ship("cross-flow", "kvlcc2", L=length, u=5.0)
+    values = ship("cross-flow", "kvlcc2", L=length, u=5.0, w_0=0.0)
     moved = values | {"v": v, "r": turn / length}
     drag = []
     for coefficient in ("c_y", "c_z"):
@@ -161,11 +161,43 @@ def test_the_drag_of_the_cross_flow_against_its_closed_form(evaluate: Evaluate, 
         assert drag[1] == pytest.approx(wanted[1], rel=3e-3)
 
 
+def test_the_drag_develops_from_a_cube_to_a_square(evaluate: Evaluate) -> None:
+    """|w| w^2/(w_0 u) where the cross-flow is slow, |w| w where it is fast, and 1/sqrt(2) of that at w = w_0 u."""
+    values = ship("cross-flow", "kvlcc2", q21=0.0, c_y=1.0, w_0=0.4)
+    at, length = 0.4 * values["u"], values["L"]
+
+    def drag(v: float) -> float:
+        return -evaluate(find_model("cross-flow"), values | {"v": v})["v"] * length
+
+    assert drag(at) == pytest.approx(at**2 / sqrt(2), rel=1e-12)
+    assert drag(1e-3 * at) == pytest.approx((1e-3 * at) ** 3 / at, rel=1e-6)
+    assert drag(-100 * at) == pytest.approx(-((100 * at) ** 2), rel=1e-4)
+
+
+def test_the_propeller_pushes_the_stern_aside_as_she_slows(evaluate: Evaluate) -> None:
+    """At the cruise nothing; at half of it delta_p (U0/u - 1) = delta_p of rudder."""
+    values = ship("cross-flow", "kvlcc2", delta_p=0.02)
+    assert evaluate(find_model("cross-flow"), values)["r"] == 0.0
+    slow = values | {"u": 0.5 * values["cruise"]}
+    steered = slow | {"delta_p": 0.0, "delta_lagged": 0.02}
+    pushed, wanted = (evaluate(find_model("cross-flow"), v) for v in (slow, steered))
+    assert [pushed[n] for n in ("v", "r")] == pytest.approx([wanted[n] for n in ("v", "r")], rel=1e-12)
+
+
+def test_thrust_and_rudder_drag_of_the_cross_flow_model(evaluate: Evaluate) -> None:
+    values = ship("cross-flow", "kvlcc2", X0=0.05)
+    u0, length = values["cruise"], values["L"]
+    slowed = evaluate(find_model("cross-flow"), values | {"u": 0.5 * u0})["u"]
+    assert slowed == pytest.approx(0.05 * u0**2 / length * (1 + 0.8 * 0.5 - 0.25), rel=1e-12)
+    turned = evaluate(find_model("cross-flow"), values | {"delta_lagged": 0.5})
+    assert turned["u"] / turned["v"] == pytest.approx(0.77 * 0.5, rel=1e-12)
+
+
 def test_cross_flow_without_drag_at_one_speed_is_linear(evaluate: Evaluate) -> None:
     """Its matrix and its poles, from Pershitz's coefficients for the drift angle: beta = -v/u."""
     values = ship("cross-flow", "kvlcc2", c_y=0.0, c_z=0.0)
     model, names = find_model("cross-flow"), ("v", "r")
-    sides = [evaluate(model, values | {n: 1.0}) for n in (*names, "delta")]
+    sides = [evaluate(model, values | {n: 1.0}) for n in (*names, "delta_lagged")]
     got = np.array([[side[row] for side in sides] for row in names])
     a, length = values["u"] / values["L"], values["L"]
     drift = np.array([[-a * values["q21"], -values["r21"]], [-(a**2) * values["q31"], -a * values["r31"]]])
@@ -177,7 +209,7 @@ def test_cross_flow_without_drag_at_one_speed_is_linear(evaluate: Evaluate) -> N
     trace, product = values["q21"] + values["r31"], values["q21"] * values["r31"] - values["q31"] * values["r21"]
     assert poles == pytest.approx([(-trace + k * sqrt(trace**2 - 4 * product)) / 2 for k in (-1, 1)], rel=1e-12)
     assert poles[1] > 0  # this ship does not keep her course
-    twice = evaluate(model, values | {"v": 2.0, "r": 0.02, "delta": 0.4})
+    twice = evaluate(model, values | {"v": 2.0, "r": 0.02, "delta_lagged": 0.4})
     assert [twice[n] for n in names] == pytest.approx(got @ [2.0, 0.02, 0.4], rel=1e-12)
 
 
@@ -195,7 +227,7 @@ def test_the_drag_takes_energy_from_every_drift_and_turn(evaluate: Evaluate) -> 
 def test_port_mirrors_starboard(evaluate: Evaluate) -> None:
     generator = np.random.default_rng(5)
     for model, name in SURGING:
-        values = ship(model, name)
+        values = ship(model, name, **({"delta_p": 0.0} if model == "cross-flow" else {}))
         odd = [
             n for n in ("v", "r", "w", "delta", "delta_lagged") if n in values and n not in find_model(model).derived
         ]
