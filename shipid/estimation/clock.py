@@ -110,7 +110,8 @@ def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     t : ndarray, shape (N,)
         Time stamps in s.
     """
-    d = np.diff(t)
+    with np.errstate(invalid="ignore"):  # what is no number follows nothing
+        d = np.diff(t)
     bad = np.flatnonzero(~((d > 0) & (d <= LONGEST_GAP)))
     if not bad.size and np.isfinite(t).all():
         return np.ones(t.size, dtype=bool), t
