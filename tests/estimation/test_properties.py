@@ -130,7 +130,7 @@ def test_results_as_plain_values(filters: dict[str, Any]) -> None:
     low, high = plain["innovations"]["r"]["nis_band95"]
     assert low < 1 < high and 0 <= plain["innovations"]["r"]["white_p"] <= 1
     K = run.parameters["K"]
-    assert plain["parameters"]["K"]["interval95"] == list(K.interval) and K.interval[0] < K.value < K.interval[1]
+    assert plain["parameters"]["K"]["ci95"] == list(K.interval) and K.interval[0] < K.value < K.interval[1]
     assert K.value == run["K"][-1] and K.std == pytest.approx(run.std_of("K")[-1])
     # Of a parameter estimated by its logarithm: exactly, so not symmetric.
     assert K.interval[0] * K.interval[1] == pytest.approx(K.value**2)
