@@ -18,6 +18,8 @@ LONGEST_GAP, CONFIRMED = 600.0, 3
 LONGEST_STEP, MOST_STEPS = 4.0, 2000
 #: The sampling interval is the median of so many of the last.
 _RECENT = 9
+#: A stamp so many seconds from zero is no time: three thousand years, beyond which a double loses the milliseconds as well.
+LATEST = 1e11
 
 
 class Clock:
@@ -62,7 +64,7 @@ class Clock:
         t : float
             Its time stamp in s.
         """
-        if not math.isfinite(t):
+        if not abs(t) < LATEST:
             return None
         if self.last is None:
             self.last = t
@@ -111,6 +113,7 @@ def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         Time stamps in s.
     """
     with np.errstate(invalid="ignore"):  # what is no number follows nothing
+        t = np.where(np.abs(t) < LATEST, t, np.nan)
         d = np.diff(t)
     bad = np.flatnonzero(~((d > 0) & (d <= LONGEST_GAP)))
     if not bad.size and np.isfinite(t).all():
