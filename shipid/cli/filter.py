@@ -21,18 +21,8 @@ from shipid.cli.shared import (
     say,
     window_of,
 )
+from shipid.identification.recursive.methods import METHODS
 
-#: The full extended Kalman filter, and the family of recursive identification.
-METHODS = (
-    "ekf",
-    "rls",
-    "series-parallel",
-    "mras-parallel",
-    "minimum-variance",
-    "combined",
-    "combined-heuristic",
-    "instrumental-variables",
-)
 _FILES = ("estimates.csv", "result.json", "report.html")
 
 
@@ -47,7 +37,7 @@ _FILES = ("estimates.csv", "result.json", "report.html")
 @click.option("--ship", metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
 @click.option(
     "--method",
-    type=click.Choice(METHODS),
+    type=click.Choice(list(METHODS)),
     default="ekf",
     show_default=True,
     metavar="METHOD",

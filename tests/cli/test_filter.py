@@ -165,9 +165,5 @@ def test_the_family_of_recursive_identification(call, method, tmp_path):
 
 
 def test_methods_and_what_they_do_not_take(refused):
-    from shipid.cli.filter import METHODS
-    from shipid.identification.recursive.methods import METHODS as KNOWN
-
-    assert set(METHODS) == set(KNOWN)
     refused(2, ["filter", TRIAL, *NOMOTO, "--method", "kalman"], "kalman", "ekf")
     refused(2, ["filter", "--follow", "-", *NOMOTO, "--method", "rls"], "--follow")
