@@ -1,6 +1,7 @@
 """Ship models, declared once each: one file a family, found without being listed.
 
-``from shipid.models import DeKeizer`` looks through the files of this folder for the name.
+``from shipid.models import DeKeizer`` looks through the files of this folder for the name, then through the parts that
+every ship joins (`shipid.parts`).
 """
 
 from __future__ import annotations
@@ -9,15 +10,18 @@ import importlib
 import pkgutil
 from typing import Any
 
+from shipid import parts
+
 
 def __getattr__(name: str) -> Any:
     if name.startswith("_"):
         raise AttributeError(name)
-    for found in pkgutil.iter_modules(__path__):
-        module = importlib.import_module(f"{__name__}.{found.name}")
-        if name == found.name:
-            return module
-        if name in vars(module):
-            globals()[name] = vars(module)[name]
-            return globals()[name]
+    for package in (__name__, parts.__name__):
+        for found in pkgutil.iter_modules(importlib.import_module(package).__path__):
+            module = importlib.import_module(f"{package}.{found.name}")
+            if name == found.name and package == __name__:
+                return module
+            if name in vars(module):
+                globals()[name] = vars(module)[name]
+                return globals()[name]
     raise AttributeError(f"no file in shipid.models declares '{name}'")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import Component, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion
+from shipid.parts.planar_motion import PlanarMotion
 
 
 class Bech(Component):

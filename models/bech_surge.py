@@ -13,8 +13,8 @@ angle stops her.
 from __future__ import annotations
 
 from shipid import derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.van_leeuwen import VanLeeuwenSway
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class Surge(SpeedScaled):

@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import constant, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.speed_scaled import WindMoment
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 #: Gauss-Legendre points along the hull, from -1/2 to 1/2 of the length, with their weights. For a full drag six of them
 #: are exact where the cross-flow keeps its sign along the hull; where it changes, the moment is within 0.3 %, and the force

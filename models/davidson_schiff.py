@@ -8,7 +8,7 @@ not lie amidships added. The derivatives are in the prime system: forces divided
 from __future__ import annotations
 
 from shipid import Component, constant, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion
+from shipid.parts.planar_motion import PlanarMotion
 
 
 class DavidsonSchiff(Component):

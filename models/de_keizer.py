@@ -10,8 +10,8 @@ linearising; the thesis does not say it): a harder turn than that runs down to u
 from __future__ import annotations
 
 from shipid import derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.van_leeuwen import CubicSway, VanLeeuwenSway
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class DeKeizerMinimal(SpeedScaled):

@@ -7,7 +7,7 @@ schedule, or with coefficients that come from elsewhere. With the schedule the m
 from __future__ import annotations
 
 from shipid import Component, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class GainSchedule(SpeedScaled):

@@ -8,7 +8,7 @@ fit such a ship with `norrbin` or `bech`, whose coefficients pass through zero.
 from __future__ import annotations
 
 from shipid import Component, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion
+from shipid.parts.planar_motion import PlanarMotion
 
 
 class Nomoto(Component):

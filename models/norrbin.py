@@ -8,7 +8,7 @@ stability, where tau and K run to infinity, so the model is fitted in its regula
 from __future__ import annotations
 
 from shipid import Component, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion
+from shipid.parts.planar_motion import PlanarMotion
 
 
 class Norrbin(Component):

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import Component, constant, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion
+from shipid.parts.planar_motion import PlanarMotion
 
 
 class PershitzCoefficients(Component):

@@ -12,9 +12,9 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import Component, given, join, parameter, state
-from shipid.models.sensors import Compass, Gyro, Log, PositionSensor
 from shipid.models.van_leeuwen import VanLeeuwenSway
 from shipid.models.yaw_filter import AdaptiveYaw, ColouredWavesSeven, Heading, SlowDisturbance
+from shipid.parts.sensors import Compass, Gyro, Log, PositionSensor
 
 
 class Track(Component):

@@ -10,8 +10,8 @@ import numpy as np
 
 from shipid import Component, constant, derived, given, join, parameter, state
 from shipid.models.de_keizer import DeKeizer
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
 from shipid.models.van_leeuwen import VanLeeuwenSway
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class CubicYaw(SpeedScaled):

@@ -8,7 +8,7 @@ time by ds* = (u/L) dt.
 from __future__ import annotations
 
 from shipid import Component, constant, derived, given, join, parameter, state
-from shipid.models.kinematics import PlanarMotion, SpeedScaled
+from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class VanLeeuwen(SpeedScaled):

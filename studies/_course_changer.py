@@ -13,13 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 
 import shipid
-from shipid.autopilot.filtered import estimator_of
-from shipid.autopilot.law import CourseController, Measured
-from shipid.autopilot.reference import CompensatedCourseController, PlacedGains, ReferenceModel, SwitchedSight
-from shipid.autopilot.sampled import make_sampled_loop
+from shipid.autopilot.design.control_law import CourseController, Measured
+from shipid.autopilot.on_board.filter_in_loop import estimator_of
+from shipid.autopilot.on_board.model_reference import (
+    CompensatedCourseController,
+    PlacedGains,
+    ReferenceModel,
+    SwitchedSight,
+)
+from shipid.autopilot.on_board.sampled_loop import make_sampled_loop
 from shipid.generation.record import make_record
 from shipid.models import CubicYaw, DeKeizer, PlanarMotion, SteeringMachine, VanLeeuwenSway, Waves, Wind
-from shipid.trials.helm import DirectRudder
+from shipid.parts.helm import DirectRudder
 
 LENGTH, SPEED, T = 200.0, 9.77, 0.4
 K, TAU, OMEGA, ZETA = 1.6, 1.7, float(np.sqrt(1.6 / 1.7)), 0.85

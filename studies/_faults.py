@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 import shipid
-from shipid.models.kinematics import PlanarMotion
 from shipid.models.nomoto import Nomoto
+from shipid.parts.planar_motion import PlanarMotion
 from shipid.trials.columns import COLUMNS
 
 SHIPS = (

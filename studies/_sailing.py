@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.estimation.feeding import first_estimate
+from shipid.estimation.records.vectors import first_estimate
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate

@@ -8,13 +8,14 @@ import casadi as ca
 import numpy as np
 
 import shipid
-from shipid.declaration.catalogue import known_component
-from shipid.estimation.adaptation import AdaptiveFilter
-from shipid.estimation.feeding import carried_vector, controls_of, first_sample
+from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
+from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
 from shipid.generation.step import make_step
-from shipid.trials.helm import ZigzagHelm
+from shipid.parts.environment import Waves
+from shipid.parts.helm import ZigzagHelm
+from shipid.parts.steering_machine import SteeringMachine
 
 DEG = np.pi / 180
 KNOT = 1852 / 3600
@@ -53,7 +54,7 @@ def sail(
     """
     known_ship = shipid.find_ship(ship)
     own = known_ship.particular("speed", "m/s") or 0.0
-    whole = shipid.join("voyage", shipid.find_model(model), known_component("SteeringMachine"), ZigzagHelm)
+    whole = shipid.join("voyage", shipid.find_model(model), SteeringMachine, ZigzagHelm)
     fine = max(1, int(np.ceil(interval / 0.2 - 1e-9)))
     count = round(duration / interval)
     t = np.arange(count * fine + 1) * (interval / fine)
@@ -93,7 +94,7 @@ def waves(runs: int, count: int, interval: float, rms: float, seed: int) -> np.n
     seed : int
         Of the noise.
     """
-    model = shipid.join("waves", known_component("Waves"))
+    model = shipid.join("waves", Waves)
     step = make_step(shipid.generate(model), hold="zero")
     system = step.system
     frequency, damping, fine = 0.6, 0.15, 4

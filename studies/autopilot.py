@@ -22,11 +22,11 @@ import numpy as np
 from _table import Row, below, show
 
 import shipid
-from shipid.autopilot.margins import disk_on, loop_polynomials, margins_at, to_transfer_function
-from shipid.autopilot.placement import pole_pair
-from shipid.autopilot.sailing import sail
-from shipid.autopilot.weather import Weather
-from shipid.declaration.drawing import draw_coefficients
+from shipid.autopilot.design.placement import pole_pair
+from shipid.autopilot.judgement.course_changes import sail
+from shipid.autopilot.judgement.margins import disk_on, loop_polynomials, margins_at, to_transfer_function
+from shipid.autopilot.judgement.weather import Weather
+from shipid.parameters.draws import draw_coefficients
 
 HERE = Path(__file__).parent
 SHIPS = (
@@ -93,7 +93,7 @@ def designs() -> list[Row]:
 
 def identity() -> list[Row]:
     """(5.90) put into (5.87) gives back the rudder of the reference: 1000 random sets of estimates."""
-    from shipid.autopilot.reference import CompensatedCourseController, ReferenceModel
+    from shipid.autopilot.on_board.model_reference import CompensatedCourseController, ReferenceModel
     from shipid.generation.system import generate
 
     model = shipid.join("pilot", ReferenceModel, CompensatedCourseController)

@@ -27,9 +27,9 @@ from filterpy.kalman import ExtendedKalmanFilter as Filterpy
 from threadpoolctl import threadpool_limits
 
 from shipid import Component, ExtendedKalmanFilter, ParameterSet, given, join, parameter, state
-from shipid.declaration.parameters import Value
-from shipid.estimation.feeding import carried_vector, controls_of, first_sample
+from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
 from shipid.generation.compiling import FLAGS
+from shipid.parameters.parameter_set import Value
 
 COUNT, INTERVAL, RECORDS = 2000, 0.4, 100
 SENSORS = {"x": "5 m", "y": "5 m", "psi": "0.2 deg", "u": "0.1 m/s", "r": "0.02 deg/s"}

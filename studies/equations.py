@@ -16,10 +16,10 @@ from _table import Row, below, show
 from scipy.integrate import solve_ivp
 
 from shipid import Model, generate
-from shipid.declaration.catalogue import known_models, known_ships
 from shipid.declaration.model import Evaluation
 from shipid.generation.record import make_record
 from shipid.generation.system import System
+from shipid.parameters.catalogue import known_models, known_ships
 
 SIZES = {"x": 100.0, "y": 100.0, "psi": 1.0, "r": 0.01, "w": 1e-4, "v": 0.3, "r_star": 0.4, "u_star": 0.2, "s_star": 3.0,
          "omega": 0.03, "beta": 0.1, "Omega": 0.003, "dOmega": 0.001, "delta": 0.3, "r_disturbance": 1e-5,

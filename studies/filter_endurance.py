@@ -29,9 +29,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.estimation.feeding import carried_vector, controls_of, first_sample
-from shipid.estimation.run import unpacked
-from shipid.estimation.step import TAKEN
+from shipid.estimation.records.run import unpacked
+from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
+from shipid.estimation.recursion.step import TAKEN
 
 #: Samples of the swing that is sailed again and again; after each round the covariance is looked at.
 PERIOD = 1000

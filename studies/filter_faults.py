@@ -30,7 +30,7 @@ from _sailing import sail
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.estimation.step import REJECTED
+from shipid.estimation.recursion.step import REJECTED
 
 BEGIN, DURATION = 600, 1800
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "10 m", "y": "10 m"}

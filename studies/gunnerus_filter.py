@@ -21,7 +21,7 @@ import numpy as np
 from _claims import Claim, claim, show
 
 import shipid
-from shipid.estimation.run import FilterRun
+from shipid.estimation.records.run import FilterRun
 
 FORMAT = Path(__file__).parent / "formats" / "gunnerus.toml"
 LOG = "gunnerus/RVG_ManeuveringTests_part1.csv"

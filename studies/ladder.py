@@ -29,10 +29,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.identification.multiple_shooting import shoot
-from shipid.identification.problem import Problem, make_problem
-from shipid.identification.sailed import fitted_signals, prepare, unknown_biases
-from shipid.identification.solve import Box, minimise
+from shipid.identification.problem.output_error import Problem, make_problem
+from shipid.identification.problem.trial_data import fitted_signals, prepare, unknown_biases
+from shipid.identification.search.least_squares import Box, minimise
+from shipid.identification.search.multiple_shooting import shoot
 
 NOISE = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "v": "0.1 m/s"}
 SIGMA = {"psi": np.deg2rad(0.2), "r": np.deg2rad(0.02), "u": 0.1, "v": 0.1}

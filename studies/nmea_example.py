@@ -22,8 +22,8 @@ import numpy as np
 from _table import Row, below, close, show
 
 import shipid
-from shipid.trials.nmea.geodesy import to_geographic, to_local
-from shipid.trials.nmea.writing import ORIGIN, RATES, START, nmea_lines
+from shipid.trials.logs.nmea.geodesy import to_geographic, to_local
+from shipid.trials.logs.nmea.writing import ORIGIN, RATES, START, nmea_lines
 
 HERE = Path(__file__).parent
 LOG = HERE / "trials" / "zigzag-20-20.nmea"

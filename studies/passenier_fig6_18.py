@@ -11,11 +11,11 @@ import numpy as np
 from _claims import FAILS, UNDER_A_READING, Claim, options, show
 
 import shipid
-from shipid.autopilot.autopilot import Autopilot
-from shipid.autopilot.sailing import sail
-from shipid.autopilot.schedule import Schedule
-from shipid.declaration.parameters import Value
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.schedule import Schedule
+from shipid.autopilot.judgement.course_changes import sail
 from shipid.generation.record import make_record
+from shipid.parameters.parameter_set import Value
 
 CONTAINER, ZEEFAKKEL = 9.5, 4.63
 SCALES, BOTH = (0.5, 2.0), "half and double speed"

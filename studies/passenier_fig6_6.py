@@ -18,7 +18,7 @@ from _claims import Claim, claim, figure, options, show
 from _voyage import DEG, KNOT, Columns, controls, filtered, measured, sail, settled
 
 import shipid
-from shipid.estimation.adaptation import AdaptiveFilter
+from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 
 STEPS = {
     "speeds": [(0.0, 19 * KNOT), (760.0, 10 * KNOT)],

@@ -22,7 +22,8 @@ from scipy.special import polygamma
 
 import shipid
 from shipid.generation.record import make_record
-from shipid.identification.forecast import Leg, Plan
+from shipid.planning.plan import Leg, Plan
+from shipid.trials.columns import COLUMNS
 
 CASES = (("norrbin", "zeefakkel"), ("de-keizer", "soesterberg"), ("norrbin", "kvlcc2"))
 DETERMINANT, SPREAD = 2.0, 1.2
@@ -54,7 +55,7 @@ def sailed(plan: Plan, leg: Leg) -> shipid.Trial:
 
 
 def units_of(names: Sequence[str]) -> dict[str, str]:
-    return {n: shipid.trials.COLUMNS[n].unit for n in names}
+    return {n: COLUMNS[n].unit for n in names}
 
 
 def estimates(plan: Plan, legs: Sequence[Leg], runs: int, design: int) -> np.ndarray:

@@ -26,9 +26,9 @@ from scipy.optimize import least_squares
 
 import shipid
 from shipid.generation.record import make_record
-from shipid.identification.problem import make_problem
-from shipid.identification.sailed import prepare
-from shipid.identification.solve import Box, minimise
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.trial_data import prepare
+from shipid.identification.search.least_squares import Box, minimise
 
 SIGNALS = ("psi", "r")
 NAMES = ("a", "b1", "b3")

@@ -10,7 +10,7 @@ import numpy as np
 from _table import Row, close, show
 
 from shipid import ShipidError, find_model, find_ship, simulate
-from shipid.declaration.parameters import parse_value
+from shipid.parameters.parameter_set import parse_value
 
 LENGTH, SPEED = 45.0, 5.0  # m, m/s
 RUDDER = 30 * np.pi / 180

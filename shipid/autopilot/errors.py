@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.declaration.errors import ShipidError, UsageError
+from shipid.foundation.errors import ShipidError, UsageError
 
 
 class NotSteerableError(ShipidError):

@@ -57,7 +57,7 @@ class _LazyGroup(click.Group):
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Offer the nearest command for a misspelt one."""
         if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
-            from shipid.declaration.errors import UnknownNameError
+            from shipid.foundation.errors import UnknownNameError
 
             raise UnknownNameError("command", args[0], _COMMANDS)
         return super().resolve_command(ctx, args)
@@ -84,7 +84,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         What stands behind ``shipid``; taken from the process by default.
     """
-    from shipid.declaration.errors import ShipidError
+    from shipid.foundation.errors import ShipidError
 
     given = None if arguments is None else list(arguments)
     try:

@@ -13,7 +13,7 @@ from shipid.cli.shared import json_option, print_json
 @json_option
 def models(as_json: bool) -> None:
     """List models and ships, one line each."""
-    from shipid.declaration.catalogue import known_models, known_ships
+    from shipid.parameters.catalogue import known_models, known_ships
 
     found, ships = known_models(), known_ships()
     if as_json:
@@ -47,9 +47,9 @@ def show(model: str, as_json: bool, latex: bool) -> None:
 
     MODEL is a name (see shipid models) or path/to/file.py:Class.
     """
-    from shipid.declaration.catalogue import find_model
     from shipid.declaration.units import pretty
     from shipid.generation.typesetting import typeset
+    from shipid.parameters.catalogue import find_model
 
     found = find_model(model)
     equations = typeset(found)

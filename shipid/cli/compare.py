@@ -41,8 +41,8 @@ def compare(
 
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
     """
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.identification.comparing import compare_models
+    from shipid.identification.validation.compare_models import compare_models
+    from shipid.parameters.catalogue import find_model, find_ship
 
     span = window_of(window)
     candidates = [find_model(m) for m in names_of(models) or []]

@@ -18,8 +18,8 @@ def criteria(model: str, ship: str, speed: str | None, as_json: bool) -> None:
     Turning circle, initial turning and overshoots to both sides beside their limits, with bands from the standard deviations
     of the ship's set, and the width of the spiral's loop.
     """
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.identification.criteria import manoeuvring_criteria
+    from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
+    from shipid.parameters.catalogue import find_model, find_ship
 
     found = manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed)
     if as_json:

@@ -105,9 +105,9 @@ def filter_trial(
     expects. With --out, a table of the estimates against time, the result, and a report. With --follow, samples are read
     line by line after a header with units ("t [s], psi [deg], delta [deg]"), and each gives a line of estimates.
     """
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.declaration.errors import UsageError
-    from shipid.estimation.choosing import parameters_to_estimate
+    from shipid.estimation.settings.defaults import parameters_to_estimate
+    from shipid.foundation.errors import UsageError
+    from shipid.parameters.catalogue import find_model, find_ship
 
     if (trial is None) == (follow is None):
         raise UsageError("give a TRIAL to filter, or --follow FILE for samples as they arrive, and not both.")
@@ -140,9 +140,9 @@ def filter_trial(
         run_follow(follow, found, known, None if measured is None else _listed(measured), settings, wait, as_json)
         return
 
-    from shipid.estimation.choosing import standard_sensors
     from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.generation.reducing import reduced
+    from shipid.estimation.settings.defaults import standard_sensors
+    from shipid.generation.reduction import reduced
 
     with progress_on_stderr(as_json) as tell:
         assert trial is not None
@@ -205,7 +205,7 @@ def _listed(text: str | None) -> dict[str, str]:
 
 
 def _write(run: Any, result: dict[str, Any], folder: Path) -> None:
-    from shipid.report.report import write_report
+    from shipid.report.write_report import write_report
 
     text = json.dumps(result, indent=1, allow_nan=False, ensure_ascii=False)
     fill(

@@ -25,7 +25,7 @@ def result_folder(out: str | None, names: tuple[str, ...], overwrite: bool) -> P
     UsageError
         If files are there already, or the place is a file or cannot be written to.
     """
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     if out is None:
         return None

@@ -28,7 +28,7 @@ def lines_of(source: str, wait: float) -> Iterator[str]:
     wait : float
         Seconds without a new line after which a file is taken to have ended.
     """
-    from shipid.trials.errors import MissingFileError
+    from shipid.foundation.errors import MissingFileError
 
     if source == "-":
         yield from sys.stdin
@@ -69,9 +69,9 @@ def follow(
         Whether an estimate is a line of JSON instead of a line of a table.
     """
     from shipid.declaration.units import to_si
-    from shipid.estimation.choosing import standard_sensors
     from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.generation.reducing import reduced
+    from shipid.estimation.settings.defaults import standard_sensors
+    from shipid.generation.reduction import reduced
     from shipid.trials.errors import EmptyFileError
 
     lines = lines_of(source, to_si(wait, "s", "the wait"))

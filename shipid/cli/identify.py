@@ -94,8 +94,8 @@ def identify(
 
     Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
     """
-    from shipid.declaration.catalogue import find_model, find_ship
     from shipid.identification.identify import identify as run_identify
+    from shipid.parameters.catalogue import find_model, find_ship
 
     folder = result_folder(out, _FILES, overwrite)
     span = window_of(window)
@@ -149,8 +149,8 @@ _FILES = ("result.json", "ship.toml", "report.html")
 def _write(fit: Any, folder: Path) -> None:
     import json
 
-    from shipid.declaration.parameters import write_parameter_set
-    from shipid.report.report import write_report
+    from shipid.parameters.parameter_set import write_parameter_set
+    from shipid.report.write_report import write_report
 
     result = json.dumps(fit.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
     writers: dict[str, Callable[[Path], object]] = {

@@ -20,9 +20,9 @@ def measure(
     trial: str, format_: str | None, window: str | None, kind: str | None, length: str | None, as_json: bool
 ) -> None:
     """Measure a zig-zag or a turning circle in the terms of ITTC and IMO."""
-    from shipid.declaration.errors import UsageError
     from shipid.declaration.units import to_si
-    from shipid.trials.measuring import measure as run_measure
+    from shipid.foundation.errors import UsageError
+    from shipid.trials.measuring.measure import measure as run_measure
 
     if length is not None and not to_si(length, "m", "the ship length") > 0:
         raise UsageError(f"a ship length of {length} has no ratios to it: give one greater than zero.")

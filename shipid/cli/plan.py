@@ -64,8 +64,8 @@ def plan(
     Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
     Standard deviations are Cramer-Rao bounds, which hold for a ship that is as the model says.
     """
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.identification.planning import plan_trials
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.planning.plan_trials import plan_trials
 
     found, known = find_model(model), find_ship(ship)
     with progress_on_stderr(as_json) as tell:

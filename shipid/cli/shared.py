@@ -41,7 +41,7 @@ def print_json(value: Any) -> None:
 
 def assignments(texts: Sequence[str]) -> dict[str, str]:
     """Read options of the form NAME=VALUE UNIT."""
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     result: dict[str, str] = {}
     for text in texts:
@@ -58,7 +58,7 @@ def assignments(texts: Sequence[str]) -> dict[str, str]:
 
 def names_of(text: str | None) -> list[str] | None:
     """Read a list of names separated by commas."""
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     if text is None:
         return None
@@ -70,7 +70,7 @@ def names_of(text: str | None) -> list[str] | None:
 
 def window_of(text: str | None) -> tuple[float | None, float | None] | None:
     """Read a window A:B in seconds; an end left out is the record's own."""
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     if text is None:
         return None
@@ -85,7 +85,7 @@ def window_of(text: str | None) -> tuple[float | None, float | None] | None:
 
 def read(name: str, format_: str | None, window: tuple[float | None, float | None] | None) -> Any:
     """Read a trial, and pass on what its reading warned of."""
-    from shipid.trials.reading import read_trial
+    from shipid.trials.logs.reading import read_trial
 
     trial = read_trial(name, format=format_, window=window)
     for note in trial.source.notes:

@@ -56,10 +56,10 @@ def simulate(
     course:60/15        course change with at most 15 degrees of rudder
     telegraph:10        random telegraph
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.declaration.errors import UsageError
-    from shipid.trials.simulation import simulate as run_simulation
-    from shipid.trials.writing import write_trial
+    from shipid.foundation.errors import UsageError
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.trials.logs.writing import write_trial
+    from shipid.trials.manoeuvres.simulate import simulate as run_simulation
 
     if output is not None and Path(output).is_file() and not overwrite:
         raise UsageError(f"{output} exists already. Choose another --output, or add --overwrite.")
@@ -89,8 +89,8 @@ def _flow(text: str | None, what: str) -> tuple[float, float] | None:
     """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
     import math
 
-    from shipid.declaration.errors import UsageError
     from shipid.declaration.units import to_si
+    from shipid.foundation.errors import UsageError
 
     if text is None:
         return None

@@ -64,7 +64,7 @@ def tune(
 
     The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
     """
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     if compare is not None:
         if model is not None or ships:
@@ -97,9 +97,9 @@ def _design(
     rudder_weight: float | None,
     rudder_limit: str,
 ) -> Any:
-    from shipid.autopilot.design import design_autopilot
-    from shipid.declaration.catalogue import find_model, find_ship
-    from shipid.declaration.errors import UsageError
+    from shipid.autopilot.design.design_autopilot import design_autopilot
+    from shipid.foundation.errors import UsageError
+    from shipid.parameters.catalogue import find_model, find_ship
 
     for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
         if value is not None and design != its:
@@ -128,15 +128,15 @@ def _frequency(text: str | None) -> str | float | None:
 def _compare(
     files: tuple[str, str], folder: Path | None, samples: int, seed: int, as_json: bool, open_report: bool
 ) -> int:
-    from shipid.autopilot.comparing import compare_tunings
-    from shipid.autopilot.storing import read_schedule
+    from shipid.autopilot.design.schedule_file import read_schedule
+    from shipid.autopilot.judgement.compare_tunings import compare_tunings
 
     pilots = [read_schedule(f) for f in files]
     with progress_on_stderr(as_json) as tell:
         first, second = (p.judge(samples=samples, seed=seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
         if folder is not None:
-            from shipid.report.report import write_report
+            from shipid.report.write_report import write_report
 
             fill(folder, {"result.json": _json(found), "report.html": lambda path: write_report(found, path)})
     _show(found, folder, _COMPARED, as_json, open_report)
@@ -157,8 +157,8 @@ def _json(result: Any) -> Any:
 
 
 def _write(judged: Any, folder: Path, model: str) -> None:
-    from shipid.autopilot.storing import write_schedule
-    from shipid.report.report import write_report
+    from shipid.autopilot.design.schedule_file import write_schedule
+    from shipid.report.write_report import write_report
 
     fill(
         folder,

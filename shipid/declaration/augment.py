@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from shipid.declaration.component import Component, Scope
-from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 
 def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None) -> Model:

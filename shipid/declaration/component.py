@@ -6,8 +6,8 @@ import re
 import types
 from typing import Any, ClassVar
 
-from shipid.declaration.errors import DeclarationError, nearest
 from shipid.declaration.quantity import Equation, Quantity
+from shipid.foundation.errors import DeclarationError, nearest
 
 #: The name under which an equation reads the sampling interval.
 SAMPLING_INTERVAL = "T"

@@ -8,10 +8,10 @@ from typing import Any
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component
-from shipid.declaration.errors import DeclarationError, UnitError
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
 from shipid.declaration.unit_check import check_units
+from shipid.foundation.errors import DeclarationError, UnitError
 
 
 def join(name: str, *parts: type[Component] | Model) -> Model:

@@ -12,9 +12,9 @@ from types import MappingProxyType
 from typing import Any
 
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope
-from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.quantity import Equation, Kind, Quantity
 from shipid.declaration.units import to_si
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from shipid.declaration.errors import DeclarationError
+from shipid.foundation.errors import DeclarationError
 
 Kind = Literal["state", "given", "derived", "constant", "parameter", "output"]
 EquationKind = Literal["rate", "next", "equals", "instead"]

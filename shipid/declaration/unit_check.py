@@ -12,8 +12,8 @@ from typing import Any
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
-from shipid.declaration.errors import DeclarationError, ShipidError, UnitError
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
 _SOME_NUMBER = 0.7311
 

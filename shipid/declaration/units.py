@@ -11,8 +11,8 @@ import functools
 import re
 from typing import Any
 
-from shipid.declaration.cache import cache_folder
-from shipid.declaration.errors import UnitError
+from shipid.foundation.cache import cache_folder
+from shipid.foundation.errors import UnitError
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")

@@ -10,25 +10,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shipid.declaration.augment import augment
-from shipid.declaration.catalogue import find_ship, whole_ship
-from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.model import Model
-from shipid.declaration.parameters import ParameterSet, missing_values
 from shipid.declaration.units import to_si
-from shipid.estimation.arrangement import Arrangement, arrange
-from shipid.estimation.equations import make_equations
 from shipid.estimation.errors import FilterDivergedError
-from shipid.estimation.feeding import carried_vector, columns_of, controls_of, first_sample
-from shipid.estimation.noise import Source, process_sources, sensor_levels
-from shipid.estimation.run import FilterRun
-from shipid.estimation.settings import read_inputs, read_lost, read_ranges, read_rates
-from shipid.estimation.start import bounds_of, parameter_starts, read_deviations, walking
-from shipid.estimation.step import FORMS, Gate, Layout, make_filter_step
+from shipid.estimation.records.arrangement import Arrangement, arrange
+from shipid.estimation.records.run import FilterRun
+from shipid.estimation.records.vectors import carried_vector, columns_of, controls_of, first_sample
+from shipid.estimation.recursion.equations import make_equations
+from shipid.estimation.recursion.step import FORMS, Gate, Layout, make_filter_step
+from shipid.estimation.settings.initial import bounds_of, parameter_starts, read_deviations, walking
+from shipid.estimation.settings.noise import Source, process_sources, sensor_levels
+from shipid.estimation.settings.sensors import read_inputs, read_lost, read_ranges, read_rates
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.loop import Loop, make_loop
+from shipid.parameters.catalogue import find_ship, whole_ship
+from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
-    from shipid.estimation.likelihood import Likelihood
+    from shipid.estimation.records.likelihood import Likelihood
 
 
 class ExtendedKalmanFilter:
@@ -226,7 +226,7 @@ class ExtendedKalmanFilter:
         return np.array([s not in self.parameters.values() for s in self.model.states])
 
     def step(self, full: bool = False, gated: bool = True) -> Any:
-        """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.step`.
+        """Return the generated step ``(carried, control, constants) -> (carried, outputs)``; see `shipid.estimation.recursion.step`.
 
         Parameters
         ----------
@@ -263,14 +263,14 @@ class ExtendedKalmanFilter:
     @functools.cached_property
     def backward(self) -> Loop:
         """The backward recursion of the smoother, compiled once."""
-        from shipid.estimation.smoother import make_backward
+        from shipid.estimation.records.smoother import make_backward
 
         return make_backward(self)
 
     @functools.cached_property
     def gramian(self) -> Loop:
         """The loop that adds up what the samples tell of the first state, compiled once."""
-        from shipid.estimation.observability import make_gramian
+        from shipid.estimation.records.observability import make_gramian
 
         return make_gramian(self)
 
@@ -360,7 +360,7 @@ class ExtendedKalmanFilter:
         unknowns : sequence of str
             Coefficients by name, ``noise:NAME`` and ``sensor:NAME`` (logarithms of levels), ``x0:STATE``, ``bias:INPUT``.
         """
-        from shipid.estimation.likelihood import make_likelihood
+        from shipid.estimation.records.likelihood import make_likelihood
 
         return make_likelihood(self, record, unknowns)
 
@@ -375,9 +375,9 @@ class ExtendedKalmanFilter:
         Returns
         -------
         OnlineFilter
-            With ``update(sample)``; see `shipid.estimation.online`.
+            With ``update(sample)``; see `shipid.estimation.online.online_filter`.
         """
-        from shipid.estimation.online import OnlineFilter
+        from shipid.estimation.online.online_filter import OnlineFilter
 
         return OnlineFilter(self, None if lag is None else to_si(lag, "s", "the lag"))
 
@@ -394,6 +394,6 @@ class ExtendedKalmanFilter:
         SavedStateError
             If the file cannot be read, or belongs to a filter of another model, with other sensors or noise.
         """
-        from shipid.estimation.saving import restore_state
+        from shipid.estimation.online.saving import restore_state
 
         return restore_state(self, Path(path))

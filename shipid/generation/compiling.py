@@ -19,7 +19,7 @@ from typing import Any
 
 import casadi as ca
 
-from shipid.declaration.cache import cache_folder
+from shipid.foundation.cache import cache_folder
 
 FLAGS = ("-O3", "-fPIC", "-shared")
 #: Code of so many characters is one long run of arithmetic: more than -O1 takes a minute, and the code is slower for it.

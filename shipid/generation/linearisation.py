@@ -10,8 +10,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from shipid.declaration.errors import ShipidError, UnknownNameError
 from shipid.declaration.model import Model
+from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.generation.system import System, generate
 
 #: States that a steady motion may change at a constant rate: where the ship is and where it points. Others that no

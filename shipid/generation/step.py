@@ -11,7 +11,7 @@ from typing import Any
 
 import casadi as ca
 
-from shipid.declaration.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.system import System
 
 

@@ -12,8 +12,8 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.component import SAMPLING_INTERVAL
-from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.model import Evaluation, Model
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 # CasADi asks which of two behaviours NumPy functions have on its symbols; equations need a symbol in, a symbol out.
 ca.GlobalOptions.setNumpyMode(1)

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 import shipid
-from shipid.declaration.cache import keep, kept
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.foundation.cache import keep, kept
 from shipid.generation.system import generate
 
 _GREEK = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.declaration.errors import ShipidError
+from shipid.foundation.errors import ShipidError
 
 
 class IdentificationError(ShipidError):

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.parameters import ParameterSet
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
-    from shipid.identification.bands import Manoeuvre
-    from shipid.identification.checked import Checked
-    from shipid.identification.directions import Direction
-    from shipid.identification.ladder import Rung
-    from shipid.identification.levels import Levels
-    from shipid.identification.posterior import Posterior
-    from shipid.identification.profiles import Profile
-    from shipid.identification.residuals import Residuals
+    from shipid.identification.search.ladder import Rung
+    from shipid.identification.search.noise_levels import Levels
+    from shipid.identification.uncertainty.directions import Direction
+    from shipid.identification.uncertainty.posterior import Posterior
+    from shipid.identification.uncertainty.profiles import Profile
+    from shipid.identification.uncertainty.residuals import Residuals
+    from shipid.identification.validation.bands import Manoeuvre
+    from shipid.identification.validation.trial_findings import Checked
 
 
 @dataclass(frozen=True)
@@ -230,28 +230,28 @@ class Fit:
     @functools.cached_property
     def manoeuvres(self) -> Mapping[str, Manoeuvre]:
         """The manoeuvre of each trial by its name, measured and predicted, with 95 % bands; worked out when asked for."""
-        from shipid.identification.bands import manoeuvres_of
+        from shipid.identification.validation.bands import manoeuvres_of
 
         return manoeuvres_of(self)
 
     @functools.cached_property
     def directions(self) -> tuple[Direction, ...]:
         """Directions in which the coefficients may move together, the weakest first, with what would help."""
-        from shipid.identification.directions import directions_of
+        from shipid.identification.uncertainty.directions import directions_of
 
         return directions_of(self)
 
     @functools.cached_property
     def residuals(self) -> Mapping[str, Residuals]:
         """Size and whiteness of the residuals of each signal."""
-        from shipid.identification.residuals import residuals_of
+        from shipid.identification.uncertainty.residuals import residuals_of
 
         return {} if self._solution is None else residuals_of(self._solution)
 
     @functools.cached_property
     def findings(self) -> tuple[Checked, ...]:
         """What the trials' doctor is sure of; none where he was not asked."""
-        from shipid.identification.checked import findings_of
+        from shipid.identification.validation.trial_findings import findings_of
 
         return findings_of(self) if self.checked else ()
 
@@ -265,7 +265,7 @@ class Fit:
         seed : int
             Of the sampler.
         """
-        from shipid.identification.posterior import posterior_of
+        from shipid.identification.uncertainty.posterior import posterior_of
 
         return posterior_of(self, draws, seed)
 
@@ -279,7 +279,7 @@ class Fit:
         points : int
             Number of its values.
         """
-        from shipid.identification.profiles import profile_of
+        from shipid.identification.uncertainty.profiles import profile_of
 
         return profile_of(self, name, points)
 

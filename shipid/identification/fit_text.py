@@ -11,7 +11,7 @@ from shipid.trials.columns import COLUMNS
 
 if TYPE_CHECKING:
     from shipid.identification.fit import Estimate, Fit
-    from shipid.identification.ladder import Rung
+    from shipid.identification.search.ladder import Rung
 
 
 def text_of(fit: Fit) -> str:

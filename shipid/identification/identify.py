@@ -12,24 +12,24 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.declaration.errors import UnknownNameError, UsageError
-from shipid.declaration.joint import Joint
 from shipid.declaration.model import Model
-from shipid.declaration.parameters import PARTICULARS, ParameterSet, Value
 from shipid.declaration.units import to_si
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.system import generate
-from shipid.identification.beliefs import INDEPENDENT, prior_of, scales_of
-from shipid.identification.estimates import estimates_of
 from shipid.identification.fit import Fit
-from shipid.identification.ladder import Climb, Rung, climb
 from shipid.identification.methods import LOSSES, METHODS, PURPOSES
-from shipid.identification.problem import make_problem
-from shipid.identification.sailed import Sailed, check_answer, fitted_signals, prepare, unknown_biases
-from shipid.identification.setting import Setting, check_length, search_box, settle
-from shipid.identification.solve import Box, Progress, Solution
-from shipid.identification.uncertainty import correlation_of, covariance_of
-from shipid.identification.validation import compare, predictions, warm_up_samples
-from shipid.identification.weighing import enough_of, seen_on_every_sample, weigh_again
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.prior import INDEPENDENT, prior_of, scales_of
+from shipid.identification.problem.setting import Setting, check_length, search_box, settle
+from shipid.identification.problem.trial_data import Sailed, check_answer, fitted_signals, prepare, unknown_biases
+from shipid.identification.problem.weights import enough_of, seen_on_every_sample, weigh_again
+from shipid.identification.search.ladder import Climb, Rung, climb
+from shipid.identification.search.least_squares import Box, Progress, Solution
+from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
+from shipid.identification.uncertainty.estimates import estimates_of
+from shipid.identification.validation.predictions import compare, predictions, warm_up_samples
+from shipid.parameters.correlation import Joint
+from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.columns import COLUMNS
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial

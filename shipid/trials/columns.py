@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass
 
 from shipid.declaration import units
-from shipid.declaration.errors import UnitError
+from shipid.foundation.errors import UnitError
 from shipid.trials.errors import ColumnUnitError, NoUnitError
 
 

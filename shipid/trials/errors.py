@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from shipid.declaration.errors import ShipidError
+from shipid.foundation.errors import ShipidError
 
 
 class TrialError(ShipidError):
     """Base of everything that can be wrong with a trial record, its format file or its contents."""
-
-
-class MissingFileError(TrialError):
-    """The trial file or its format file is not there."""
 
 
 class EmptyFileError(TrialError):
@@ -75,10 +71,6 @@ class WindowError(TrialError):
 
 class FormatFileError(TrialError):
     """A trial format file that cannot be read, or says something it cannot mean."""
-
-
-class OverwriteError(TrialError):
-    """The file to be written exists already."""
 
 
 class MissingExtraError(TrialError):

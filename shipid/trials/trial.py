@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration import units as border
-from shipid.declaration.errors import nearest
+from shipid.foundation.errors import nearest
 from shipid.trials import columns
-from shipid.trials.assembly import assemble_frame
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
+from shipid.trials.logs.assembly import assemble_frame
 from shipid.trials.source import Source
 
 

@@ -5,8 +5,8 @@ import dataclasses
 import pytest
 
 import shipid
-from shipid.declaration.joint import Joint
-from shipid.declaration.parameters import Value
+from shipid.parameters.correlation import Joint
+from shipid.parameters.parameter_set import Value
 
 
 def _sized(ship: str, model: str, **changed: float) -> shipid.ParameterSet:

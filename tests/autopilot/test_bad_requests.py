@@ -8,9 +8,9 @@ import pytest
 import shipid
 from shipid import Component, derived, given, join, parameter, state
 from shipid.autopilot.errors import DesignRequestError, NoStraightCourseError, NotSteerableError, UnstableDesignError
-from shipid.declaration.errors import ParameterSetError, UnitError, UnknownNameError
-from shipid.declaration.parameters import ParameterSet, Value
+from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError
 from shipid.models import PlanarMotion, SteeringMachine
+from shipid.parameters.parameter_set import ParameterSet, Value
 
 
 class Yaw(Component):

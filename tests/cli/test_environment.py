@@ -66,7 +66,7 @@ def test_interrupted_while_fitting(zigzag, tmp_path):
     out = tmp_path / "out"
     # So many starts that the search outlasts the test; the signal goes when it has begun.
     code = (
-        "import sys, shipid.identification.solve as solve; from shipid.cli import run\n"
+        "import sys, shipid.identification.search.least_squares as solve; from shipid.cli import run\n"
         "search = solve.minimise\n"
         "def begin(*a, **k):\n"
         "    print('searching', file=sys.stderr, flush=True)\n"

@@ -57,7 +57,7 @@ def test_folder_that_the_system_refuses(refused, zigzag, fitted, tmp_path, monke
 
 @pytest.mark.parametrize("failing", ["bad data", "writing", "interrupted"])
 def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, failing):
-    import shipid.report.report
+    import shipid.report.write_report
 
     def fail(*_, **__):
         raise KeyboardInterrupt if failing == "interrupted" else OSError(28, "No space left on device")
@@ -67,7 +67,7 @@ def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, faili
     if failing == "bad data":
         arguments += ["--window", "0:5"]
     else:
-        monkeypatch.setattr(shipid.report.report, "write_report", fail)
+        monkeypatch.setattr(shipid.report.write_report, "write_report", fail)
     answer = call(*arguments)
     assert answer.code == (130 if failing == "interrupted" else 3)
     assert answer.out == ""
@@ -77,7 +77,7 @@ def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, faili
 
 def test_interrupted_while_it_overwrites(call, zigzag, fitted, tmp_path, monkeypatch):
     """Old results stay whole until new ones are whole."""
-    import shipid.report.report
+    import shipid.report.write_report
 
     out = tmp_path / "out"
     assert call("identify", zigzag, *fitted, "--out", out).code == 0
@@ -86,7 +86,7 @@ def test_interrupted_while_it_overwrites(call, zigzag, fitted, tmp_path, monkeyp
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(shipid.report.report, "write_report", interrupt)
+    monkeypatch.setattr(shipid.report.write_report, "write_report", interrupt)
     assert call("identify", zigzag, *fitted, "--fix", "K=0.4 1/s", "--out", out, "--overwrite").code == 130
     assert {p.name: p.read_bytes() for p in out.iterdir()} == before
 

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from shipid.trials.manoeuvres import parse_manoeuvre
+from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 
 QUICK = (
     "plan",

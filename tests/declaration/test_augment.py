@@ -5,8 +5,8 @@ from math import exp, log
 import pytest
 
 from shipid import augment, find_model
-from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.model import Evaluation
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 POINT = {"r": 0.012, "u": 5.0, "psi": 0.3, "delta": 0.2, "cruise": 6.0, "L": 45.0, "r_disturbance": 0.0}
 POINT |= {"u_disturbance": 0.0, "current_north": 0.0, "current_east": 0.0}

@@ -7,9 +7,9 @@ import pytest
 
 from shipid import Component, constant, derived, given, join, output, parameter, state
 from shipid.declaration.component import slug
-from shipid.declaration.errors import DeclarationError
 from shipid.declaration.model import Evaluation
 from shipid.declaration.quantity import Quantity
+from shipid.foundation.errors import DeclarationError
 
 
 class Turning(Component):

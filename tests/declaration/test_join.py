@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from shipid import Component, constant, derived, given, join, parameter, state
-from shipid.declaration.errors import DeclarationError, UnitError, UnknownNameError
 from shipid.declaration.model import Evaluation
+from shipid.foundation.errors import DeclarationError, UnitError, UnknownNameError
 
 
 class Yaw(Component):

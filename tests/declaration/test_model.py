@@ -6,11 +6,11 @@ from dataclasses import FrozenInstanceError
 import pytest
 
 from shipid import Component, derived, find_model, given, join, parameter, state
-from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.join import replace_component
 from shipid.declaration.model import Evaluation
-from shipid.declaration.parameters import resolve
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 from shipid.models import DeKeizer, DeKeizerMinimal, Norrbin, PlanarMotion, VanLeeuwenSway
+from shipid.parameters.parameter_set import resolve
 
 POINT = {"r": 0.012, "delta": 0.2, "u": 5.0, "v": 0.0, "psi": 0.3, "r_disturbance": 0.0}
 POINT |= {"current_north": 0.0, "current_east": 0.0}

@@ -7,7 +7,7 @@ from hypothesis import given as given_values
 from hypothesis import strategies as st
 
 from shipid.declaration import units
-from shipid.declaration.errors import UnitError
+from shipid.foundation.errors import UnitError
 
 
 @pytest.mark.parametrize(

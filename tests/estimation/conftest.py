@@ -9,7 +9,7 @@ import pytest
 
 from shipid import Component, ExtendedKalmanFilter, find_model, find_ship, given, join, output, parameter, state
 from shipid.declaration.model import Evaluation, Model
-from shipid.declaration.parameters import ParameterSet, Value
+from shipid.parameters.parameter_set import ParameterSet, Value
 
 
 class Yaw(Component):

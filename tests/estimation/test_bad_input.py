@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from shipid import ExtendedKalmanFilter, find_model
-from shipid.declaration.errors import DeclarationError, ShipidError, UnitError, UnknownNameError, UsageError
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError, SensorRateError
+from shipid.foundation.errors import DeclarationError, ShipidError, UnitError, UnknownNameError, UsageError
 
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s"}
 CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [

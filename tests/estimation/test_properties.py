@@ -100,7 +100,7 @@ STAMPS = some.one_of(some.integers(-50, 50), some.sampled_from([np.nan, np.inf, 
 @given(record=records(), stamps=some.lists(STAMPS, min_size=2, max_size=60))
 def test_any_clock_is_survived(filters: dict[str, Any], record: dict[str, np.ndarray], stamps: list[float]) -> None:
     """Whatever the stamps: both ways of running agree on which are left out, or the record says that it has no times."""
-    from shipid.declaration.errors import UsageError
+    from shipid.foundation.errors import UsageError
 
     kalman, count = filters["gated"], min(len(stamps), record["t"].size)
     spoilt = {n: c[:count] for n, c in record.items()} | {"t": np.array(stamps[:count], dtype=float)}
@@ -110,7 +110,7 @@ def test_any_clock_is_survived(filters: dict[str, Any], record: dict[str, np.nda
         assert "do not run forward" in str(error)
         return
     assert np.isfinite(run.x).all() and np.all(np.diff(run.t) > 0) and run.t.size + run.arranged.back == count
-    from shipid.estimation.clock import Clock
+    from shipid.estimation.records.clock import Clock
 
     clock = Clock()
     assert [clock.let(float(t)) is not None for t in stamps[:count]] == list(run.arranged.forward)
@@ -148,7 +148,7 @@ def test_whiteness() -> None:
     """Ljung and Box's number against statsmodels' formula written out, and what it is for."""
     from scipy.stats import chi2
 
-    from shipid.estimation.consistency import autocorrelation, whiteness
+    from shipid.estimation.records.consistency import autocorrelation, whiteness
 
     rng = np.random.default_rng(1)
     e = rng.standard_normal(500)

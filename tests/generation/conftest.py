@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from shipid import Model, ParameterSet
-from shipid.declaration.catalogue import known_models, known_ships
 from shipid.declaration.model import Evaluation
 from shipid.generation.record import make_record
+from shipid.parameters.catalogue import known_models, known_ships
 
 # Sizes at which nothing vanishes and no term hides in another.
 SIZES = {"x": 100.0, "y": 100.0, "psi": 1.0, "r": 0.01, "w": 1e-4, "v": 0.3, "r_star": 0.4, "u_star": 0.2, "s_star": 3.0,

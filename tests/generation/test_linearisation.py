@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from shipid import Component, augment, constant, find_model, find_ship, given, join, linearise, state
-from shipid.declaration.catalogue import known_component
-from shipid.declaration.errors import DeclarationError, UnknownNameError
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 from shipid.generation.linearisation import NoSteadyStateError, find_steady_state
 from shipid.generation.system import generate
 from shipid.models import PlanarMotion
+from shipid.parts.steering_machine import SteeringMachine
 
 
 def container(model: str = "de-keizer", **changed: float) -> dict[str, float]:
@@ -173,8 +173,8 @@ def test_what_linearising_refuses() -> None:
 
 
 def test_a_helmsman_cannot_be_linearised() -> None:
-    from shipid.trials.helm import ZigzagHelm
+    from shipid.parts.helm import ZigzagHelm
 
-    whole = join("helmed", find_model("nomoto"), known_component("SteeringMachine"), ZigzagHelm)
+    whole = join("helmed", find_model("nomoto"), SteeringMachine, ZigzagHelm)
     with pytest.raises(DeclarationError, match="helm_clock, helm_side is sampled"):
         linearise(whole, {})

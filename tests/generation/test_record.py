@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from shipid import Component, find_model, find_ship, generate, given, join, state
-from shipid.declaration.catalogue import known_component
-from shipid.declaration.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.record import make_record
 from shipid.generation.step import METHODS, make_step
-from shipid.trials.helm import ZigzagHelm
+from shipid.parts.helm import ZigzagHelm
+from shipid.parts.steering_machine import SteeringMachine
 
 
 def container(**changed: float) -> dict[str, float]:
@@ -202,7 +202,7 @@ def test_sampled_models_are_exact(name: str, plain: Any, run_record: Any) -> Non
 
 def test_a_helmsman_and_a_ship(plain: Any, run_record: Any) -> None:
     """The ship is integrated, the helmsman decides on the samples, from what the ship is at their beginning."""
-    model = join("helmed", find_model("de-keizer"), known_component("SteeringMachine"), ZigzagHelm)
+    model = join("helmed", find_model("de-keizer"), SteeringMachine, ZigzagHelm)
     assert not model.is_sampled
     values = find_ship("soesterberg").values(model) | container()
     values |= {"helm_start": 20.0, "helm_course": 0.0, "helm_rudder": 0.3, "helm_heading": 0.2}

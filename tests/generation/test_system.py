@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from shipid import Component, find_model, generate, given, join, parameter, state
-from shipid.declaration.errors import DeclarationError, UnknownNameError
+from shipid.foundation.errors import DeclarationError, UnknownNameError
 from shipid.generation.step import make_step
 from shipid.generation.system import System
-from shipid.trials.helm import ZigzagHelm
+from shipid.parts.helm import ZigzagHelm
 
 T = 2.0
 

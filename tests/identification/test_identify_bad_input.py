@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import shipid
-from shipid.declaration.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
+from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.identification import identify as module
 from shipid.identification.errors import NoAnswerError, NothingToFitError, TrialTooShortError
 from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError

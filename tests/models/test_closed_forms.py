@@ -10,7 +10,7 @@ from scipy.optimize import fsolve, minimize_scalar
 
 import shipid.models as declared
 from shipid import Model, find_model, find_ship, join
-from shipid.declaration.parameters import resolve
+from shipid.parameters.parameter_set import resolve
 
 Evaluate = Callable[..., dict[str, float]]
 

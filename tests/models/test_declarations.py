@@ -11,13 +11,18 @@ import pytest
 
 from shipid import Component, find_model, find_ship, join
 from shipid.declaration import units
-from shipid.declaration.catalogue import known_component, known_models, known_ships, modules
 from shipid.declaration.component import slug
-from shipid.declaration.errors import DeclarationError
-from shipid.declaration.parameters import PARTICULARS, missing_values
+from shipid.foundation.errors import DeclarationError
+from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
+from shipid.parameters.parameter_set import PARTICULARS, missing_values
+from shipid.parts import environment, planar_motion, sensors, steering_machine
+from shipid.parts.environment import Wind
+from shipid.parts.steering_machine import SteeringMachine
 
+PARTS = [planar_motion, steering_machine, environment, sensors]
 COMPONENTS = sorted(
-    {c for m in modules() for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)} - {Component},
+    {c for m in (*modules(), *PARTS) for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)}
+    - {Component},
     key=lambda c: c.__name__,
 )
 SHIPS = sorted(known_ships())
@@ -116,7 +121,7 @@ def test_everything_that_surrounds_a_ship_joins_with_every_model(name: str) -> N
 
 @pytest.mark.parametrize("name", sorted(WITH_WIND))
 def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
-    for order in ((find_model(name), known_component("Wind")), (known_component("Wind"), find_model(name))):
+    for order in ((find_model(name), Wind), (Wind, find_model(name))):
         with pytest.raises(DeclarationError) as error:
             join("whole", *order)
         text = str(error.value)
@@ -180,7 +185,7 @@ def test_every_model_has_a_ship_that_knows_it() -> None:
 
 @pytest.mark.parametrize("name", SHIPS)
 def test_every_ship_steers(name: str) -> None:
-    machine = join("machine", known_component("SteeringMachine"))
+    machine = join("machine", SteeringMachine)
     assert set(find_ship(name).values(machine)) == {"delta_max", "delta_rate", "tau_delta"}
 
 

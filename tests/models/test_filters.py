@@ -10,8 +10,8 @@ from scipy.integrate import cumulative_simpson
 from scipy.signal import lfilter
 
 import shipid
-from shipid.declaration.catalogue import find_model
-from shipid.declaration.parameters import ParameterSet
+from shipid.parameters.catalogue import find_model
+from shipid.parameters.parameter_set import ParameterSet
 
 DEG = np.pi / 180
 SENSORS = {"compass": "0.1 deg", "gyro": "0.01 deg/s"}

@@ -11,8 +11,8 @@ import pytest
 
 import shipid.models as declared
 from shipid import Component
-from shipid.declaration.catalogue import known_models, modules
 from shipid.declaration.model import Evaluation, reads_of
+from shipid.parameters.catalogue import known_models, modules
 
 Numbers = dict[str, float]
 Case = Callable[[Numbers], Numbers]
@@ -421,7 +421,7 @@ def test_no_model_and_no_component_is_left_out() -> None:
 @pytest.mark.parametrize("name", ["norrbin", "bech", "yaw-filter"])
 def test_published_coefficients_give_the_regular_ones_back(name: str) -> None:
     """Regular to published by the equations, and back by what stands instead."""
-    from shipid.declaration.parameters import resolve
+    from shipid.parameters.parameter_set import resolve
 
     values = dict(SHIP)
     MODELS[name](values)

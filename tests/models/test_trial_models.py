@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import shipid.models as declared
 from shipid import find_model, find_ship
-from shipid.models.kinematics import LEAST_WAY
+from shipid.parts.planar_motion import LEAST_WAY
 
 Evaluate = Callable[..., dict[str, float]]
 SURGING = [

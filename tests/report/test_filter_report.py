@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.report.report import render
+from shipid.report.write_report import render
 
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
 

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.report.figures import thin
-from shipid.report.numbers import NO_NUMBER, fixed, interval, number, uncertain
-from shipid.report.numbers import given as as_given
-from shipid.report.symbols import html_symbol
+from shipid.report.figures.trials import thin
+from shipid.report.typography.numbers import NO_NUMBER, fixed, interval, number, uncertain
+from shipid.report.typography.numbers import given as as_given
+from shipid.report.typography.symbols import html_symbol
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.autopilot.comparing import compare_tunings
-from shipid.declaration.errors import UsageError
-from shipid.report.report import render
+from shipid.autopilot.judgement.compare_tunings import compare_tunings
+from shipid.foundation.errors import UsageError
+from shipid.report.write_report import render
 
 
 class Page(html.parser.HTMLParser):

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from shipid.trials import Trial
+from shipid.trials.trial import Trial
 
 ROOT = Path(__file__).resolve().parents[2]
 FORMATS = ROOT / "studies" / "formats"
@@ -16,7 +16,7 @@ DATA = ROOT.parent / "shared" / "data"
 @pytest.fixture
 def campaign():
     """Read a file of one of the four campaigns; skip where the trial data are absent."""
-    from shipid.trials import read_trial
+    from shipid.trials.logs.reading import read_trial
 
     def read(name: str, file: str, window=None) -> Trial:
         path = DATA / name / file

@@ -6,9 +6,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from shipid.declaration.errors import UnknownNameError
-from shipid.trials import Trial, check_identifiable_input, check_regular, read_trial
+from shipid.foundation.errors import MissingFileError, UnknownNameError
 from shipid.trials import errors as e
+from shipid.trials.fitness import check_identifiable_input, check_regular
+from shipid.trials.logs.reading import read_trial
+from shipid.trials.trial import Trial
 
 
 def refused(error, path, *words, **arguments):
@@ -26,10 +28,10 @@ def refused(error, path, *words, **arguments):
 
 def test_missing_file_offers_the_nearest(log, table, tmp_path):
     log(table, "zigzag.csv")
-    refused(e.MissingFileError, tmp_path / "zigzak.csv", "zigzak.csv", "Did you mean zigzag.csv")
-    refused(e.MissingFileError, tmp_path / "no" / "such.csv", "such.csv", "Check the path")
-    refused(e.MissingFileError, tmp_path / "a@b.csv", "a@b.csv")
-    refused(e.MissingFileError, tmp_path, "is a folder")
+    refused(MissingFileError, tmp_path / "zigzak.csv", "zigzak.csv", "Did you mean zigzag.csv")
+    refused(MissingFileError, tmp_path / "no" / "such.csv", "such.csv", "Check the path")
+    refused(MissingFileError, tmp_path / "a@b.csv", "a@b.csv")
+    refused(MissingFileError, tmp_path, "is a folder")
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# only a comment\n", "t [s],psi [deg]\n"])

@@ -6,8 +6,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from shipid.trials import Trial, read_trial, write_trial
+from shipid.foundation.errors import MissingFileError, OverwriteError
 from shipid.trials import errors as e
+from shipid.trials.logs.reading import read_trial
+from shipid.trials.logs.writing import write_trial
+from shipid.trials.trial import Trial
 
 
 @pytest.fixture
@@ -118,7 +121,7 @@ class TestWriting:
     def test_nothing_is_overwritten_unasked(self, trial, tmp_path):
         path = tmp_path / "out.csv"
         path.write_text("precious")
-        with pytest.raises(e.OverwriteError, match="exists already"):
+        with pytest.raises(OverwriteError, match="exists already"):
             write_trial(trial, path)
         assert path.read_text() == "precious"
         write_trial(trial, path, overwrite=True)
@@ -142,7 +145,7 @@ class TestWriting:
         assert not any(path.name.startswith((".out", "out")) for path in tmp_path.iterdir())
 
     def test_no_such_folder(self, trial, tmp_path):
-        with pytest.raises(e.MissingFileError, match="no folder"):
+        with pytest.raises(MissingFileError, match="no folder"):
             write_trial(trial, tmp_path / "no" / "out.csv")
-        with pytest.raises(e.MissingFileError, match="is a folder"):
+        with pytest.raises(MissingFileError, match="is a folder"):
             write_trial(trial, tmp_path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.declaration.errors import UsageError
+from shipid.foundation.errors import UsageError
 from shipid.identification.errors import IdentificationError
 
 

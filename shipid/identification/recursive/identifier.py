@@ -10,16 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from shipid.declaration.catalogue import find_model, find_ship, whole_ship
-from shipid.declaration.errors import UnknownNameError, UsageError
 from shipid.declaration.model import Model
-from shipid.declaration.parameters import ParameterSet, missing_values
 from shipid.declaration.units import prime_factor, to_si
-from shipid.estimation.arrangement import Arrangement, arrange, column_of
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
-from shipid.estimation.feeding import columns_of
-from shipid.estimation.noise import process_sources
-from shipid.estimation.start import parameter_starts, read_deviations
+from shipid.estimation.records.arrangement import Arrangement, arrange, column_of
+from shipid.estimation.records.vectors import columns_of
+from shipid.estimation.settings.initial import parameter_starts, read_deviations
+from shipid.estimation.settings.noise import process_sources
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.loop import Loop, make_loop
 from shipid.identification.recursive.errors import ForgettingError
 from shipid.identification.recursive.methods import find_method
@@ -27,6 +25,8 @@ from shipid.identification.recursive.noise_level import noise_of, read_sensor
 from shipid.identification.recursive.recursion import Layout, length, make_recursion
 from shipid.identification.recursive.regression import Regression, make_regression
 from shipid.identification.recursive.result import RecursiveIdentification
+from shipid.parameters.catalogue import find_model, find_ship, whole_ship
+from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.trials.trial import Trial
 
 Record = Trial | Mapping[str, np.ndarray]

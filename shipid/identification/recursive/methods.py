@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from shipid.declaration.errors import UnknownNameError
+from shipid.foundation.errors import UnknownNameError
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shipid.declaration.errors import UsageError
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
-from shipid.estimation.noise import sensor_levels
+from shipid.estimation.settings.noise import sensor_levels
+from shipid.foundation.errors import UsageError
 
 
 def noise_of(samples: np.ndarray) -> float:

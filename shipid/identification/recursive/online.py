@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shipid.declaration.errors import UnknownNameError, UsageError
-from shipid.estimation.arrangement import LONGEST_GAP, LONGEST_STEP, column_of, input_table
 from shipid.estimation.errors import SavedStateError
-from shipid.estimation.run import unpacked
+from shipid.estimation.records.arrangement import LONGEST_GAP, LONGEST_STEP, column_of, input_table
+from shipid.estimation.records.run import unpacked
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.identification.recursive.following import followers, following
 from shipid.identification.recursive.recursion import FEW
 

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.augment import augment
-from shipid.declaration.errors import UnknownNameError
 from shipid.declaration.model import Entry, Model
+from shipid.foundation.errors import UnknownNameError
 from shipid.generation.linearisation import COORDINATES
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate

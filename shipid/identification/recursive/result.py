@@ -10,9 +10,9 @@ import numpy as np
 from scipy.fft import next_fast_len
 
 from shipid.declaration.units import pretty
-from shipid.estimation.arrangement import Arrangement
-from shipid.estimation.consistency import whiteness
-from shipid.estimation.run import ParameterEstimate, unpacked
+from shipid.estimation.records.arrangement import Arrangement
+from shipid.estimation.records.consistency import whiteness
+from shipid.estimation.records.run import ParameterEstimate, unpacked
 from shipid.identification.recursive.following import following
 from shipid.identification.recursive.recursion import FEW
 
@@ -196,7 +196,7 @@ class RecursiveIdentification:
         return self.std[:, self.names.index(name)] if name in self.names else self._following(name)[1]
 
     def _following(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        from shipid.declaration.errors import UnknownNameError
+        from shipid.foundation.errors import UnknownNameError
 
         if name not in self.follow:
             raise UnknownNameError("estimated parameter", name, [*self.names, *self.follow])

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from shipid.trials import columns, reading, text
+from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, TextInColumnError, TrialError, UnknownColumnError
-from shipid.trials.format import TrialFormat
+from shipid.trials.logs import reading, text
+from shipid.trials.logs.format import TrialFormat
 from shipid.trials.trial import Trial
 
 _ALIASES: dict[str, tuple[str, ...]] = {
@@ -270,7 +271,7 @@ def _to_si(record: Record, fmt: TrialFormat | None) -> None:
 
 
 def _treat_heading(values: dict[str, np.ndarray], fmt: TrialFormat) -> None:
-    from shipid.trials.assembly import mended_heading
+    from shipid.trials.logs.assembly import mended_heading
 
     sound = all(np.isfinite(v).all() for v in values.values()) and bool(np.all(np.diff(values["t"]) > 0))
     if "psi" in values and sound:

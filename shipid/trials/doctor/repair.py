@@ -7,16 +7,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from shipid.declaration.parameters import ParameterSet
+from shipid.foundation.errors import OverwriteError
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials import columns
-from shipid.trials.doctor.examination import examine
+from shipid.trials.doctor.check_trial import examine
 from shipid.trials.doctor.findings import Finding
 from shipid.trials.doctor.record import from_trial, read_record
-from shipid.trials.errors import OverwriteError, TrialError
-from shipid.trials.format import TrialFormat, read_format
+from shipid.trials.errors import TrialError
+from shipid.trials.logs.format import TrialFormat, read_format
+from shipid.trials.logs.writing import write_trial
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
-from shipid.trials.writing import write_trial
 
 
 class NoSafeRepairError(TrialError):

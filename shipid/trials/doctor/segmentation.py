@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.trials.doctor import robust
+from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
-from shipid.trials.doctor.patient import Patient
-from shipid.trials.series import smoothed
+from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.measuring.series import smoothed
 
 _LEAST = np.radians(1.5)
 """Rudder angles below this are course keeping."""

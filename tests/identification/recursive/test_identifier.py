@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import lfilter
 
 import shipid
-from shipid.declaration.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError, SavedStateError
+from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.recursive.errors import ForgettingError
 from shipid.identification.recursive.identifier import RecursiveIdentifier, identify_recursively
 from shipid.identification.recursive.methods import METHODS, find_method

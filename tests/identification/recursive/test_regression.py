@@ -7,7 +7,7 @@ import pytest
 
 import shipid
 from shipid import Component, given, join, parameter, state
-from shipid.declaration.errors import UnknownNameError
+from shipid.foundation.errors import UnknownNameError
 from shipid.identification.recursive.errors import NonlinearParameterError, NoRegressionError
 from shipid.identification.recursive.identifier import RecursiveIdentifier
 from shipid.identification.recursive.regression import make_regression

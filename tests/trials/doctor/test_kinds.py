@@ -7,7 +7,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import shipid
-from shipid.trials.doctor import check_trial
+from shipid.trials.doctor.check_trial import check_trial
 
 SIMPLE = [
     "clock-quantised", "clock-repeats", "clock-unsorted", "gap", "resampled", "not-finite", "trailing-empty", "outlier",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shipid.trials.doctor import check_trial
+from shipid.trials.doctor.check_trial import check_trial
 
 ROOT = Path(__file__).resolve().parents[3]
 DATA = ROOT.parent / "shared" / "data"

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.foundation.errors import OverwriteError
 from shipid.trials import errors as e
-from shipid.trials.doctor import check_trial, fix_trial
-from shipid.trials.doctor.repair import NoSafeRepairError
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.repair import NoSafeRepairError, fix_trial
 
 #: What is planted, at which size, and how far the columns may be from the truth: in shares of their range.
 REPAIRED = [
@@ -81,7 +82,7 @@ def test_what_has_no_safe_repair_is_not_written(faults, sailed, tmp_path):
 def test_nothing_is_overwritten(sailed, tmp_path):
     there = tmp_path / "there.csv"
     there.write_text("mine")
-    with pytest.raises(e.OverwriteError, match="never overwrites"):
+    with pytest.raises(OverwriteError, match="never overwrites"):
         fix_trial(sailed(), there)
     assert there.read_text() == "mine"
 

@@ -7,9 +7,9 @@ import json
 import numpy as np
 import pytest
 
+from shipid.foundation.errors import MissingFileError
 from shipid.trials import errors as e
-from shipid.trials.doctor import check_trial
-from shipid.trials.doctor.examination import diagnose, examine
+from shipid.trials.doctor.check_trial import check_trial, diagnose, examine
 from shipid.trials.doctor.record import from_trial
 
 
@@ -68,7 +68,7 @@ def test_empty_and_missing_files(tmp_path):
     (tmp_path / "empty.csv").write_text("")
     with pytest.raises(e.EmptyFileError):
         check_trial(tmp_path / "empty.csv")
-    with pytest.raises(e.MissingFileError):
+    with pytest.raises(MissingFileError):
         check_trial(tmp_path / "nowhere.csv")
     with pytest.raises(e.EmptyFileError, match="window"):
         check_trial(f"{write(tmp_path, rows())}@5000:6000")

@@ -1,0 +1,1 @@
+"""The design of an autopilot: plant, gains, schedule, control law."""

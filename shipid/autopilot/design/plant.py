@@ -1,0 +1,327 @@
+"""The ship as an autopilot sees it: from rudder to heading and rate of turn, linearised exactly at each speed.
+
+Everything here works on many conditions at once: speeds of a grid, or samples of the coefficients.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
+from shipid.declaration.model import Model
+from shipid.declaration.units import factor, prime_factor
+from shipid.foundation.errors import ParameterSetError
+from shipid.generation.system import System, generate
+from shipid.parameters.parameter_set import ParameterSet, missing_values
+
+#: What an autopilot measures.
+MEASURED = ("psi", "r")
+#: Rates at which a ship still counts as going straight: the change of a state within a ship length, in its own size.
+_STRAIGHT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """Transfers from one input to heading and rate of turn, over any number of conditions.
+
+    Attributes
+    ----------
+    states : tuple of str
+        States that the input moves and the heading feels; the others are left out.
+    A : ndarray, shape (..., n, n)
+        Exact Jacobian.
+    B : ndarray, shape (..., n)
+        By the input.
+    C : ndarray, shape (..., 2, n)
+        Heading and rate of turn.
+    denominator : ndarray, shape (..., n + 1)
+        Characteristic polynomial, highest power first.
+    numerators : ndarray, shape (..., 2, n)
+        Of heading and rate of turn, highest power first.
+    """
+
+    states: tuple[str, ...]
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    denominator: np.ndarray
+    numerators: np.ndarray
+
+    def at(self, index: Any) -> Plant:
+        """Return one condition, or some of them."""
+        return Plant(
+            self.states,
+            self.A[index],
+            self.B[index],
+            self.C[index],
+            self.denominator[index],
+            self.numerators[index],
+        )
+
+
+def check_steerable(model: Model) -> None:
+    """Refuse a model an autopilot has nothing to hold on to.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+
+    Raises
+    ------
+    NotSteerableError
+        If it has no heading, no rate of turn, or reads no rudder.
+    """
+    if "psi" not in model.states:
+        raise NotSteerableError(f"model {model.name} has no heading 'psi' among its states: join it with PlanarMotion.")
+    sampled = [s for s in model.states if model[s].equation is not None and model[s].equation.kind == "next"]  # type: ignore[union-attr]
+    if sampled:
+        raise NotSteerableError(
+            f"model {model.name} is sampled ({', '.join(sampled)}): an autopilot is designed for a ship that moves in continuous "
+            "time. Take the continuous model of the same ship."
+        )
+    if "r" not in model or model["r"].quantity.kind == "given":
+        raise NotSteerableError(
+            f"model {model.name} states no rate of turn 'r', which an autopilot feeds back. State it, derived or as a state."
+        )
+    if "delta" not in model.inputs:
+        raise NotSteerableError(f"model {model.name} reads no rudder angle 'delta', so an autopilot cannot steer it.")
+
+
+@functools.lru_cache(maxsize=64)
+def _linear(model: Model, by: str) -> Any:
+    """The CasADi function (x, u, p) -> rates and the Jacobians by the states and by one input."""
+    system = generate(model)
+    column = system.inputs.index(by)
+    y = system.expression(MEASURED)
+    return ca.Function(
+        "linear",
+        [system.x, system.u, system.p],
+        [
+            ca.densify(system.rates),
+            ca.densify(ca.jacobian(system.rates, system.x)),
+            ca.densify(ca.jacobian(system.rates, system.u)[:, column]),
+            ca.densify(ca.jacobian(y, system.x)),
+        ],
+    )
+
+
+def straight_course(system: System, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return states and inputs of a ship that goes straight at each speed, nothing else acting on it.
+
+    Parameters
+    ----------
+    system : System
+        The equations.
+    speeds : ndarray, shape (n,)
+        In m/s.
+
+    Returns
+    -------
+    x : ndarray, shape (states, n)
+    u : ndarray, shape (inputs, n)
+    """
+    model, speeds = system.model, np.atleast_1d(np.asarray(speeds, dtype=float))
+    x, u = np.zeros((len(system.states), speeds.size)), np.zeros((len(system.inputs), speeds.size))
+    for names, rows in ((system.states, x), (system.inputs, u)):
+        for i, name in enumerate(names):
+            default = model[name].number("default") if names is system.inputs else model[name].number("start")
+            rows[i] = speeds if name in ("u", "cruise") else 0.0 if default is None else default
+    return x, u
+
+
+def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "delta") -> Plant:
+    """Linearise a ship on a straight course, at many conditions in one call.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model, or one joined with its steering machine.
+    speeds : ndarray, shape (n,)
+        In m/s.
+    p : ndarray, shape (coefficients, n)
+        Coefficients in the order of the model's system.
+    by : str
+        The input: ``"delta"``, or ``"delta_order"`` with a steering machine.
+
+    Returns
+    -------
+    Plant
+        With n conditions.
+
+    Raises
+    ------
+    NoStraightCourseError
+        If a state other than position and heading changes on a straight course with the rudder amidships.
+    NotSteerableError
+        If the rudder does not move the heading.
+    """
+    system = generate(model)
+    _ = system.right_hand_side  # refuses a sampled model, with its reason
+    x, u = straight_course(system, speeds)
+    count = x.shape[1]
+    function = _linear(model, by)
+    rates, a, b, c = (np.asarray(m.full()) for m in function.map(count)(x, u, p))
+    n = len(system.states)
+    A = a.reshape(n, count, n).transpose(1, 0, 2)
+    B, C = b.T, c.reshape(2, count, n).transpose(1, 0, 2)
+    kept = _between(A, B, C)
+    names = tuple(s for s, k in zip(system.states, kept) if k)
+    _check_straight(model, system.states, rates, speeds, kept)
+    if "psi" not in names:
+        raise NotSteerableError(
+            f"the rudder of model {model.name} does not move its heading at {float(np.min(speeds)):.3g} m/s: the "
+            "linearisation is uncontrollable. Look at the coefficient of the rudder."
+        )
+    A, B, C = A[:, kept][:, :, kept], B[:, kept], C[:, :, kept]
+    if not C[:, 1].any():
+        raise NotSteerableError(
+            f"the rate of turn of model {model.name} follows the rudder at once, without a state: there is no yaw to steer."
+        )
+    heading = names.index("psi")
+    free = not A[:, :, heading].any() and not np.delete(C[:, 0], heading, axis=1).any() and not C[:, 1, heading].any()
+    denominator, numerators = _integrated(A, B, C, heading) if free else transfer(A, B, C)
+    return Plant(names, A, B, C, denominator, numerators)
+
+
+def _integrated(A: np.ndarray, B: np.ndarray, C: np.ndarray, heading: int) -> tuple[np.ndarray, np.ndarray]:
+    """The polynomials of a ship that feels no heading: its integrator is a root at zero, and not at 1e-16."""
+    rest = np.delete(np.arange(A.shape[-1]), heading)
+    rows = np.stack([A[:, heading][:, rest], C[:, 1][:, rest]], axis=1)
+    denominator, numerators = transfer(A[:, rest][:, :, rest], B[:, rest], rows)
+    zero = np.zeros((*denominator.shape[:-1], 1))
+    turning = np.concatenate([zero, numerators[:, 0]], axis=-1) + B[:, [heading]] * denominator
+    rate = np.concatenate([numerators[:, 1], zero], axis=-1)
+    return np.concatenate([denominator, zero], axis=-1), np.stack([turning, rate], axis=1)
+
+
+def _between(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> np.ndarray:
+    """Which states lie between the input and the measurements: moved by the one, felt by the other."""
+    links = (A != 0).any(axis=0)
+    moved, felt = (B != 0).any(axis=0), (C != 0).any(axis=(0, 1))
+    for _ in range(len(moved)):
+        moved = moved | links[:, moved].any(axis=1)
+        felt = felt | links[felt].any(axis=0)
+    return np.asarray(moved & felt)
+
+
+def _check_straight(
+    model: Model, states: Sequence[str], rates: np.ndarray, speeds: np.ndarray, kept: np.ndarray
+) -> None:
+    if not np.isfinite(rates).all():
+        raise NoStraightCourseError(f"the equations of model {model.name} give no finite number on a straight course.")
+    for i, name in enumerate(states):
+        if kept[i] and np.abs(rates[i]).max() > _STRAIGHT * (model[name].number("nominal") or 1.0):
+            worst = int(np.abs(rates[i]).argmax())
+            raise NoStraightCourseError(
+                f"model {model.name} does not go straight with its rudder amidships: at {np.atleast_1d(speeds)[worst]:.3g} "
+                f"m/s its '{name}' changes by {rates[i][worst]:.3g} in a second. Take the bias out of the coefficients."
+            )
+
+
+def transfer(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the polynomials of ``C (sI - A)^-1 B``: the denominator, and a numerator for each row of C.
+
+    Faddeev and Leverrier's recursion, over any number of conditions; for the few states of a ship's yaw it is exact to
+    rounding.
+
+    Parameters
+    ----------
+    A : ndarray, shape (..., n, n)
+    B : ndarray, shape (..., n)
+    C : ndarray, shape (..., k, n)
+        As in `Plant`.
+
+    Returns
+    -------
+    denominator : ndarray, shape (..., n + 1)
+    numerators : ndarray, shape (..., k, n)
+    """
+    n = A.shape[-1]
+    unit = np.broadcast_to(np.eye(n), A.shape)
+    adjoint, denominator, numerators = unit, [np.ones(A.shape[:-2])], []
+    for k in range(1, n + 1):
+        numerators.append(np.einsum("...ij,...jk,...k->...i", C, adjoint, B))
+        product = A @ adjoint
+        coefficient = -np.trace(product, axis1=-2, axis2=-1) / k
+        denominator.append(coefficient)
+        adjoint = product + coefficient[..., None, None] * unit
+    return np.stack(denominator, axis=-1), np.stack(numerators, axis=-1)
+
+
+@dataclass(frozen=True)
+class Known:
+    """The coefficients of a ship at one speed, and what had to be taken for granted.
+
+    Attributes
+    ----------
+    values : mapping of str to float
+        SI.
+    span : tuple of float or None
+        Speeds in m/s between which the coefficients are known; None where the set does not say.
+    scaled : bool
+        Whether dimensional coefficients were carried from another speed by powers of L and L/U.
+    """
+
+    values: Mapping[str, float]
+    span: tuple[float, float] | None
+    scaled: bool
+
+
+def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapping[str, float] | None = None) -> Known:
+    """Return the coefficients of a ship at a speed it may not have been tried at.
+
+    Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they were identified or
+    published, that of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+    ship : ParameterSet
+        The ship.
+    speed : float
+        In m/s.
+    values : mapping of str to float, optional
+        SI values at the ship's own speed that replace those of the set: a sample.
+
+    Raises
+    ------
+    ParameterSetError
+        If the ship lacks a coefficient, or the length or the speed that is needed to scale one.
+    """
+    own, length = ship.particular("speed", "m/s"), ship.particular("L", "m")
+    tables = [v for v in (ship.find(model, n) for n in model.entries) if v is not None and v.speed]
+    limits = [[s * factor(v.speed_unit, "m/s") for s in (v.speed[0], v.speed[-1])] for v in tables]
+    span = (max(a for a, _ in limits), min(b for _, b in limits)) if limits else None
+    spoken = _spoken(ship, model)
+    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(spoken) if spoken else own
+    known = ship.values(model, speed=reference) | dict(values or {})
+    lacking = missing_values(model, known, f"ship {ship.name}")
+    if lacking:
+        raise lacking
+    dimensional = [n for n in model.parameters if model[n].quantity.prime]
+    if not dimensional or speed == reference:
+        return Known(known, span or spoken, False)
+    if reference is None or length is None or not length > 0:
+        what = "speed" if reference is None else "length L"
+        raise ParameterSetError(
+            f"ship {ship.name} has no {what} of its own, by which {', '.join(dimensional)} of model {model.name} follow the "
+            "speed. Add it to the particulars."
+        )
+    for name in dimensional:
+        unit = model[name].unit
+        known[name] *= prime_factor(unit, length, speed) / prime_factor(unit, length, reference)
+    return Known(known, span or spoken, True)
+
+
+def _spoken(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
+    """The speeds of the trials a set was identified from, where it says them."""
+    joint = ship.joint.get(model.name)
+    return None if joint is None else joint.speeds

@@ -1,0 +1,1 @@
+"""The judgement of a design: margins, course changes, robustness, weather."""

@@ -1,0 +1,306 @@
+"""The result of judging a design: margins, robustness, course changes, and the weakest point in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from shipid.autopilot.judgement.margins import Margins
+
+if TYPE_CHECKING:
+    from shipid.autopilot.design.autopilot import Autopilot
+
+#: What is weak: a margin below, an overshoot or an error above. The report shows them beside the numbers.
+LIMITS = {
+    "disk margin": 0.5,
+    "gain margin": 2.0,
+    "phase margin": 30.0,
+    "overshoot": 0.1,
+    "steady error in wind": 3.0,
+}
+#: Overshoots of less than this many degrees are nobody's concern.
+_LEAST_OVERSHOOT = 1.0
+
+
+@dataclass(frozen=True)
+class CourseChange:
+    """One course change, or one course kept; angles in degrees.
+
+    Attributes
+    ----------
+    speed, change_deg : float
+        Speed before it in m/s, and the change; 0 where a course is kept.
+    weather : str
+        "calm", or what acts.
+    overshoot_deg, settling_s : float or None
+        None where the run diverged, or the heading does not settle.
+    rms_error_deg, mean_error_deg, rms_rudder_deg : float or None
+        Over the run; in weather, after it has begun.
+    reversals : float or None
+        Of the rudder by more than half a degree, a minute.
+    cross_track_m : float or None
+        Width of the track across the new course once the heading is reached.
+    sea_filter : bool
+        Whether heading and rate went through the sea filter.
+    lost : bool
+        Whether the model ran away.
+    """
+
+    speed: float
+    change_deg: float
+    weather: str
+    overshoot_deg: float | None
+    settling_s: float | None
+    rms_error_deg: float | None
+    mean_error_deg: float | None
+    rms_rudder_deg: float | None
+    reversals: float | None
+    cross_track_m: float | None
+    sea_filter: bool = False
+    lost: bool = False
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {n: getattr(self, n) for n in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True)
+class Robustness:
+    """What is left of the disk margin when the ship is not the one designed for.
+
+    Attributes
+    ----------
+    samples : int
+        Draws of the ship's coefficients; 0 where nothing is known of their uncertainty.
+    source : str
+        Where the draws come from, in words.
+    disk_worst, disk_low : float
+        Least disk margin over draws and speeds, and the one that 5 % of the draws fall short of.
+    speed_worst : float
+        Speed of the worst, in m/s.
+    unstable : int
+        Draws that are unstable at a speed.
+    disk_by_speed : tuple of float
+        Least disk margin at each speed of the schedule.
+    overshoot_deg : tuple of float or None
+        Overshoot of the sample course change: of the ship as it is, in the middle of the draws, and at 95 % of them.
+    settling_s : tuple of float or None
+        The same for the settling time.
+    sample_change_deg : float
+        That course change.
+    variants : mapping of str to mapping
+        The disk margin and the overshoot under a slow rudder, and with the log off by 10 % either way.
+    """
+
+    samples: int
+    source: str
+    disk_worst: float
+    disk_low: float
+    speed_worst: float
+    unstable: int
+    disk_by_speed: tuple[float, ...]
+    overshoot_deg: tuple[float | None, ...]
+    settling_s: tuple[float | None, ...]
+    sample_change_deg: float
+    variants: Mapping[str, Mapping[str, float | None]]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "disk_worst": self.disk_worst,
+            "samples": self.samples,
+            "source": self.source,
+            "disk_5_percent": self.disk_low,
+            "speed_worst": self.speed_worst,
+            "unstable": self.unstable,
+            "disk_by_speed": list(self.disk_by_speed),
+            "change_deg": self.sample_change_deg,
+            "overshoot_deg": list(self.overshoot_deg),
+            "settling_s": list(self.settling_s),
+            "variants": {n: dict(v) for n, v in self.variants.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Weakest:
+    """The weakest point of a design.
+
+    Attributes
+    ----------
+    what, where : str
+        The quantity, and the speed, the draw or the manoeuvre.
+    value, limit : float
+        Its value, and the limit it is measured by.
+    unit : str
+        Of both; may be empty.
+    share : float
+        How much of the limit is met: below 1 it is not.
+    """
+
+    what: str
+    where: str
+    value: float
+    limit: float
+    unit: str
+    share: float
+
+    @property
+    def sentence(self) -> str:
+        """In plain words."""
+        unit = f" {self.unit}" if self.unit else ""
+        kept = "within" if self.share >= 1 else "beyond"
+        return f"The weakest point is the {self.what} {self.where}: {self.value:.3g}{unit}, {kept} its limit of {self.limit:.3g}{unit}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {n: getattr(self, n) for n in self.__dataclass_fields__}
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A design, judged.
+
+    Attributes
+    ----------
+    pilot : Autopilot
+        The design.
+    margins : tuple of tuple of Margins
+        At the speeds of the schedule, for each load condition.
+    between : tuple of tuple of Margins
+        In the middle between two speeds.
+    robust : tuple of Robustness
+        For each load condition.
+    steps : tuple of CourseChange
+        In calm.
+    weathered : tuple of CourseChange
+        In wind, waves and current.
+    weather : mapping of str to float
+        The weather they were sailed in.
+    cloud : mapping of str to ndarray
+        Histories of the sample course change for some of the draws: ``t``, then ``psi`` and ``delta`` of shape (draws, n), SI.
+    warnings : tuple of str
+        Those of the design, and what the judgement found.
+    """
+
+    pilot: Autopilot
+    margins: tuple[tuple[Margins, ...], ...]
+    between: tuple[tuple[Margins, ...], ...]
+    robust: tuple[Robustness, ...]
+    steps: tuple[CourseChange, ...]
+    weathered: tuple[CourseChange, ...]
+    weather: Mapping[str, float]
+    cloud: Mapping[str, np.ndarray]
+    warnings: tuple[str, ...]
+
+    @property
+    def weakest(self) -> Weakest:
+        """The point that meets the least of its limit."""
+        return min(self.points(), key=lambda w: w.share)
+
+    def points(self) -> list[Weakest]:
+        """Return every quantity with a limit at its worst place."""
+        found = []
+        for j, name in enumerate(self.pilot.conditions):
+            load = f" ({name})" if len(self.pilot.conditions) > 1 else ""
+            everywhere = (*self.margins[j], *self.between[j])
+            worst = min(everywhere, key=lambda m: m.disk)
+            found.append(_point("disk margin", f"at {worst.speed:.3g} m/s{load}", worst.disk, LIMITS["disk margin"]))
+            robust = self.robust[j]
+            if robust.samples:
+                where = f"over the uncertainty of the ship, at {robust.speed_worst:.3g} m/s{load}"
+                found.append(_point("disk margin", where, robust.disk_worst, LIMITS["disk margin"]))
+            gains = [(min(x for x in (m.gain_high, 1 / m.gain_low if m.gain_low else None) if x), m.speed)
+                     for m in everywhere if m.gain_high or m.gain_low]  # fmt: skip
+            if gains:
+                value, speed = min(gains)
+                found.append(_point("gain margin", f"at {speed:.3g} m/s{load}", value, LIMITS["gain margin"]))
+            phases = [(m.phase_deg, m.speed) for m in everywhere if m.phase_deg is not None]
+            if phases:
+                value, speed = min(phases)
+                found.append(_point("phase margin", f"at {speed:.3g} m/s{load}", value, LIMITS["phase margin"], "deg"))
+        return found + self._sailed()
+
+    def _sailed(self) -> list[Weakest]:
+        found = []
+        changes = [s for s in self.steps if s.change_deg]
+        for s in changes:
+            where = f"in a course change of {abs(s.change_deg):.3g} deg at {s.speed:.3g} m/s"
+            limit = max(LIMITS["overshoot"] * abs(s.change_deg), _LEAST_OVERSHOOT)
+            if s.lost or s.overshoot_deg is None:
+                found.append(Weakest("course change", where.removeprefix("in a course change "), 0.0, 1.0, "", 0.0))
+            elif s.overshoot_deg > 0:
+                found.append(Weakest("overshoot", where, s.overshoot_deg, limit, "deg", limit / s.overshoot_deg))
+        errors = [
+            (abs(s.mean_error_deg), s)
+            for s in self.weathered
+            if s.mean_error_deg is not None and s.sea_filter and not s.change_deg
+        ]
+        if errors:
+            value, s = max(errors, key=lambda e: e[0])
+            limit = LIMITS["steady error in wind"]
+            found.append(
+                Weakest("steady error in wind", f"with {s.weather}", value, limit, "deg", limit / max(value, 1e-9))
+            )
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values for JSON: lists under ``gains``, ``poles`` and ``margins`` run along ``speeds``; no NaN."""
+        first = self.pilot.to_dict()
+        found = {n: first[n] for n in ("model", "ship", "design", "request", "service_speed", "rudder_limit_deg")}
+        found |= {
+            "speeds": first["speeds"],
+            "gains": first["gains"],
+            "poles": first["poles"],
+            "margins": _listed(self.margins[0]),
+            "between": [m.to_dict() for m in self.between[0]],
+            "robust": self.robust[0].to_dict(),
+            "steps": [s.to_dict() for s in self.steps],
+            "weather": {**self.weather, "runs": [s.to_dict() for s in self.weathered]},
+            "weakest": self.weakest.to_dict(),
+            "limits": dict(LIMITS),
+        }
+        if "conditions" in first:
+            found["conditions"] = {
+                name: {
+                    **first["conditions"][name],
+                    "margins": _listed(self.margins[j]),
+                    "robust": self.robust[j].to_dict(),
+                }
+                for j, name in enumerate(self.pilot.conditions)
+            }
+        return found | {"warnings": list(self.warnings)}
+
+    def to_frame(self) -> Any:
+        """Return the margins as a pandas table, a row for each load condition and speed."""
+        import pandas as pd
+
+        rows = [
+            {"condition": name, **m.to_dict()}
+            for name, margins in zip(self.pilot.conditions, self.margins)
+            for m in margins
+        ]
+        return pd.DataFrame(rows).set_index(["condition", "speed"])
+
+    def __repr__(self) -> str:
+        lines = [repr(self.pilot), self.weakest.sentence]
+        for name, robust in zip(self.pilot.conditions, self.robust):
+            lines.append(
+                f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
+                if robust.samples
+                else f"  {name}: disk margin {robust.disk_worst:.3g} at worst; {robust.source}"
+            )
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in self.pilot.warnings)])
+
+
+def _point(what: str, where: str, value: float, limit: float, unit: str = "") -> Weakest:
+    return Weakest(what, where, float(value), limit, unit, float(value) / limit)
+
+
+def _listed(margins: tuple[Margins, ...]) -> dict[str, list[float | None]]:
+    names = {"gain": "gain", "gain_low": "gain_low", "gain_high": "gain_high", "phase_deg": "phase_deg",
+             "delay_s": "delay_s", "disk": "disk", "bandwidth_rad_s": "bandwidth", "sensitivity_peak": "sensitivity",
+             "complementary_peak": "complementary"}  # fmt: skip
+    return {key: [getattr(m, name) for m in margins] for key, name in names.items()}

@@ -1,0 +1,226 @@
+"""Manoeuvring criteria: a model evaluated against IMO MSC.137(76) 5.3, with its uncertainty.
+
+A model is no trial: what it says beyond the rudder angles it was identified from is extrapolation, and a verdict of an
+Administration it never is. The words of the result say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from shipid.criteria.criteria import WORDING, Criteria, Row, Side, first_overshoot_limit, second_overshoot_limit
+from shipid.criteria.spiral import Spiral, spiral_of
+from shipid.criteria.standard_manoeuvres import Numbers, Standard
+from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
+from shipid.foundation.errors import ParameterSetError, UsageError
+from shipid.identification.fit import Fit
+from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
+from shipid.parameters.catalogue import find_model, find_ship
+from shipid.parameters.draws import draw_coefficients
+from shipid.parameters.parameter_set import ParameterSet, missing_values
+
+#: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
+_RATE = np.deg2rad(65 / 28)
+_FULL = np.deg2rad(35.0)
+_BEYOND = 1.1
+
+
+def manoeuvring_criteria(
+    model_or_fit: Model | Fit | str,
+    *,
+    ship: ParameterSet | str | None = None,
+    speed: str | float | None = None,
+    draws: int = DRAWS,
+) -> Criteria:
+    """Evaluate a model against IMO MSC.137(76) 5.3: turning, initial turning, yaw checking; and its spiral.
+
+    Parameters
+    ----------
+    model_or_fit : Model, Fit or str
+        A fit, whose covariance makes the bands; or a model, with the standard deviations of the ship's own set.
+    ship : ParameterSet or str, optional
+        The ship; that of the fit by default.
+    speed : str or float, optional
+        Test speed, ``"15 kn"`` or in m/s; the ship's own by default.
+    draws : int
+        Number of parameter sets behind the bands; 0 for none.
+
+    Returns
+    -------
+    Criteria
+
+    Raises
+    ------
+    ParameterSetError
+        If the ship lacks its length, its speed or a coefficient.
+    UsageError
+        If there is no ship, the speed is none, or the model reads no rudder angle.
+    """
+    fit = model_or_fit if isinstance(model_or_fit, Fit) else None
+    model = fit.model if fit else find_model(model_or_fit) if isinstance(model_or_fit, str) else model_or_fit
+    assert isinstance(model, Model)
+    own = find_ship(ship) if isinstance(ship, str) else ship or (fit.ship if fit else None)
+    if own is None:
+        raise UsageError("criteria need a ship: its length, speed and coefficients.")
+    if "delta" not in model.inputs or "psi" not in model or "x" not in model:
+        raise UsageError(f"model {model.name} has no rudder angle 'delta' to turn by, or no heading and track.")
+    length, velocity = own.particular("L", "m"), _speed(own, speed)
+    if length is None or length <= 0:
+        raise ParameterSetError(f"ship {own.name} has no length L greater than zero, which the criteria are stated in.")
+    known = own.values(model, speed=velocity)
+    if fit:
+        known |= dict(fit.fixed) | dict(zip(fit.estimated, (float(v) for v in fit._solution.q)))
+    lacking = missing_values(model, known, f"ship {own.name}")
+    if lacking:
+        raise lacking
+    limit, rate = own.particular("delta_max", "rad"), own.particular("delta_rate", "rad/s")
+    rudder = min(limit or _FULL, _FULL)
+    standard = Standard(model, velocity, length, rudder, {"delta_max": limit or _FULL, "delta_rate": rate or _RATE})
+    sets, about = _sets(fit, model, own, known, draws)
+    sides = [(standard(known, side), [standard(values, side) for values in sets]) for side in (1, -1)]
+    spiral, spirals = (
+        spiral_of(model, known, velocity, length, limit or _FULL),
+        [spiral_of(model, values, velocity, length, limit or _FULL) for values in sets],
+    )
+    notes = _notes(fit, model, own, velocity, length, rudder, limit is None, rate is None)
+    lost = sorted({kind for point, _ in sides for kind in point.lost})
+    if lost:
+        notes.insert(0, f"The model runs away in: {', '.join(lost)}. It has no number there.")
+    return Criteria(
+        model.name,
+        own.name,
+        length,
+        velocity,
+        rudder,
+        _rows(sides, length, length / velocity),
+        _spiral(spiral, spirals),
+        (*notes, about),
+    )
+
+
+def _speed(ship: ParameterSet, speed: str | float | None) -> float:
+    own = ship.particular("speed", "m/s")
+    found = own if speed is None else to_si(speed, "m/s", "the speed") if isinstance(speed, str) else float(speed)
+    if found is None:
+        raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '15 kn'.")
+    if not 0 < found < np.inf:
+        raise UsageError(f"a speed of {found:g} m/s is no test speed: give one greater than zero.")
+    return found
+
+
+def _sets(
+    fit: Fit | None, model: Model, ship: ParameterSet, known: Mapping[str, float], count: int
+) -> tuple[list[dict[str, float]], str]:
+    """Parameter sets behind the bands, and where they come from in words."""
+    if count <= 0:
+        return [], "No bands were asked for."
+    if fit is not None:
+        drawn = draws_of(fit, count)
+        sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
+        return sets, "Bands: 95 %, from the covariance of the identified coefficients."
+    drawn_set = draw_coefficients(model, ship, count)
+    if not drawn_set.names:
+        return [], f"No bands: {drawn_set.source}."
+    sets = [{**known, **dict(zip(drawn_set.names, row.tolist()))} for row in drawn_set.values]
+    return sets, f"Bands: 95 %, from {drawn_set.source}."
+
+
+def _rows(sides: list[tuple[Numbers, list[Numbers]]], length: float, unit_time: float) -> tuple[Row, ...]:
+    deg = float(np.rad2deg(1.0))
+    table = (
+        ("advance", "advance", "L", 1 / length, 4.5, "4.5 L"),
+        ("transfer", "transfer", "L", 1 / length, None, ""),
+        ("tactical_diameter", "tactical diameter", "L", 1 / length, 5.0, "5 L"),
+        ("initial_turning", "initial turning, 10 deg by 10 deg", "L", 1 / length, 2.5, "2.5 L"),
+        ("first_overshoot_10", "10/10 first overshoot", "deg", deg, first_overshoot_limit(unit_time), "10..20 deg by L/V"),
+        ("second_overshoot_10", "10/10 second overshoot", "deg", deg, second_overshoot_limit(unit_time), "25..40 deg by L/V"),
+        ("first_overshoot_20", "20/20 first overshoot", "deg", deg, 25.0, "25 deg"),
+    )  # fmt: skip
+    rows = []
+    for key, meaning, unit, scale, limit, text in table:
+        found = []
+        for point, drawn in sides:
+            value = point.values[key]
+            band = band_of(value, [d.values[key] for d in drawn])
+            words = "" if value is not None else _why(key, point)
+            if value is not None and band is None and drawn:
+                words = "no band: more than one draw in twenty does not get there"
+            scaled = None if band is None else (band[0] * scale, band[1] * scale)
+            found.append(Side(None if value is None else value * scale, scaled, words))
+        if "by L/V" in text and limit is not None:
+            text = f"{limit:.3g} deg at L/V {unit_time:.3g} s"
+        rows.append(Row(key, meaning, unit, limit, text, found[0], found[1]))
+    return tuple(rows)
+
+
+def _why(key: str, point: Numbers) -> str:
+    kind = "20/20" if key.endswith("_20") else "10/10" if key.endswith("_10") or key == "initial_turning" else "turn"
+    return "runs away: the model does" if kind in point.lost else "not reached: not within 25 L/V of the order"
+
+
+def _spiral(point: Spiral | None, drawn: list[Spiral | None]) -> dict[str, Any] | None:
+    if point is None:
+        return None
+    deg = float(np.rad2deg(1.0))
+    band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
+    return {
+        "stable": point.stable,
+        "half_width_deg": point.half_width * deg,
+        "half_width_band95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+        "loop_width_deg": point.loop_width * deg,
+        "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
+    }
+
+
+def _notes(
+    fit: Fit | None,
+    model: Model,
+    ship: ParameterSet,
+    speed: float,
+    length: float,
+    rudder: float,
+    no_limit: bool,
+    no_rate: bool,
+) -> list[str]:
+    notes = [
+        f"Simulated by model {model.name} and {WORDING}; that is no statement of an Administration. The standard applies to "
+        "ships of 100 m and longer, in deep water, calm, at full load and even keel."
+    ]
+    if length < 100:
+        notes.append(f"This ship is {length:g} m long: the limits are shown for comparison only.")
+    notes.append(
+        f"The test speed of the standard is at least 90 % of the speed at 85 % of the engine's output; here it is "
+        f"{speed:.4g} m/s, and whether that is so the model does not know."
+    )
+    if fit is not None:
+        largest = max((float(np.abs(c.trial["delta"]).max()) for c in fit.fitted if c.trial.has("delta")), default=0.0)
+        beyond = [a for a in (10.0, 20.0, float(np.rad2deg(rudder))) if np.deg2rad(a) > _BEYOND * largest]
+        if beyond:
+            notes.append(
+                f"The fitted trials have rudder angles up to {np.rad2deg(largest):.3g} deg: what is said for "
+                f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg is extrapolation, and the bands do not hold it."
+            )
+        sailed = [float(np.median(c.trial[n])) for c in fit.fitted for n in ("u", "U") if c.trial.has(n)]
+        if sailed and not 0.7 * min(sailed) <= speed <= 1.3 * max(sailed):
+            notes.append(
+                f"The fitted trials were sailed at {min(sailed):.3g} to {max(sailed):.3g} m/s, and not at this speed."
+            )
+        if fit.unidentifiable:
+            notes.append(
+                f"The trials do not determine {', '.join(fit.unidentifiable)}: what depends on them has a wide band, or none."
+            )
+        if not fit.converged:
+            notes.append("The search did not converge: these are the numbers of an unfinished fit.")
+    else:
+        notes.append("Beyond the rudder angles and speeds its coefficients come from, the model extrapolates.")
+    if model["u"].quantity.kind == "given" if "u" in model else True:
+        notes.append("The model keeps its speed in a turn: its distances are those of a ship that loses none.")
+    if no_limit:
+        notes.append("The largest rudder angle of the ship is unknown; 35 deg is assumed.")
+    if no_rate:
+        notes.append("The rudder rate of the ship is unknown; 65 deg in 28 s is assumed.")
+    return notes

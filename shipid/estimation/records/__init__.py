@@ -1,0 +1,1 @@
+"""A whole record through a filter: run, smoother, likelihood, observability."""

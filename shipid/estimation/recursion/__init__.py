@@ -1,0 +1,1 @@
+"""One step of a filter as generated code: equations, forms of the covariance, gate."""

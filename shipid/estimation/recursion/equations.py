@@ -1,0 +1,191 @@
+"""What a filter needs of a model, as expressions: the step with its noise, the sensors, and their exact Jacobians.
+
+The noise of an input that a sensor shows as well (waves move the heading the compass reads) belongs to the sample and to
+the step that follows it. It is carried as an unknown of its own from the one to the other, so that both see the same
+noise; the joint vector is ``[x, w]``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import casadi as ca
+
+from shipid.declaration.model import Model
+from shipid.estimation.settings.noise import Source
+from shipid.generation.step import make_step
+from shipid.generation.system import System, generate
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Expressions of one sampling interval.
+
+    Attributes
+    ----------
+    system : System
+        The model.
+    measured : tuple of str
+        Quantities with a sensor.
+    sources : tuple of Source
+        What drives the states.
+    carried : tuple of int
+        Which sources are unknowns of the joint vector, by index.
+    joint : casadi.SX
+        ``[x, w]``.
+    u0, u1, T, p, levels, scale : casadi.SX
+        Inputs at both ends of the interval, its length, coefficients, noise levels, and factors on them.
+    advanced, transition : casadi.SX
+        States at the end of the interval, and their Jacobian by the joint vector.
+    added : tuple of tuple
+        ``(column, variance)`` of every noise that is added at the end: the column of its effect on the states.
+    spread : casadi.SX
+        Variance that white noise brings to each state over half the interval: it enters before and after the
+        transition (trapezoidal rule).
+    shown, sensitivity : casadi.SX
+        Measured quantities at the end of the interval, in terms of the joint vector there and `u1`; their Jacobian.
+    doubled : tuple of tuple
+        ``(effect on the sensors, variance)`` of noise that sensors show and that is not carried: it is counted twice, as
+        if the sensors and the step had noises of their own.
+    """
+
+    system: System
+    measured: tuple[str, ...]
+    sources: tuple[Source, ...]
+    carried: tuple[int, ...]
+    joint: Any
+    u0: Any
+    u1: Any
+    T: Any
+    p: Any
+    levels: Any
+    scale: Any
+    advanced: Any
+    transition: Any
+    added: tuple[tuple[Any, Any], ...]
+    spread: Any
+    shown: Any
+    sensitivity: Any
+    doubled: tuple[tuple[Any, Any], ...] = ()
+
+    @property
+    def model(self) -> Model:
+        """The model, estimated parameters among its states."""
+        return self.system.model
+
+    @property
+    def sampled(self) -> bool:
+        """Whether a state moves at a sample even when no time passes."""
+        return bool(self.system.nexts)
+
+    @property
+    def linear(self) -> bool:
+        """Whether neither Jacobian depends on the estimate, so that the plain Kalman filter is exact."""
+        both = ca.vertcat(ca.vec(self.transition), ca.vec(self.sensitivity))
+        return not ca.depends_on(both, self.joint)
+
+    def carried_variance(self) -> list[Any]:
+        """Return the variance of each carried noise in one sample."""
+        return [self._variance(i) for i in self.carried]
+
+    def _variance(self, index: int) -> Any:
+        source = self.sources[index]
+        power = (self.levels[index] * self.scale[index]) ** 2
+        # With no time between two samples there is no step for the noise to enter.
+        if not source.density:
+            return power if source.place == "input" else power * (self.T > 0)
+        return power / ca.if_else(self.T > 0, self.T, 1.0) if source.place == "input" else power * self.T
+
+
+def make_equations(
+    model: Model,
+    measured: Mapping[str, float] | tuple[str, ...],
+    sources: tuple[Source, ...],
+    method: str,
+    hold: str,
+    substeps: int,
+    shared: bool = True,
+) -> Equations:
+    """Generate the expressions of one interval.
+
+    Parameters
+    ----------
+    model : Model
+        With estimated parameters as states.
+    measured : sequence of str
+        Quantities with a sensor.
+    sources : tuple of Source
+        What drives the states.
+    method, hold, substeps
+        See `shipid.generation.step.make_step`.
+    shared : bool
+        Whether noise that drives a state and shows in a sensor is carried from the one to the other.
+    """
+    system = generate(model)
+    names = tuple(measured)
+    step = make_step(system, method, hold, substeps)
+    n_u = system.u.shape[0]
+    u0, u1 = ca.SX.sym("u0", n_u), ca.SX.sym("u1", n_u)
+    shown = ca.densify(system.expression(names))
+    read = ca.jacobian(shown, system.u).sparsity()
+    columns = set(read.get_triplet()[1])
+    inputs = [i for i, s in enumerate(sources) if s.place == "input"]
+    seen = tuple(i for i in inputs if system.inputs.index(sources[i].name) in columns)
+    carried = seen if shared else ()
+    levels, scale = ca.SX.sym("q", len(sources)), ca.SX.sym("s", len(sources))
+    w = ca.SX.sym("w", len(carried))
+    other = [i for i in inputs if i not in carried]
+    nudge = ca.SX.sym("e", len(other))
+
+    # Noise on an input is held over the step, at both of its ends.
+    moved = ca.SX.zeros(n_u)
+    for symbol, chosen in ((w, carried), (nudge, other)):
+        for k, i in enumerate(chosen):
+            moved[system.inputs.index(sources[i].name)] += symbol[k]
+    advanced = ca.densify(step.function(system.x, u0 + moved, u1 + moved, system.p, system.T))
+    joint = ca.vertcat(system.x, w)
+    still = [nudge, ca.SX.zeros(len(other))]
+    transition = ca.substitute(ca.jacobian(advanced, joint), *still)
+    effect = ca.substitute(ca.jacobian(advanced, nudge), *still)
+    advanced = ca.substitute(advanced, *still)
+    at_end = ca.SX.zeros(n_u)
+    for k, i in enumerate(carried):
+        at_end[system.inputs.index(sources[i].name)] += w[k]
+    by_input = ca.substitute(ca.jacobian(shown, system.u), system.u, u1)
+    shown = ca.substitute(shown, system.u, u1 + at_end)
+
+    equations = Equations(
+        system,
+        names,
+        sources,
+        carried,
+        joint,
+        u0,
+        u1,
+        system.T,
+        system.p,
+        levels,
+        scale,
+        advanced,
+        transition,
+        (),
+        ca.SX.zeros(system.x.shape[0]),
+        shown,
+        ca.jacobian(shown, joint),
+    )
+    added, spread = [], ca.SX.zeros(system.x.shape[0])
+    for k, i in enumerate(other):
+        added.append((effect[:, k], equations._variance(i)))
+    for i, source in enumerate(sources):
+        if source.place == "state":
+            row = system.states.index(source.name)
+            if source.density:
+                spread[row] += equations._variance(i) / 2
+            else:
+                unit = ca.SX(system.x.shape[0], 1)
+                unit[row] = 1
+                added.append((unit, equations._variance(i)))
+    doubled = [(by_input[:, system.inputs.index(sources[i].name)], equations._variance(i)) for i in seen if not shared]
+    return replace(equations, added=tuple(added), spread=spread, doubled=tuple(doubled))

@@ -1,0 +1,132 @@
+"""The Kalman recursion on a square root of the covariance: positive in any precision.
+
+The root is a full matrix S with ``P = S S'``. Prediction makes it square again by orthogonalisation (modified Gram-Schmidt;
+Bierman 1977, chapter VI), a sensor updates it by Potter's formula for one scalar (Bierman 1977, chapter II). It costs a few
+times the covariance form, and single precision then holds as many digits of P as double does without it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+
+from shipid.estimation.recursion.equations import Equations
+
+#: Stands for a norm of zero, where nothing is uncertain and nothing is to be divided.
+_TINY = 1e-30
+
+
+def size(n: int) -> int:
+    """Length of the carried vector for `n` unknowns."""
+    return n * n
+
+
+def symbol(n: int) -> tuple[Any, Any]:
+    """Return the carried vector as a symbol, and the root it stands for."""
+    packed = ca.SX.sym("S", size(n))
+    return packed, ca.reshape(packed, n, n)
+
+
+def pack(root: Any) -> Any:
+    """Return the root as one column."""
+    return ca.vec(ca.densify(root))
+
+
+def predicted(equations: Equations, root: Any) -> Any:
+    """Return the root at the end of the interval (see `shipid.estimation.recursion.covariance_form.predicted`).
+
+    Parameters
+    ----------
+    equations : Equations
+        The model.
+    root : casadi.SX, shape (n + m, n + m)
+        At its start.
+    """
+    n, total = equations.system.x.shape[0], root.shape[0]
+    driven = [i for i in range(n) if not equations.spread[i].is_zero()]
+    half = ca.SX.zeros(n, len(driven))
+    for k, i in enumerate(driven):
+        half[i, k] = ca.sqrt(equations.spread[i])
+    parts = [equations.transition @ root, equations.transition[:, :n] @ half, half]
+    parts += [column * ca.sqrt(variance) for column, variance in equations.added]
+    result = ca.SX.zeros(total, total)
+    result[:n, :n] = _triangular(ca.densify(ca.horzcat(*parts)))
+    for k, variance in enumerate(equations.carried_variance(), start=n):
+        result[k, k] = ca.sqrt(variance)
+    return result
+
+
+def _triangular(wide: Any) -> Any:
+    """Return the lower triangle L with ``L L' = A A'``."""
+    n = wide.shape[0]
+    rows = [wide[i, :] for i in range(n)]
+    lower = ca.SX.zeros(n, n)
+    for i in range(n):
+        norm = ca.sqrt(ca.sumsqr(rows[i]))
+        lower[i, i] = norm
+        direction = rows[i] / ca.fmax(norm, _TINY)
+        for j in range(i + 1, n):
+            lower[j, i] = ca.dot(rows[j], direction)
+            rows[j] = rows[j] - lower[j, i] * direction
+    return lower
+
+
+def innovation(root: Any, row: Any, variance: Any) -> Any:
+    """Return the innovation variance of a sensor (see the covariance form).
+
+    Parameters
+    ----------
+    root, row, variance
+        See `updated`.
+    """
+    return ca.sumsqr(root.T @ row.T) + variance
+
+
+def stretched(root: Any, index: int, factor: Any) -> Any:
+    """Return the root in which the standard deviation of one unknown is so many times larger.
+
+    Parameters
+    ----------
+    root : casadi.SX
+        As it was.
+    index : int
+        Which unknown.
+    factor : casadi.SX
+        How many times.
+    """
+    wider = root + 0
+    wider[index, :] = wider[index, :] * factor
+    return wider
+
+
+def updated(root: Any, row: Any, variance: Any, taken: Any, adapting: Any = None) -> tuple[Any, Any, Any]:
+    """Return gain, new root and innovation variance of one sensor (see the covariance form).
+
+    Parameters
+    ----------
+    root : casadi.SX
+        Before the update.
+    row : casadi.SX, shape (1, n + m)
+        Jacobian of the sensor.
+    variance : casadi.SX
+        Of its noise.
+    taken : casadi.SX
+        1 or 0.
+    adapting : None
+        A gain that is not the optimal one has no square-root form here.
+    """
+    seen = root.T @ row.T
+    spread = ca.sumsqr(seen) + variance
+    gain = (root @ seen) / spread * taken
+    return gain, root - gain @ seen.T / (1 + ca.sqrt(variance / spread)), spread
+
+
+def covariance(root: Any) -> Any:
+    """Return ``S S'``."""
+    return root @ root.T
+
+
+def variances(root: Any, n: int) -> Any:
+    """Return the variances of the first `n` unknowns."""
+    return ca.vertcat(*(ca.sumsqr(root[i, :]) for i in range(n)))

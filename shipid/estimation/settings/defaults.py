@@ -1,0 +1,60 @@
+"""What a filter takes when nobody says: which sensors a record holds, and which parameters a model lets be estimated."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+from shipid.declaration.model import Model
+from shipid.estimation.errors import NotMeasurableError
+from shipid.estimation.records.arrangement import column_of
+from shipid.trials.manoeuvres.simulate import standard_noise
+
+_TRACK = ("x", "y")
+
+
+def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Any]:
+    """Return the sensors a record holds: the declared outputs of a model, or its quantities that a standard sensor measures.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    columns : collection of str
+        What the record has.
+
+    Returns
+    -------
+    dict of str to tuple
+        Level with its unit, or None for a declared output, as `ExtendedKalmanFilter` takes it.
+
+    Raises
+    ------
+    NotMeasurableError
+        If the record holds none.
+    """
+    if model.outputs:
+        found: dict[str, Any] = {n: None for n in model.outputs if column_of(model, n, columns)}
+    else:
+        known = [*model.states, *model.derived]
+        found = {n: (v, model[n].unit) for n, v in standard_noise().items() if n in known and n in columns}
+        # A fix bears on a yaw model only through a drift it does not describe.
+        found = {n: v for n, v in found.items() if n not in _TRACK} or found
+    if not found:
+        wanted = model.outputs or tuple(n for n in standard_noise() if n in model.entries)
+        raise NotMeasurableError(
+            f"the record holds nothing a standard sensor shows of model {model.name} ({', '.join(wanted)}); it has "
+            f"{', '.join(columns)}. Say what is measured, as in measured={{'psi': '0.2 deg'}} (--measured 'psi=0.2 deg')."
+        )
+    return found
+
+
+def parameters_to_estimate(model: Model) -> tuple[str, ...]:
+    """Return the parameters a model declares as estimated.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    return tuple(n for n in model.parameters if model[n].quantity.estimated)

@@ -1,0 +1,189 @@
+"""Noise levels in physical units: of sensors, and of what drives the states.
+
+A level in the unit of the quantity itself is the standard deviation of one sample. A level per root second (``"0.01
+deg/s/s^0.5"`` on a rate of turn) is the density of white noise that drives a state: over an interval T it adds the variance
+``level**2 T``. An input counts the other way round: its white noise has the intensity ``level * s^0.5``, and a sample of it
+the variance ``level**2 / T``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from shipid.declaration.model import Model
+from shipid.declaration.units import prime_factor, to_si, unit
+from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
+from shipid.foundation.errors import UnitError, UnknownNameError
+
+#: Default density of the noise that drives a state, in the prime system: a model of low order is wrong by about as much.
+MODEL_NOISE = 0.005
+_COORDINATES = ("x", "y", "psi")
+
+
+@dataclass(frozen=True)
+class Source:
+    """White noise that enters a model.
+
+    Attributes
+    ----------
+    name : str
+        The state or the input it enters.
+    level : float
+        SI: of one sample, or a density.
+    place : {"state", "input"}
+        What it is added to.
+    density : bool
+        Whether the level is per root second (for an input: times root second).
+    assumed : bool
+        Whether nobody gave it, so that it is the toolbox's default.
+    """
+
+    name: str
+    level: float
+    place: Literal["state", "input"]
+    density: bool
+    assumed: bool = False
+
+
+def sensor_levels(model: Model, measured: Mapping[str, Any]) -> dict[str, float]:
+    """Return the standard deviation of one sample of each sensor, SI.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    measured : mapping of str to str or None
+        States, derived quantities or outputs, each with a level such as ``"0.2 deg"``; None takes what a declared
+        output says.
+
+    Raises
+    ------
+    NotMeasurableError
+        If the model does not have the quantity, or it is no such quantity.
+    NoiseLevelError
+        If a level is missing, zero or negative.
+    UnitError
+        If its unit does not fit.
+    """
+    if not measured:
+        raise NotMeasurableError("a filter needs at least one measured quantity, as in measured={'psi': '0.2 deg'}.")
+    levels = {}
+    for name, value in measured.items():
+        known = [*model.states, *model.derived, *model.outputs]
+        if name not in known:
+            role = f" It is {model[name].quantity.kind} there." if name in model else ""
+            error = UnknownNameError(f"quantity of model {model.name} to measure called", name, known)
+            raise NotMeasurableError(f"{error}{role}")
+        given = model[name].quantity.noise if value is None else value
+        if given is None:
+            raise NoiseLevelError(
+                f"the sensor of '{name}' has no noise level. Give the standard deviation of one sample, as in "
+                f"{name}={_example(model[name].unit)}."
+            )
+        levels[name] = _positive(given, (model[name].unit,), f"noise of the sensor of '{name}'")[0]
+    return levels
+
+
+def _example(own: str) -> str:
+    return f"'0.2 {own.replace('rad', 'deg')}'" if own != "1" else "'0.01'"
+
+
+def _positive(value: Any, units: Sequence[str], what: str) -> tuple[float, int]:
+    """Read a positive level in one of several units; return it in SI, and which unit it was."""
+    refused: UnitError | None = None
+    for i, wanted in enumerate(units):
+        try:
+            level = to_si(value, wanted, what)
+        except UnitError as error:
+            refused = refused or error
+            continue
+        if not level > 0:
+            raise NoiseLevelError(
+                f"the {what} is {value}; a noise level is greater than zero. For a quantity that is known exactly, "
+                "leave the noise out."
+            )
+        return level, i
+    assert refused is not None
+    if len(units) == 1:
+        raise refused
+    choices = " or ".join(f"{u.replace('**', '^')} ({w})" for u, w in zip(units, ("for one sample", "a density")))
+    raise UnitError(f"{refused} A noise level here is in {choices}.")
+
+
+def process_sources(
+    model: Model,
+    noise: Mapping[str, Any],
+    estimated: Mapping[str, str],
+    sizes: Mapping[str, float],
+    length: float | None,
+    speed: float | None,
+    model_noise: bool = True,
+) -> tuple[Source, ...]:
+    """Return what drives the states: the levels given, and the default for moving states that have none.
+
+    Parameters
+    ----------
+    model : Model
+        With the estimated parameters as states.
+    noise : mapping of str to str
+        By state, input or estimated parameter.
+    estimated : mapping of str to str
+        The state that stands for each estimated parameter.
+    sizes : mapping of str to float
+        Value of each parameter that is estimated by its logarithm: its noise is taken as a share of it.
+    length, speed : float or None
+        L in m and U in m/s, for the default.
+    model_noise : bool
+        Whether states that have a rate, and are no parameter and no position or heading, get the default.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no state, input or estimated parameter.
+    NoiseLevelError
+        If a level is zero or negative.
+    UnitError
+        If its unit fits neither a sample nor a density.
+    """
+    found: list[Source] = []
+    for name, value in noise.items():
+        state = estimated.get(name, name)
+        if state in model.states:
+            share = sizes.get(name)
+            own = model[name].unit if share is not None else model[state].unit
+            level, dense = _positive(value, (own, _times(own, "1/s^0.5")), f"noise of '{name}'")
+            found.append(Source(state, level / abs(share or 1.0), "state", bool(dense)))
+        elif name in model.inputs:
+            own = model[name].unit
+            level, dense = _positive(value, (own, _times(own, "s^0.5")), f"noise of '{name}'")
+            found.append(Source(name, level, "input", bool(dense)))
+        else:
+            raise UnknownNameError(
+                f"state, input or estimated parameter of model {model.name} to put noise on called",
+                name,
+                [*model.states, *model.inputs, *estimated],
+            )
+    if model_noise and length and speed:
+        driven = {s.name for s in found} | set(estimated.values()) | set(_COORDINATES)
+        for name in model.states:
+            if name not in driven and _walks(model, name):
+                density = _times(model[name].unit, "1/s^0.5")
+                found.append(Source(name, MODEL_NOISE * prime_factor(density, length, speed), "state", True, True))
+    return tuple(found)
+
+
+def _walks(model: Model, name: str) -> bool:
+    """Whether a state has a rate, and a unit that L and U scale."""
+    equation = model[name].equation
+    try:
+        prime_factor(model[name].unit, 1.0, 1.0)
+    except UnitError:
+        return False
+    return equation is not None and equation.kind == "rate"
+
+
+def _times(first: str, second: str) -> str:
+    """The product of two units, as it is written."""
+    return f"{unit(first) * unit(second):~C}"

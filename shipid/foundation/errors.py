@@ -1,0 +1,59 @@
+"""Errors of the toolbox: one class a cause, each a paragraph that says what, where and what to do."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class ShipidError(Exception):
+    """Base of every error a user can cause; the command line prints it and exits with ``exit_code``."""
+
+    exit_code = 3
+
+
+class UsageError(ShipidError):
+    """A name, an option or an argument that does not exist or does not fit."""
+
+    exit_code = 2
+
+
+class UnitError(ShipidError):
+    """A value or an equation whose unit does not fit."""
+
+
+class DeclarationError(ShipidError):
+    """A component or a model that is not well formed."""
+
+
+class UnknownNameError(UsageError):
+    """A misspelt name; the message offers the nearest ones."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str], hint: str = "") -> None:
+        self.kind, self.name, self.known = kind, name, sorted(known)
+        super().__init__(f"there is no {kind} '{name}'. {nearest(name, self.known)}{hint}".strip())
+
+
+class MissingFileError(ShipidError):
+    """A file or a folder that is not there."""
+
+
+class OverwriteError(ShipidError):
+    """A file to be written that exists already."""
+
+
+class ParameterSetError(ShipidError):
+    """A parameter set that cannot be read, or lacks what a model needs."""
+
+
+def nearest(name: str, known: Iterable[str], count: int = 4) -> str:
+    """Say which known names are closest to a misspelt one (a sentence ending in a full stop and a space)."""
+    known = sorted(known)
+    lowered = {k.lower(): k for k in known}
+    hits = [lowered[h] for h in difflib.get_close_matches(name.lower(), lowered, n=count, cutoff=0.5)]
+    if hits:
+        return f"Did you mean {' or '.join(hits)}? "
+    if not known:
+        return "None is known. "
+    shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
+    return f"Known: {shown}. "

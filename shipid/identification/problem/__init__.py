@@ -1,0 +1,1 @@
+"""The problem of an identification: model, trials, unknowns, residuals, prior, losses."""

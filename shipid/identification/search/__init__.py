@@ -1,0 +1,1 @@
+"""Methods that search the coefficients, and the ladder that tries them in order."""

@@ -1,0 +1,202 @@
+"""Equation error: coefficients from the equations themselves, sample by sample, without running the model.
+
+It needs no start that is near, and no model that holds together over a whole record; that is what it is for. Least squares
+takes the measured states for the true ones: their noise biases the coefficients, the more the noisier they are. Instrumental
+variables (Young 1970; Soderstrom and Stoica 1983) are free of that where the noise enters linearly: the errors are
+correlated with the regressors of a simulated ship, which knows nothing of the noise. Where an equation is not linear in its
+coefficients, the same is solved step by step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.generation.record import make_record
+from shipid.identification.problem.output_error import RUNAWAY
+from shipid.identification.search.least_squares import Box
+from shipid.identification.search.regression import Regression
+from shipid.identification.search.trust_region import search
+from shipid.identification.uncertainty.autoregression import colour_of
+
+_STEPS = 30
+_TURNS = 6
+#: Relative change of the coefficients at which the instruments have settled.
+_SETTLED = 1e-3
+#: Error of an equation that counts as none, in shares of its left side.
+_BALANCED = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What equation error found.
+
+    Attributes
+    ----------
+    regression : Regression
+        The equations.
+    theta : ndarray, shape (size,)
+        The unknowns.
+    sigma : ndarray, shape (equations,)
+        Standard deviation of each equation's error.
+    instruments : list of ndarray
+        What the errors are uncorrelated with, by trial, shapes (equations, windows, size).
+    converged : bool
+        Whether it settled, on numbers.
+    message : str
+        How it went.
+    """
+
+    regression: Regression
+    theta: np.ndarray
+    sigma: np.ndarray
+    instruments: list[np.ndarray]
+    converged: bool
+    message: str
+
+    def parameters(self, box: Box) -> np.ndarray:
+        """Return all estimated coefficients: those found, within their bounds, and the first value of the others.
+
+        Parameters
+        ----------
+        box : Box
+            Bounds and first values.
+        """
+        found = dict(zip(self.regression.covered, self.theta))
+        values = [found.get(n, s) for n, s in zip(self.regression.problem.estimated, box.start)]
+        return np.clip(values, box.low, box.high)
+
+    def covariance(self) -> np.ndarray:
+        """Return the covariance of the coefficients found, the errors correlated as they are; their bias is not in it."""
+        regression = self.regression
+        rows = regression.rows(self.theta)
+        matrix, scatter = np.zeros((regression.size, regression.size)), np.zeros((regression.size, regression.size))
+        for (error, slope), instrument in zip(rows, self.instruments):
+            z = instrument / self.sigma[:, None, None]
+            matrix += np.einsum("ewq,ewp->qp", z, slope / self.sigma[:, None, None])
+            shaped = colour_of(error / self.sigma[:, None]).shaped(z)
+            scatter += shaped.T @ shaped
+        inverse = np.linalg.pinv(matrix)
+        count = len(regression.covered)
+        return np.asarray((inverse @ scatter @ inverse.T)[:count, :count])
+
+
+def least_squares(regression: Regression, box: Box) -> Answer:
+    """Solve the equations by least squares, within the bounds.
+
+    Parameters
+    ----------
+    regression : Regression
+        The equations; some coefficient is covered.
+    box : Box
+        Bounds and first values of the estimated coefficients.
+    """
+    count = len(regression.covered)
+    at = [regression.problem.estimated.index(n) for n in regression.covered]
+    reach = np.full(regression.size - count, np.deg2rad(10))
+    low, high = np.concatenate([box.low[at], -reach]), np.concatenate([box.high[at], reach])
+    theta = np.concatenate([box.start[at], 0 * reach])
+    sigma = _size(regression)
+    none = np.zeros(regression.size, dtype=bool)
+    converged = False
+    for _ in range(2):
+
+        def evaluate(q: np.ndarray, scale: np.ndarray = sigma) -> tuple[np.ndarray, np.ndarray]:
+            rows = regression.rows(q)
+            errors = np.concatenate([(e / scale[:, None]).ravel() for e, _ in rows])
+            slopes = np.concatenate([(z / scale[:, None, None]).reshape(-1, regression.size) for _, z in rows])
+            good = (np.abs(errors) < RUNAWAY) & (np.abs(slopes) < RUNAWAY**2).all(axis=1)
+            return np.where(good, errors, RUNAWAY), np.where(good[:, None], -slopes, 0.0)
+
+        found = search(evaluate, theta, none, low, high, most=60, tolerance=1e-8)
+        theta = found.q
+        converged = found.converged and bool(np.abs(evaluate(theta)[0]).max() < RUNAWAY)
+        sigma = _scatter(regression, theta)
+    how = "" if regression.linear else "not "
+    return Answer(
+        regression, theta, sigma, [z for _, z in regression.rows(theta)], converged,
+        f"regression of {_named(regression)}, {how}linear in the coefficients.",
+    )  # fmt: skip
+
+
+def instrumental_variables(first: Answer, box: Box) -> Answer:
+    """Solve the equations by instrumental variables, simulated with the coefficients found so far.
+
+    Parameters
+    ----------
+    first : Answer
+        Of `least_squares`.
+    box : Box
+        Bounds and first values of the estimated coefficients.
+    """
+    answer, moved = first, np.inf
+    for _ in range(_TURNS):
+        simulated = _simulated(answer, box)
+        if simulated is None:
+            return replace(answer, converged=False, message="the model runs away where it is run for the instruments.")
+        before = answer.theta
+        answer = _uncorrelated(answer, simulated)
+        if not np.isfinite(answer.theta).all():
+            return replace(first, converged=False, message="the instruments tell the coefficients nothing.")
+        moved = float(np.max(np.abs(answer.theta - before) / (np.abs(answer.theta) + np.abs(before) + 1e-12)))
+        if moved < _SETTLED:
+            break
+    settled = "settled" if moved < _SETTLED else f"still moved the coefficients by {moved:.1%}"
+    message = f"regression of {_named(first.regression)}, instruments from a run of the model; they {settled}."
+    return replace(answer, converged=moved < 10 * _SETTLED, message=message)
+
+
+def _uncorrelated(answer: Answer, simulated: list[np.ndarray]) -> Answer:
+    """Newton's steps to where the errors are uncorrelated with the regressors of the simulated ship."""
+    regression, theta = answer.regression, answer.theta
+    instruments = [z for _, z in regression.rows(theta, simulated)]
+    for _ in range(_STEPS):
+        matrix, right = np.zeros((regression.size, regression.size)), np.zeros(regression.size)
+        for (error, slope), instrument in zip(regression.rows(theta), instruments):
+            z = instrument / answer.sigma[:, None, None] ** 2
+            matrix += np.einsum("ewq,ewp->qp", z, slope)
+            right += np.einsum("ewq,ew->q", z, error)
+        size = np.sqrt(np.abs(np.diag(matrix))) + 1e-300
+        if not np.isfinite(matrix).all() or np.linalg.cond(matrix / np.outer(size, size)) > 1e12:
+            return replace(answer, theta=np.full_like(theta, np.nan))
+        step = np.linalg.solve(matrix, right)
+        theta = theta + step
+        if np.all(np.abs(step) <= 1e-9 * np.abs(theta) + 1e-15):
+            break
+    return replace(answer, theta=theta, sigma=_scatter(regression, theta), instruments=instruments)
+
+
+def _simulated(answer: Answer, box: Box) -> list[np.ndarray] | None:
+    """States of the simulated ship in each trial, shape (states, N), or None where it runs away."""
+    regression, problem = answer.regression, answer.regression.problem
+    record = make_record(problem.model, problem.record.system.states)
+    system = record.system
+    values = {**problem.fixed, **dict(zip(problem.estimated, answer.parameters(box)))}
+    out = []
+    for i, (block, sailed) in enumerate(zip(regression.blocks, problem.sailed)):
+        bias = regression.bias(answer.theta, i)
+        x, _ = record(sailed.x0, block.inputs, block.intervals, system.vector(system.coefficients, values), bias)
+        size = np.maximum(np.abs(block.states).max(axis=1), 1e-6)
+        needed = [system.states.index(n) for n in problem.initial if sailed.trial.has(n)]
+        if not (np.abs(x[needed]) < 100 * size[needed, None]).all():
+            return None
+        out.append(np.nan_to_num(x, posinf=0.0, neginf=0.0))
+    return out
+
+
+def _scatter(regression: Regression, theta: np.ndarray) -> np.ndarray:
+    """Standard deviation of each equation's error; an equation that balances to rounding does not weigh infinitely more."""
+    errors = np.concatenate([e for e, _ in regression.rows(theta)], axis=1)
+    found = np.sqrt(np.mean(np.nan_to_num(errors, nan=RUNAWAY) ** 2, axis=1))
+    return np.asarray(np.maximum(found, _BALANCED * _size(regression)))
+
+
+def _size(regression: Regression) -> np.ndarray:
+    """Standard deviation of the left side of each equation."""
+    return np.asarray(np.maximum(np.std(np.concatenate([b.left for b in regression.blocks], axis=1), axis=1), 1e-12))
+
+
+def _named(regression: Regression) -> str:
+    states = regression.problem.record.system.states
+    return ", ".join(f"d{n}/dt" if n in states else n for n in regression.equations)

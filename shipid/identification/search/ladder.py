@@ -1,0 +1,357 @@
+"""The ladder: from starts that need no start of their own, over output error, to the rescue; each rung is in the result.
+
+1. Equation error, by least squares and instrumental variables, where the states are measured: one more start.
+2. Output error from several starts, on thinned records.
+3. Multiple shooting, where no start came to a model that holds together, or the best of them did not converge.
+
+Costs of the rungs are those of output error on thinned records under the first weights, so that they compare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from shipid.identification.errors import NotRegressableError
+from shipid.identification.problem.output_error import Problem
+from shipid.identification.search.equation_error import Answer, instrumental_variables, least_squares
+from shipid.identification.search.least_squares import (
+    Box,
+    Progress,
+    Solution,
+    make_starts,
+    minimise,
+    minimise_robustly,
+    noise_levels,
+    refine,
+    thinned,
+)
+from shipid.identification.search.multiple_shooting import shoot
+from shipid.identification.search.prediction_error import fit_levels
+from shipid.identification.search.regression import make_regression
+from shipid.identification.uncertainty.covariance import covariance_of
+
+_ROUGH = 1e-4
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One rung of the ladder.
+
+    Attributes
+    ----------
+    method : str
+        Its name (`shipid.identification.methods`).
+    cost : float or None
+        Half the sum of squares of output error with what it found, thinned records, first weights; None where the model
+        runs away with it.
+    converged : bool
+        Whether it met its tolerances.
+    used : bool
+        Whether the result comes from it.
+    reason : str
+        How it went, and why it was climbed.
+    evaluations : int
+        Runs of all trials it took.
+    """
+
+    method: str
+    cost: float | None
+    converged: bool
+    used: bool
+    reason: str
+    evaluations: int = 0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values."""
+        return {
+            "method": self.method,
+            "cost": self.cost,
+            "converged": self.converged,
+            "used": self.used,
+            "reason": self.reason,
+            "evaluations": self.evaluations,
+        }
+
+
+@dataclass(frozen=True)
+class Climb:
+    """What a search is to do, beside the problem.
+
+    Attributes
+    ----------
+    starts, seed : int
+        Number of starting points of output error, and of the random ones.
+    weigh : bool
+        Whether noise levels are estimated.
+    unit_time : float
+        L/U in s.
+    tell : callable
+        Called with a line of text after each stage.
+    """
+
+    starts: int
+    seed: int
+    weigh: bool
+    unit_time: float
+    tell: Progress
+
+
+def climb(problem: Problem, box: Box, method: str | None, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    """Search, by one method or from rung to rung.
+
+    Parameters
+    ----------
+    problem : Problem
+        With first weights.
+    box : Box
+        Bounds and start of the parameters.
+    method : str or None
+        A method by its name; by default output error with its starts and its rescue.
+    how : Climb
+        What else is to be known.
+
+    Returns
+    -------
+    solution : Solution
+        Where the search ended.
+    rungs : tuple of Rung
+        What was tried, in order.
+
+    Raises
+    ------
+    NotRegressableError
+        If a method was asked for that needs states nobody measured.
+    """
+    return _CLIMBS[method](problem, box, how)
+
+
+def _by_output_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
+    end = refine(problem, best, box, how.weigh, how.tell)
+    return end, (_rung("output-error", best, f"asked for; {_starts(how)}.", used=True, converged=end.converged),)
+
+
+def _by_the_ladder(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    thin = thinned(problem, how.unit_time)
+    rungs, starts = [], make_starts(box, how.starts, how.seed)
+    first, rung = _regressed(thin, box, how)
+    if rung is not None:
+        rungs.append(rung)
+    best = _from_starts(thin, starts, box, how)
+    if first is not None:
+        other = minimise(thin, first, box, most=30, tolerance=_ROUGH)
+        how.tell(f"start by {rungs[-1].method}: cost {other.cost:.4g}")
+        better = other.cost < 0.999 * best.cost
+        evaluations = best.evaluations + other.evaluations
+        best = replace(other if better else best, evaluations=evaluations)
+        came = "best from there" if better else "no better from there than from other starts"
+        rungs[-1] = replace(rungs[-1], reason=f"{rungs[-1].reason} Output error came {came}.")
+    if not best.finite:
+        rungs.append(_rung("output-error", best, "the model runs away from every start."))
+        return _rescued(problem, thin, best, box, how, rungs)
+    end = refine(problem, best, box, how.weigh, how.tell)
+    if end.converged:
+        words = _starts(how) + (", and one by regression." if first is not None else ".")
+        rungs.append(_rung("output-error", best, words, used=True, converged=True))
+        return end, tuple(rungs)
+    rungs.append(_rung("output-error", best, f"did not converge: {end.message}"))
+    return _rescued(problem, thin, best, box, how, rungs, end)
+
+
+def _rescued(
+    problem: Problem,
+    thin: Problem,
+    best: Solution,
+    box: Box,
+    how: Climb,
+    rungs: list[Rung],
+    before: Solution | None = None,
+) -> tuple[Solution, tuple[Rung, ...]]:
+    """Multiple shooting from the best start and the first one, finished by output error, if that comes to something."""
+    starts = [best.q, thin.first_guess(box.start)]
+    found = _shot(thin, starts[: 1 if np.allclose(starts[0], starts[1]) else 2], box, how)
+    end = refine(problem, found, box, how.weigh, how.tell) if found.finite else found
+    if not end.finite and before is None:
+        before = refine(problem, best, box, how.weigh, how.tell)
+    kept = before is None or (end.converged and not before.converged) or (end.finite and end.cost < before.cost)
+    reason = f"the rescue; {found.message}"
+    rungs.append(_rung("multiple-shooting", found, reason, used=kept, converged=end.converged))
+    if not kept and before is not None:
+        at = next(k for k, r in enumerate(rungs) if r.method == "output-error")
+        rungs[at] = replace(rungs[at], used=True)
+        end = before
+    return replace(end, evaluations=sum(r.evaluations for r in rungs)), tuple(rungs)
+
+
+def _by_multiple_shooting(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    thin = thinned(problem, how.unit_time)
+    starts = [thin.first_guess(s) for s in make_starts(box, how.starts, how.seed)]
+    found = _shot(thin, starts, box, how)
+    end = refine(problem, found, box, how.weigh, how.tell)
+    rung = _rung("multiple-shooting", found, f"asked for; {found.message}", used=True, converged=end.converged)
+    return end, (rung,)
+
+
+def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solution:
+    """Multiple shooting from the first start from which it comes to a model that holds together, then single shooting."""
+    tried: list[Solution] = []
+    for i, start in enumerate(starts):
+        if tried and tried[-1].converged:
+            break
+        joined = shoot(thin, start, box, how.unit_time)
+        single = minimise_robustly(thin, joined.q, box, most=60, tolerance=_ROUGH)
+        evaluations = joined.evaluations + single.evaluations
+        tried.append(replace(single, evaluations=evaluations, message=joined.message))
+        how.tell(f"multiple shooting, start {i + 1} of {len(starts)}: cost {single.cost:.4g}")
+    best = min(tried, key=lambda s: s.cost)
+    return replace(best, evaluations=sum(s.evaluations for s in tried))
+
+
+def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solution:
+    tried = []
+    for i, start in enumerate(starts):
+        tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=_ROUGH))
+        how.tell(f"start {i + 1} of {len(starts)}: cost {tried[-1].cost:.4g}")
+    best = min(tried, key=lambda s: s.cost)
+    return replace(best, evaluations=sum(s.evaluations for s in tried))
+
+
+def _regressed(thin: Problem, box: Box, how: Climb) -> tuple[np.ndarray | None, Rung | None]:
+    """A start by equation error, refined by instruments where they hold, and its rung."""
+    regression = make_regression(thin, how.unit_time)
+    if not regression.covered:
+        return None, None
+    answer = least_squares(regression, box)
+    method, found = "equation-error", answer
+    if answer.converged:
+        refined = instrumental_variables(answer, box)
+        if refined.converged and _inside(refined, box):
+            method, found = "instrumental-variables", refined
+    start = thin.first_guess(found.parameters(box))
+    residual, jacobian = thin.residuals(start)
+    at = Solution(thin, start, residual, jacobian, found.converged, found.message, 1)
+    lacking = f" Not reached: {', '.join(regression.lacking)}." if regression.lacking else ""
+    return start, _rung(method, at, f"a start: {found.message}{lacking}")
+
+
+def _inside(answer: Answer, box: Box) -> bool:
+    values = answer.parameters(box)
+    at = [answer.regression.problem.estimated.index(n) for n in answer.regression.covered]
+    return bool(np.array_equal(values[at], answer.theta[: len(at)]))
+
+
+def _by_equation_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    return _by_regression(problem, box, how, "equation-error")
+
+
+def _by_instrumental_variables(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    return _by_regression(problem, box, how, "instrumental-variables")
+
+
+def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple[Solution, tuple[Rung, ...]]:
+    regression = make_regression(problem, how.unit_time)
+    if regression.lacking:
+        name, why = next(iter(regression.lacking.items()))
+        raise NotRegressableError(
+            f"method {method} cannot find '{name}' of model {problem.model.name}: {why}. Measure it, hold '{name}' fixed, "
+            "or let output error find it (no --method)."
+        )
+    first = least_squares(regression, box)
+    second = instrumental_variables(first, box) if first.converged else first
+    answer = first if method == "equation-error" else second
+    reason = f"asked for; {answer.message}"
+    if second.converged and second is not first:
+        spread = np.sqrt(np.clip(np.diag(first.covariance()), 0.0, None))
+        away = np.abs(second.theta - first.theta)[: len(spread)] / np.maximum(spread, 1e-300)
+        worst = int(np.argmax(away))
+        reason += (
+            f" Least squares and instrumental variables differ most in {regression.covered[worst]}, by "
+            f"{away[worst]:.1f} standard deviations: noise in the regressors."
+        )
+    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
+    solution = with_own_unknowns(problem, answer.parameters(box), answer.covariance(), how.weigh)
+    solution = replace(solution, converged=answer.converged and solution.converged, message=message + solution.message)
+    thin = thinned(problem, how.unit_time)
+    at = replace(solution, problem=thin, residual=thin.residuals(solution.q)[0])
+    return solution, (_rung(method, at, reason, used=True, converged=answer.converged),)
+
+
+def _by_prediction_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+    """Output error for a start, then the likelihood through the filter; initial states and biases by output error again."""
+    best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
+    start = refine(problem, best, box, how.weigh, how.tell)
+    rungs = [_rung("output-error", best, f"a start: {start.message}", converged=start.converged)]
+    if not start.finite:
+        return start, (replace(rungs[0], used=True, reason="the model runs away from every start."),)
+    seen = replace(problem, sigma=noise_levels(start))
+    shared = len(problem.estimated)
+    levels = fit_levels(seen, box, start.q[:shared], how.unit_time, how.tell)
+    reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
+    own = with_own_unknowns(problem, levels.parameters, levels.covariance, how.weigh)
+    found = replace(
+        own, converged=own.converged and levels.converged, message=f"{levels.message}{own.message}", levels=levels
+    )
+    thin = thinned(problem, how.unit_time)
+    at = replace(found, problem=thin, residual=thin.residuals(found.q)[0])
+    rungs.append(_rung("prediction-error", at, reason, used=True, converged=levels.converged))
+    return found, tuple(rungs)
+
+
+def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarray, weigh: bool) -> Solution:
+    """Return coefficients of another method with initial states and biases of each trial by output error.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    values : ndarray, shape (parameters,)
+        The coefficients, SI.
+    covariance : ndarray, shape (parameters, parameters)
+        Their covariance.
+    weigh : bool
+        Whether noise levels are estimated from the residuals.
+
+    Returns
+    -------
+    Solution
+        With the covariance of all unknowns; it converged where the model does not run away with these coefficients.
+    """
+    shared = values.size
+    empty = Box(*(np.zeros(0),) * 3)
+    held = replace(problem, estimated=(), fixed={**problem.fixed, **dict(zip(problem.estimated, values))})
+    own = minimise_robustly(held, held.first_guess(np.zeros(0)), empty, most=50)
+    if weigh and own.finite:
+        own = minimise_robustly(replace(own.problem, sigma=noise_levels(own)), own.q, empty, most=50)
+    q = np.concatenate([values, own.q])
+    seen = replace(problem, sigma=own.problem.sigma, weights=own.problem.weights)
+    residual, jacobian = seen.residuals(q)
+    # The unknowns of each trial follow the coefficients, and scatter by themselves.
+    follows = -np.linalg.pinv(jacobian[:, shared:]) @ jacobian[:, :shared]
+    both = np.vstack([np.eye(shared), follows])
+    matrix = both @ covariance @ both.T
+    matrix[shared:, shared:] += covariance_of(own).matrix
+    message = "" if own.finite else " Run over a whole record, the model runs away with these coefficients."
+    return Solution(seen, q, residual, jacobian, own.finite, message, own.evaluations, matrix)
+
+
+def _starts(how: Climb) -> str:
+    return "one start" if how.starts == 1 else f"{how.starts} starts"
+
+
+def _rung(method: str, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
+    cost = at.cost if at.finite else None
+    return Rung(method, cost, at.converged if converged is None else converged, used, reason, at.evaluations)
+
+
+_CLIMBS: dict[str | None, Callable[[Problem, Box, Climb], tuple[Solution, tuple[Rung, ...]]]] = {
+    None: _by_the_ladder,
+    "output-error": _by_output_error,
+    "equation-error": _by_equation_error,
+    "instrumental-variables": _by_instrumental_variables,
+    "multiple-shooting": _by_multiple_shooting,
+    "prediction-error": _by_prediction_error,
+}

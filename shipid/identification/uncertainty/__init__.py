@@ -1,0 +1,1 @@
+"""How sure the estimates are: covariance, residuals, directions, profiles, posterior, draws."""

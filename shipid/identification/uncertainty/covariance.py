@@ -1,0 +1,250 @@
+"""How sure the estimates are: covariance, effective samples, correlation, and what the data do not determine.
+
+Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row, and waves swing
+heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
+(`shipid.identification.uncertainty.autoregression`), where the coefficients show. What it comes to is said in effective samples: as many
+independent ones would tell as much. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.identification.problem.losses import bends
+from shipid.identification.search.least_squares import Solution
+from shipid.identification.uncertainty.autoregression import Colour, colour_of, corrected
+
+#: A parameter whose standard deviation exceeds this part of its size is not determined by the data.
+UNDETERMINED = 0.5
+#: Times the colour of the residuals is corrected for what the unknowns took up of the noise.
+_CORRECTIONS = 2
+#: Samples of a record that are enough for its colour: of longer ones several in a row are taken together, which loses nothing
+#: at the frequencies at which a ship answers.
+_ENOUGH = 1000
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """Covariance of all unknowns.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (unknowns, unknowns)
+        In the units of the unknowns; infinite variance along directions the data do not see.
+    condition_number : float
+        Of the information matrix of the parameters, each scaled to unit information (1 is best).
+    effective : ndarray, shape (trials, signals)
+        Effective samples over samples: the variance of the unknowns if the signal's residuals were white and of the same
+        power, over their variance as they are.
+    excess : ndarray, shape (unknowns,)
+        Variance of each unknown over the one it would have if all residuals were white.
+    """
+
+    matrix: np.ndarray
+    condition_number: float
+    effective: np.ndarray
+    excess: np.ndarray
+
+
+def autocorrelation_time(residual: np.ndarray) -> float:
+    """Return the integrated autocorrelation time of a residual in samples; 1 for white noise.
+
+    The sum runs over pairs of lags while their correlation is positive (Geyer 1992, the initial positive sequence).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (N,)
+        Residuals in the order of time.
+    """
+    centred = residual - residual.mean()
+    n = centred.size
+    power = float(centred @ centred)
+    if n < 8 or power <= 0:
+        return 1.0
+    size = 1 << (2 * n - 1).bit_length()
+    spectrum = np.fft.rfft(centred, size)
+    correlation = np.fft.irfft(spectrum * spectrum.conj(), size)[: n // 2] / power
+    # White residuals pass this gate once in 700 times; what passes is counted as correlated.
+    if correlation[1] < 3 / np.sqrt(n):
+        return 1.0
+    pairs = correlation[: correlation.size // 2 * 2].reshape(-1, 2).sum(axis=1)
+    negative = np.flatnonzero(pairs <= 0)
+    last = negative[0] if negative.size else pairs.size
+    return float(min(max(1.0, 2 * pairs[:last].sum() - 1), n / 4))
+
+
+def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covariance:
+    """Return the covariance of the unknowns of a solution: ``H^-1 M H^-1``.
+
+    H is the information matrix of the search, M the covariance of its gradient under the residuals as they are, each
+    trial with the colour of its own (Huber 1967; White 1982). For white residuals M is H, and the covariance the
+    Cramer-Rao bound.
+
+    Parameters
+    ----------
+    solution : Solution
+        At its optimum.
+    spread : ndarray, shape (parameters,), optional
+        Standard deviation the parameters have without any data, which makes every variance finite.
+    """
+    problem = solution.problem
+    trials, signals = len(problem.sailed), len(problem.signals)
+    if solution.covariance is not None:
+        found = covariance_of(replace(solution, covariance=None))
+        condition = _condition(solution.covariance, len(problem.estimated))
+        return replace(found, matrix=solution.covariance, condition_number=condition)
+    if not problem.size:
+        return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
+    solution = _bent(solution)
+    jacobian = solution.jacobian
+    if spread is not None:
+        jacobian = np.vstack([jacobian, np.eye(len(spread), problem.size) / spread[:, None]])
+    norms = np.linalg.norm(jacobian, axis=0)
+    seen = norms > 0
+    scaled = jacobian[:, seen] / norms[seen]
+    _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
+    small = singular < 1e-8 * singular[0]
+    inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
+    half = rows.T * inverse
+    cover, effective = _cover(solution, scaled, half)
+    index = np.flatnonzero(seen)
+    scales = np.outer(norms[seen], norms[seen])
+    matrix = np.zeros((problem.size, problem.size))
+    matrix[np.ix_(index, index)] = cover / scales
+    white = np.zeros(problem.size)
+    white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.where(white > 0, np.diag(matrix) / white, 1.0)
+    # A direction the data do not see has no finite variance: neither has any unknown that takes part in it.
+    lost = ~seen
+    if small.any():
+        lost[index] |= (np.abs(rows[small]) > 1e-3).any(axis=0)
+    matrix[lost, :] = matrix[:, lost] = 0.0
+    matrix[lost, lost] = np.inf
+    return Covariance(matrix, _condition(matrix, len(problem.estimated)), effective, excess)
+
+
+def _bent(solution: Solution) -> Solution:
+    """The solution of a robust loss as its estimate sees it: slopes without weights, residuals as far as they pull.
+
+    Slopes are scaled by the curvature of the loss, residuals the other way: their product stays (Huber 1981).
+    """
+    problem = solution.problem
+    if problem.weights is None:
+        return solution
+    rows = np.ones(solution.residual.size)
+    bend = np.array(bends(problem))[:, None]
+    weighted = np.concatenate([(bend / np.sqrt(w)).ravel() for w in problem.weights])
+    rows[: weighted.size] = weighted
+    return replace(solution, residual=solution.residual / rows, jacobian=solution.jacobian * rows[:, None])
+
+
+def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
+    problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
+    blocks, powers, at = [], [], 0
+    for sailed in problem.sailed:
+        count = sailed.intervals.size
+        rows = slice(at, at + count * signals)
+        at += count * signals
+        used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
+        block = scaled[rows][:, used].reshape(signals, count, -1)
+        every = max(1, count // _ENOUGH)
+        residual = solution.residual[rows].reshape(signals, count)
+        powers.append(np.mean(residual**2, axis=1))
+        blocks.append((_gathered(residual, every), _gathered(block, every), used))
+    beliefs, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
+    prior = bounds.T @ bounds
+    if problem.prior is not None:
+        prior = prior + problem.prior.strength * beliefs.T @ beliefs
+
+    def covered(colours: list[Colour]) -> np.ndarray:
+        scatter = prior.copy()
+        for (_, block, used), colour in zip(blocks, colours):
+            shaped = colour.shaped(block)
+            scatter[np.ix_(used, used)] += shaped.T @ shaped
+        return np.asarray(flat @ scatter @ flat)
+
+    colours = [colour_of(residual) for residual, _, _ in blocks]
+    cover = covered(colours)
+    for _ in range(_CORRECTIONS):
+        colours = [
+            corrected(c, e, j, flat[np.ix_(used, used)], cover[np.ix_(used, used)])
+            for c, (e, j, used) in zip(colours, blocks)
+        ]
+        cover = covered(colours)
+    shares = [
+        [_share(block, used, half, colour, power[k], k) for k in range(signals)]
+        for colour, power, (_, block, used) in zip(colours, powers, blocks)
+    ]
+    return cover, np.array(shares)
+
+
+def _gathered(rows: np.ndarray, every: int) -> np.ndarray:
+    """Sums of so many samples in a row, along the second axis, scaled to the same sum of products."""
+    if every == 1:
+        return rows
+    starts = np.arange(0, rows.shape[1], every)
+    counts = np.diff(starts, append=rows.shape[1])
+    sums = np.add.reduceat(rows, starts, axis=1)
+    return np.asarray(sums / np.sqrt(counts).reshape(1, -1, *(1,) * (rows.ndim - 2)))
+
+
+def _share(block: np.ndarray, used: np.ndarray, half: np.ndarray, colour: Colour, power: float, signal: int) -> float:
+    """Variance by one signal, were its residuals white and of the same power, over the variance by it as it is."""
+    if not colour.order:
+        return 1.0
+    alone = np.zeros_like(block)
+    alone[signal] = block[signal]
+    true = float(np.sum((colour.shaped(alone) @ half[used]) ** 2))
+    white = float(power * np.sum((block[signal] @ half[used]) ** 2))
+    return 1.0 if true <= 0 or white <= 0 else min(1.0, white / true)
+
+
+def _condition(matrix: np.ndarray, shared: int) -> float:
+    """Condition number of the correlation matrix of the parameters: 1 when nothing trades off."""
+    block = matrix[:shared, :shared]
+    spread = np.sqrt(np.diag(block))
+    if shared == 0:
+        return 1.0
+    if not np.isfinite(spread).all() or (spread <= 0).any():
+        return float("inf")
+    return float(np.linalg.cond(block / np.outer(spread, spread)))
+
+
+def correlation_of(matrix: np.ndarray) -> np.ndarray:
+    """Return the correlation matrix of a covariance; zero where a variance is not finite."""
+    spread = np.sqrt(np.diag(matrix))
+    good = np.isfinite(spread) & (spread > 0)
+    out = np.eye(len(spread))
+    index = np.ix_(good, good)
+    out[index] = matrix[index] / np.outer(spread[good], spread[good])
+    return out
+
+
+def verdict(value: float, std: float, size: float, low: float, high: float, partners: str) -> str:
+    """Return why the data do not determine a parameter, or an empty string.
+
+    Parameters
+    ----------
+    value, std : float
+        Estimate and its standard deviation.
+    size : float
+        A typical size of the parameter.
+    low, high : float
+        Its bounds.
+    partners : str
+        Names of the parameters it trades off with, in words; may be empty.
+    """
+    trade = f" It trades off with {partners}." if partners else ""
+    if not np.isfinite(std):
+        return f"the trials hold no information about it alone.{trade}"
+    span = high - low
+    if np.isfinite(span) and min(value - low, high - value) < 1e-4 * span * min(1.0, abs(value) / span + 1e-3):
+        return f"it ended at its bound.{trade}"
+    # A coefficient that may be zero is known when it is small beside its usual size; one that must be positive is not.
+    if std > UNDETERMINED * (abs(value) if low > 0 else max(abs(value), size)):
+        return f"its standard deviation is {std / max(abs(value), 1e-300):.0%} of its value.{trade}"
+    return ""

@@ -1,0 +1,132 @@
+"""Parameter sets that the trials allow: drawn from the covariance of a fit, in the coordinates of the search.
+
+Positive parameters are drawn by their logarithm, and all of them within their bounds. What the trials do not determine is
+spread over its bounds, so that a prediction that depends on it gets the wide band it deserves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shipid.declaration.units import prime_factor
+from shipid.identification.problem.scale import unit_time_of
+from shipid.identification.search.least_squares import Box, box_of
+from shipid.identification.uncertainty.covariance import covariance_of
+from shipid.parameters.draws import normal_draws
+
+if TYPE_CHECKING:
+    from shipid.identification.fit import Fit
+
+#: Draws: enough for the standard deviation of a band to be known to a seventh of itself.
+DRAWS = 24
+#: Spread of a parameter that no data have seen: of its logarithm, or in its own size.
+_LOOSE = 1.0
+_Z95 = 1.959963984540054
+
+
+@dataclass(frozen=True, eq=False)
+class Draws:
+    """Unknowns of a fit, drawn.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The parameters.
+    values : ndarray, shape (draws, parameters)
+        Their values, SI.
+    unknowns : ndarray, shape (draws, unknowns)
+        All unknowns: the parameters, then the initial states and biases of each trial, drawn with them.
+    """
+
+    names: tuple[str, ...]
+    values: np.ndarray
+    unknowns: np.ndarray
+
+
+def box_of_fit(fit: Fit) -> Box:
+    """Return the bounds the parameters of a fit have by their declaration, around their values.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    """
+    trials = [c.trial for c in fit.fitted]
+    unit_time, length = unit_time_of(fit.ship, trials), fit.ship.particular("L", "m")
+    recorded = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+    speed = length / unit_time if length else float(np.mean(recorded)) if recorded else 1.0
+    bounds = {}
+    for name, value in zip(fit._problem.estimated, fit._solution.q):
+        entry = fit.model[name]
+        scale = prime_factor(entry.unit, speed * unit_time, speed) if entry.quantity.prime else 1.0
+        low, high = (entry.number(side) for side in ("low", "high"))
+        bounds[name] = (
+            float(value),
+            -np.inf if low is None else min(low * scale, float(value)),
+            np.inf if high is None else max(high * scale, float(value)),
+        )
+    return box_of(bounds)
+
+
+def draws_of(fit: Fit, count: int = DRAWS, seed: int = 0) -> Draws:
+    """Draw unknowns from the covariance of a fit.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    count : int
+        Number of draws.
+    seed : int
+        Of the draws, which are the same each time by default.
+    """
+    problem, solution = fit._problem, fit._solution
+    box, q = box_of_fit(fit), solution.q
+    shared = len(problem.estimated)
+    covariance = covariance_of(solution, _spread(box)).matrix
+    # What is still infinite are initial states nobody sees: they stay where they are.
+    covariance = np.where(np.isfinite(covariance), covariance, 0.0)
+    slope = np.ones(problem.size)
+    slope[:shared][box.in_log] = q[:shared][box.in_log]
+    values, vectors = np.linalg.eigh(covariance / np.outer(slope, slope))
+    steps = normal_draws(problem.size, count, seed) @ (vectors * np.sqrt(np.clip(values, 0.0, None))).T
+    unknowns = q + steps
+    logs = np.flatnonzero(box.in_log)
+    unknowns[:, logs] = q[logs] * np.exp(np.clip(steps[:, logs], -20.0, 20.0))
+    unknowns[:, :shared] = np.clip(unknowns[:, :shared], box.low, box.high)
+    return Draws(problem.estimated, unknowns[:, :shared], unknowns)
+
+
+def _spread(box: Box) -> np.ndarray:
+    """Standard deviation of each parameter where nothing but its bounds is known, in its own unit."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inside = np.where(box.in_log, np.log(box.high / np.where(box.in_log, box.low, 1.0)), box.high - box.low) / 4
+    size = np.maximum(np.abs(box.start), 1e-3 * np.where(np.isfinite(box.high), np.abs(box.high), 1.0))
+    loose = np.where(box.in_log, _LOOSE, _LOOSE * size)
+    return np.minimum(np.where(np.isfinite(inside), inside, loose), loose) * np.where(box.in_log, box.start, 1.0)
+
+
+def band_of(point: float | None, drawn: list[float | None]) -> tuple[float, float] | None:
+    """Return the 95 % band about a prediction: 1.96 standard deviations to either side, each side with its own.
+
+    Parameters
+    ----------
+    point : float or None
+        The prediction.
+    drawn : list of float or None
+        The same for each draw; None where it was not reached.
+
+    Returns
+    -------
+    tuple of float or None
+        None where the prediction or more than one draw in twenty was not reached.
+    """
+    reached = np.array([d for d in drawn if d is not None and np.isfinite(d)])
+    if point is None or not np.isfinite(point) or not len(drawn) or reached.size < 0.95 * len(drawn):
+        return None
+    away = reached - point
+    sides = [float(np.sqrt(np.mean(s**2))) if s.size else 0.0 for s in (away[away < 0], away[away > 0])]
+    return point - _Z95 * sides[0], point + _Z95 * sides[1]

@@ -1,0 +1,319 @@
+"""What a manoeuvre tells about a model before it is sailed: its exact information matrix.
+
+The manoeuvre is simulated in closed loop (helmsman, steering machine, ship). What identification will have is the rudder
+that came out of it, so the model is run once more over that rudder, with its exact sensitivities by the coefficients and by
+the unknowns every trial has of its own: initial states, rudder bias, cruising speed, current. Weighted with the noise of
+the sensors, their squares are the information matrix; the unknowns of the trial are eliminated (Schur complement), so that
+matrices of different manoeuvres add. A longer run of the same manoeuvre holds the shorter ones, so one run serves all lengths.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.join import join
+from shipid.declaration.model import Model
+from shipid.foundation.errors import UsageError
+from shipid.generation.record import Record, make_record
+from shipid.generation.system import generate
+from shipid.parts.steering_machine import SteeringMachine
+from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
+
+#: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
+PER_UNIT_TIME = 12
+#: A ship below this share of her approach speed has lost her way: no model scaled with the speed describes her.
+_WAY = 0.1
+#: Rate of turn, as r L/U, that no ship reaches.
+_SPIN = 10.0
+#: Sensitivity, in standard deviations for a change of a coefficient by its own size, beyond which squares mean nothing.
+_STEEP = 1e12
+#: Part of the largest singular value below which a direction is not told from rounding.
+_ROUNDING = 1e-8
+#: Growth of an error in the initial rate of turn beyond which an unstable ship forgets what she is told, and no search finds her.
+_GROWTH = 3.0
+
+
+@dataclass(frozen=True)
+class Sail:
+    """A manoeuvre that may be sailed: by which helm, at which speed.
+
+    Attributes
+    ----------
+    manoeuvre : Manoeuvre
+        What to sail.
+    speed : float
+        Speed of the approach in m/s.
+    seed : int
+        Of the random telegraph; nothing else reads it.
+    """
+
+    manoeuvre: Manoeuvre
+    speed: float
+    seed: int = 0
+
+    @property
+    def rudder(self) -> float | None:
+        """Largest rudder angle it orders in rad, or None where the ship's own limit is the only one."""
+        kind, numbers = self.manoeuvre.kind, self.manoeuvre.numbers
+        if kind == "reversed-spiral":
+            return None
+        if kind == "course":
+            return abs(numbers[1]) if len(numbers) > 1 else None
+        return abs(numbers[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """What is to be learnt, from which signals, beside which unknowns.
+
+    Attributes
+    ----------
+    model : Model
+        The model that will be identified.
+    length : float
+        Length of the ship in m.
+    estimated : tuple of str
+        The coefficients.
+    initial, biases : tuple of str
+        States and inputs with an unknown of their own in each trial.
+    signals : tuple of str
+        Fitted signals.
+    sigma : ndarray, shape (signals,)
+        Standard deviation of one sample of each, SI.
+    rate : float
+        Independent samples in a second.
+    limit : float
+        Largest rudder angle of the ship in rad.
+    """
+
+    model: Model
+    length: float
+    estimated: tuple[str, ...]
+    initial: tuple[str, ...]
+    biases: tuple[str, ...]
+    signals: tuple[str, ...]
+    sigma: np.ndarray
+    rate: float
+    limit: float
+
+    @property
+    def record(self) -> Record:
+        """The record function identification will run."""
+        return make_record(self.model, self.signals, self.estimated, self.initial, self.biases)
+
+    def interval(self, speed: float) -> float:
+        """Sampling interval of the differentiated record in s."""
+        return self.length / speed / PER_UNIT_TIME
+
+    def steered(self, helm: Any) -> Record:
+        """Return the closed loop of one helmsman, over the rudder, the states, and what shows that the model runs away."""
+        return _steered(self.model, helm)
+
+    def sail(self, sail: Sail, duration: float, known: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray] | None:
+        """Simulate a manoeuvre in closed loop: inputs of the model (inputs, N) and initial states, or None.
+
+        Parameters
+        ----------
+        sail : Sail
+            What is sailed.
+        duration : float
+            In s.
+        known : mapping of str to float
+            Coefficients and constants, SI, those of the steering machine included.
+
+        Returns
+        -------
+        tuple of ndarray or None
+            None where the model runs away, or the ship loses her way.
+        """
+        unit = self.length / sail.speed
+        planned = plan(sail.manoeuvre, unit, 0.0, self.limit, sail.seed, duration)
+        record = self.steered(planned.helm)
+        whole = record.system.model
+        interval = self.interval(sail.speed)
+        # The clock of helmsman and steering machine, as in `shipid.trials.manoeuvres.simulate.simulate`.
+        fine = max(1, int(np.ceil(interval / min(0.02 * unit, 0.25) - 1e-9)))
+        t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
+        given = {"u": sail.speed, "cruise": sail.speed}
+        inputs = _inputs(whole, given, t.size, self.signals)
+        if planned.schedule:
+            inputs[whole.inputs.index("helm_schedule")] = planned.scheduled(t)
+        x0 = np.array([{"u": sail.speed, "psi": 0.0}.get(s, whole[s].number("start") or 0.0) for s in whole.states])
+        p = record.system.vector(record.system.coefficients, {**known, **planned.constants})
+        y, _ = record(x0, inputs, np.diff(t, append=t[-1]), p)
+        named = dict(zip(record.outputs, y))
+        if not np.isfinite(y).all() or np.abs(named.get("r", np.zeros(1))).max() * unit > _SPIN:
+            return None
+        if "u" in named and named["u"].min() < _WAY * sail.speed:
+            return None
+        own = _inputs(self.model, given, (t.size - 1) // fine + 1, self.signals)
+        own[self.model.inputs.index("delta")] = named["delta"][::fine]
+        return own, np.array([x0[whole.states.index(s)] for s in self.model.states])
+
+    def information(
+        self, sail: Sail, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
+    ) -> np.ndarray | None:
+        """Return the information about the coefficients in one manoeuvre, for each of its lengths.
+
+        Parameters
+        ----------
+        sail : Sail
+            What is sailed.
+        durations : sequence of float
+            Lengths in s, rising.
+        known : mapping of str to float
+            Coefficients and constants, SI.
+        size : ndarray, shape (estimated,)
+            A typical size of each coefficient; the information is in units of it.
+
+        Returns
+        -------
+        ndarray, shape (durations, estimated, estimated), or None
+            The longest are left out where the ship is so unstable that the record cannot be followed from its beginning;
+            None where that holds for all, or the model runs away.
+        """
+        found = self.sail(sail, durations[-1], known)
+        if found is None:
+            return None
+        inputs, x0 = found
+        interval = self.interval(sail.speed)
+        intervals = np.append(np.full(inputs.shape[1] - 1, interval), 0.0)
+        system = self.record.system
+        _, slope = self.record(x0, inputs, intervals, system.vector(system.coefficients, known))
+        slope[:, : size.size] *= size[:, None]
+        slope /= self.sigma[:, None, None]
+        if not (np.abs(slope) < _STEEP).all():
+            return None
+        ends = [int(d / interval + 1e-9) + 1 for d in durations]
+        good = [e for e in ends if e <= self._followed(slope)]
+        return eliminate(gather(slope, good), size.size) * (self.rate * interval) if good else None
+
+    def _followed(self, slope: np.ndarray) -> int:
+        """Samples until an error in the initial rate of turn has grown too much to follow."""
+        if "r" not in self.signals:
+            return slope.shape[2]
+        first = len(self.estimated)
+        rates = np.abs(slope[self.signals.index("r"), first : first + len(self.initial)])
+        rates = rates[rates[:, 0] > 0]
+        lost = (rates > _GROWTH * rates[:, :1]).any(axis=0)
+        return int(np.argmax(lost)) if lost.any() else slope.shape[2]
+
+
+@functools.lru_cache(maxsize=64)
+def _steered(model: Model, helm: Any) -> Record:
+    whole = join(model.name, model, SteeringMachine, helm)
+    watched = tuple(n for n in ("delta", "r", "u") if n in whole and n not in whole.inputs)
+    return make_record(whole, watched, hold="zero")
+
+
+def _inputs(model: Model, given: Mapping[str, float], count: int, signals: Sequence[str]) -> np.ndarray:
+    """Constant inputs of a model, shape (inputs, count); the rudder and the helmsman's schedule begin at zero."""
+    rows = np.zeros((len(model.inputs), count))
+    needed = generate(model).inputs_behind(signals)
+    for i, name in enumerate(model.inputs):
+        value = given.get(name, model[name].number("default"))
+        if value is None and name in needed and name not in ("delta", "helm_schedule"):
+            raise UsageError(
+                f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which a plan does not know beforehand. "
+                "Plan with a model that does not read it."
+            )
+        rows[i] = value or 0.0
+    return rows
+
+
+def gather(slope: np.ndarray, ends: Sequence[int]) -> np.ndarray:
+    """Return triangles whose squares are the information matrices of all unknowns in the first samples of a record.
+
+    Parameters
+    ----------
+    slope : ndarray, shape (signals, unknowns, N)
+        Derivatives of the signals by the unknowns, in standard deviations.
+    ends : sequence of int
+        Numbers of samples, rising.
+
+    Returns
+    -------
+    ndarray, shape (ends, unknowns, unknowns)
+        R with R' R = J' J, exact to rounding where J' J itself would have lost half of the digits.
+    """
+    unknowns = slope.shape[1]
+    triangle, out = np.zeros((unknowns, unknowns)), []
+    for begin, end in itertools.pairwise([0, *ends]):
+        piece = slope[:, :, begin:end].transpose(0, 2, 1).reshape(-1, unknowns)
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, piece]), mode="r"))
+        out.append(triangle)
+    return np.stack(out)
+
+
+def eliminate(triangle: np.ndarray, kept: int) -> np.ndarray:
+    """Return the information about the first unknowns when the others are unknown as well (Schur complement).
+
+    With R' R the information of all unknowns, it is what is left of the first columns of R when they are projected off
+    the span of the others: never negative, whatever the others cannot be told apart.
+
+    Parameters
+    ----------
+    triangle : ndarray, shape (..., M, unknowns)
+        R, or the whole Jacobian.
+    kept : int
+        How many of the unknowns are kept.
+
+    Returns
+    -------
+    ndarray, shape (..., kept, kept)
+    """
+    wanted, others = triangle[..., :kept], triangle[..., kept:]
+    norms = np.linalg.norm(others, axis=-2, keepdims=True)
+    basis, singular, _ = np.linalg.svd(others / np.where(norms > 0, norms, 1.0), full_matrices=False)
+    seen = singular > _ROUNDING * np.maximum(singular.max(axis=-1, keepdims=True, initial=0.0), 1e-300)
+    basis = basis * seen[..., None, :]
+    left = wanted - basis @ (basis.swapaxes(-1, -2) @ wanted)
+    return np.asarray(left.swapaxes(-1, -2) @ left)
+
+
+def covariance_from(information: np.ndarray) -> np.ndarray:
+    """Return the covariance that belongs to an information matrix, infinite where it holds nothing.
+
+    Parameters
+    ----------
+    information : ndarray, shape (n, n)
+        Symmetric, not negative.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        An unknown that takes part in a direction without information has an infinite variance and no covariance.
+    """
+    norms = np.sqrt(np.clip(np.diag(information), 0.0, None))
+    lost = norms <= _STEEP**-0.5
+    safe = np.where(lost, 1.0, norms)
+    values, vectors = np.linalg.eigh(information / np.outer(safe, safe))
+    # An unknown without any information is a direction of its own.
+    small = values < 1e-14 * max(values.max(initial=0.0), 1e-300)
+    lost = lost | (np.abs(vectors[:, small]) > 1e-3).any(axis=1)
+    inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, values))
+    matrix = np.asarray((vectors * inverse) @ vectors.T / np.outer(safe, safe))
+    matrix[lost, :] = matrix[:, lost] = 0.0
+    matrix[lost, lost] = np.inf
+    return matrix
+
+
+def sail_of(text: str, speed: float, seed: int = 0) -> Sail:
+    """Return a manoeuvre that may be sailed from its text.
+
+    Parameters
+    ----------
+    text : str
+        As in ``"zigzag:20/20"``.
+    speed : float
+        In m/s.
+    seed : int
+        Of the random telegraph.
+    """
+    return Sail(parse_manoeuvre(text), speed, seed)

@@ -1,0 +1,1 @@
+"""Predictions of trials: fitted, left out, in closed loop; bands; comparison of models."""

@@ -1,0 +1,207 @@
+"""Finding models and ships by name, or by ``path/to/file.py:Class``.
+
+The toolbox imports no ship model: the folder of declarations is opened by name at run time, and a model
+file that lies in it is found without being listed anywhere.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import importlib
+import importlib.util
+import pkgutil
+import sys
+import traceback
+from importlib import resources
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from shipid import parts
+from shipid.declaration.component import Component, slug
+from shipid.declaration.join import join
+from shipid.declaration.model import Model
+from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, nearest
+from shipid.parameters.parameter_set import ParameterSet, read_parameter_set
+from shipid.parts.planar_motion import PlanarMotion
+
+_PACKAGE = "shipid.models"
+
+
+def modules() -> list[ModuleType]:
+    """Return the model files that came with the installation, imported."""
+    package = importlib.import_module(_PACKAGE)
+    names = sorted(m.name for m in pkgutil.iter_modules(package.__path__) if not m.name.startswith("_"))
+    return [importlib.import_module(f"{_PACKAGE}.{n}") for n in names]
+
+
+def _parts() -> list[ModuleType]:
+    """Return the files of components that every ship joins, imported."""
+    return [importlib.import_module(f"{parts.__name__}.{m.name}") for m in pkgutil.iter_modules(parts.__path__)]
+
+
+def _mentioning(text: str) -> list[ModuleType]:
+    """Return the model files whose text holds some words, imported: opening one file is quicker than opening all."""
+    package = importlib.import_module(_PACKAGE)
+    found = []
+    for module in sorted(m.name for m in pkgutil.iter_modules(package.__path__) if not m.name.startswith("_")):
+        spec = importlib.util.find_spec(f"{_PACKAGE}.{module}")
+        if spec is not None and spec.origin and text in Path(spec.origin).read_text(encoding="utf-8"):
+            found.append(importlib.import_module(f"{_PACKAGE}.{module}"))
+    return found
+
+
+@functools.cache
+def known_models() -> dict[str, Model]:
+    """Return every named model that came with the installation."""
+    found = [m for module in modules() for m in vars(module).values() if isinstance(m, Model)]
+    return dict(sorted({m.name: m for m in found}.items()))
+
+
+def known_component(name: str) -> type[Component]:
+    """Return a component of the installation by its class name.
+
+    Parameters
+    ----------
+    name : str
+        ``"PlanarMotion"``.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none.
+    """
+    for module in _mentioning(f"class {name}("):
+        if _is_component(vars(module).get(name)):
+            return vars(module)[name]
+    classes = {n: c for m in (*_parts(), *modules()) for n, c in vars(m).items() if _is_component(c)}
+    if name not in classes:
+        raise UnknownNameError("component", name, classes)
+    return classes[name]
+
+
+def find_model(name: str) -> Model:
+    """Return a model by name, or from ``path/to/file.py:Name``.
+
+    A component class is joined with planar motion when it does not state the heading itself.
+
+    Parameters
+    ----------
+    name : str
+        ``"de-keizer"``, or a file and the name of a model or a component class in it.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such model; the message offers the nearest.
+    DeclarationError
+        If the file cannot be loaded, with the line that fails.
+    """
+    if ".py" in name:
+        return _from_file(name)
+    for module in _mentioning(f'"{name}"'):
+        for thing in vars(module).values():
+            if isinstance(thing, Model) and thing.name == name:
+                return thing
+    models = known_models()
+    if name in models:
+        return models[name]
+    raise UnknownNameError("model", name, models, "A model of your own is given as path/to/file.py:Class.")
+
+
+def _from_file(name: str) -> Model:
+    text, _, attribute = name.rpartition(":")
+    if not text or text.endswith(".py") is False:
+        text, attribute = (name, "") if name.endswith(".py") else (text, attribute)
+    path = Path(text)
+    module = _load(path)
+    things = {n: t for n, t in vars(module).items() if isinstance(t, Model) or _is_own_component(t, module)}
+    if not things:
+        raise DeclarationError(f"{path} declares no model: it holds neither a class of Component nor a join(...).")
+    if not attribute:
+        raise DeclarationError(f"say which model of {path}: {path}:NAME. {nearest('', things)}".strip())
+    if attribute not in things:
+        raise UnknownNameError(f"model in {path} called", attribute, things)
+    thing: Any = things[attribute]
+    if isinstance(thing, Model):
+        return thing
+    return whole_ship(thing)
+
+
+def whole_ship(component: type[Component]) -> Model:
+    """Join a component with planar motion, unless it states the heading itself."""
+    if "psi" in component._quantities and component._quantities["psi"].kind != "given":
+        return join(slug(component), component)
+    return join(slug(component), component, PlanarMotion)
+
+
+def _load(path: Path) -> ModuleType:
+    if not path.is_file():
+        raise DeclarationError(f"there is no model file {path}. Check the path.")
+    spec = importlib.util.spec_from_file_location(f"shipid_model_{path.stem}", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    try:
+        # What a model file prints is no result of ours.
+        with contextlib.redirect_stdout(sys.stderr):
+            spec.loader.exec_module(module)
+    except ShipidError as error:
+        error.args = (f"{path}: {error}",)
+        raise
+    except (Exception, SystemExit) as error:
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == spec.origin]
+        line = getattr(error, "lineno", None) or (frames[-1].lineno if frames else 1)
+        raise DeclarationError(
+            f"the model file {path} fails in line {line}: {type(error).__name__}: {error}. Correct it there."
+        ) from None
+    return module
+
+
+def _is_component(thing: object) -> bool:
+    return isinstance(thing, type) and issubclass(thing, Component) and thing is not Component
+
+
+def _is_own_component(thing: object, module: ModuleType) -> bool:
+    return _is_component(thing) and getattr(thing, "__module__", "") == module.__name__
+
+
+@functools.cache
+def _ship_files() -> dict[str, Path]:
+    folder = Path(str(resources.files(_PACKAGE).joinpath("ships")))
+    return {p.stem: p for p in sorted(folder.glob("*.toml"))}
+
+
+def known_ships() -> dict[str, ParameterSet]:
+    """Return every parameter set that came with the installation."""
+    return {n: find_ship(n) for n in _ship_files()}
+
+
+@functools.cache
+def _read_known(name: str) -> ParameterSet:
+    return read_parameter_set(_ship_files()[name])
+
+
+def find_ship(name: str | Path) -> ParameterSet:
+    """Return a ship by name, or from the path of a parameter set.
+
+    Parameters
+    ----------
+    name : str or Path
+        ``"zeefakkel"``, or the path of a TOML file (`shipid.parameters.parameter_set.read_parameter_set`).
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such ship; the message offers the nearest.
+    ParameterSetError
+        If the file is not a parameter set.
+    """
+    if str(name) in _ship_files():
+        return _read_known(str(name))
+    if str(name).endswith(".toml") or Path(name).is_file():
+        return read_parameter_set(name)
+    raise UnknownNameError(
+        "ship", str(name), _ship_files(), "A parameter set of your own is given as path/to/ship.toml."
+    )

@@ -1,0 +1,110 @@
+"""What a parameter set knows of its coefficients together: their correlation, and the speeds they were identified at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from shipid.declaration.units import to_si
+from shipid.foundation.errors import ParameterSetError, UnitError
+
+#: The table of a parameter set in which it stands, one inner table a model.
+IDENTIFIED = "identified"
+_KEYS = {"names", "correlation", "speeds", "speed_unit"}
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Correlation of identified coefficients; their standard deviations stand beside their values.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The coefficients.
+    correlation : tuple of tuple of float
+        Their correlation matrix, in that order.
+    speeds : tuple of float or None
+        Lowest and highest speed of the trials in m/s.
+    """
+
+    names: tuple[str, ...]
+    correlation: tuple[tuple[float, ...], ...]
+    speeds: tuple[float, float] | None = None
+
+
+def read_joint(path: Path, raw: Any) -> dict[str, Joint]:
+    """Return the entries of the table ``[identified.MODEL]``, by model.
+
+    Parameters
+    ----------
+    path : Path
+        The file, for messages.
+    raw : Any
+        What TOML made of the table.
+
+    Raises
+    ------
+    ParameterSetError
+        If it is no correlation matrix, or the speeds are none.
+    """
+    if not isinstance(raw, Mapping) or not all(isinstance(v, Mapping) for v in raw.values()):
+        raise ParameterSetError(f"{path}: '{IDENTIFIED}' holds one table for each model, as in [{IDENTIFIED}.nomoto].")
+    return {model: _one(f"{path}, [{IDENTIFIED}.{model}]", content) for model, content in raw.items()}
+
+
+def _one(where: str, raw: Mapping[str, Any]) -> Joint:
+    unknown = sorted(set(raw) - _KEYS)
+    if unknown:
+        raise ParameterSetError(
+            f"{where} has an entry '{unknown[0]}' it does not know. Known: {', '.join(sorted(_KEYS))}."
+        )
+    names, matrix = raw.get("names", []), raw.get("correlation", [])
+    square = isinstance(matrix, list) and len(matrix) == len(names) and all(
+        isinstance(row, list) and len(row) == len(names) and all(_is_correlation(v) for v in row) for row in matrix
+    )  # fmt: skip
+    if not square or not all(isinstance(n, str) for n in names):
+        raise ParameterSetError(
+            f"{where}: the correlation is no square matrix of numbers from -1 to 1, one row a name."
+        )
+    pairs = [(matrix[i][j], 1 if i == j else matrix[j][i]) for i in range(len(names)) for j in range(i + 1)]
+    if any(abs(a - b) > 1e-6 for a, b in pairs):
+        raise ParameterSetError(f"{where}: the correlation is not symmetric with ones on its diagonal.")
+    speeds = raw.get("speeds")
+    if speeds is not None:
+        try:
+            low, high = (to_si((v, raw.get("speed_unit", "m/s")), "m/s", f"speed in {where}") for v in speeds)
+        except (TypeError, ValueError, UnitError):
+            raise ParameterSetError(
+                f"{where}: speeds are two numbers, the lowest and the highest, in a unit of speed."
+            ) from None
+        if not 0 < low <= high:
+            raise ParameterSetError(f"{where}: speeds are {speeds}, and have to rise from one greater than zero.")
+        speeds = (low, high)
+    return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds)
+
+
+def _is_correlation(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 1
+
+
+def joint_lines(joint: Mapping[str, Joint], prefix: str = "") -> list[str]:
+    """Return the lines of TOML that `read_joint` reads.
+
+    Parameters
+    ----------
+    joint : mapping of str to Joint
+        By model.
+    prefix : str
+        Put before the name of each table, with its dot.
+    """
+    lines = []
+    for model, one in joint.items():
+        lines += ["", f"[{prefix}{IDENTIFIED}.{model if model.replace('-', '').isalnum() else repr(model)}]"]
+        lines.append(f"names = [{', '.join(repr(n) for n in one.names)}]")
+        rows = [f"  [{', '.join(f'{v:.6g}' for v in row)}]," for row in one.correlation]
+        lines += ["correlation = [", *rows, "]"]
+        if one.speeds is not None:
+            lines += [f"speeds = [{one.speeds[0]!r}, {one.speeds[1]!r}]", 'speed_unit = "m/s"']
+    return lines

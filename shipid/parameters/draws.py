@@ -1,0 +1,127 @@
+"""Coefficients of a ship, drawn from what its parameter set says of their uncertainty."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from shipid.declaration.model import Model
+from shipid.declaration.units import factor, prime_factor
+from shipid.parameters.parameter_set import ParameterSet
+
+if TYPE_CHECKING:
+    import numpy as np
+
+#: Spread of a coefficient that the trials left open: of its logarithm, or in its own size.
+_LOOSE = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Samples of coefficients.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Those that are drawn; the others keep their value.
+    nominal : ndarray, shape (names,)
+        Their values in the set, SI.
+    values : ndarray, shape (draws, names)
+        SI.
+    source : str
+        In words, where the spread comes from.
+    """
+
+    names: tuple[str, ...]
+    nominal: np.ndarray
+    values: np.ndarray
+    source: str
+
+
+def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 0) -> Drawn:
+    """Draw the coefficients of a model from the standard deviations and the correlation of a ship's set.
+
+    Coefficients that are positive by their declaration are drawn by their logarithm, and all within their bounds. One that
+    the identification left open, without a standard deviation, is spread over its bounds.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    ship : ParameterSet
+        The ship; a table against speed counts as its value at the ship's own speed.
+    count : int
+        Number of draws.
+    seed : int
+        Of the draws, which are the same each time by default.
+    """
+    import numpy as np
+
+    joint, speed, length = ship.joint.get(model.name), ship.particular("speed", "m/s"), ship.particular("L", "m")
+    names, nominal, spread, box = [], [], [], []
+    open_ones = []
+    for name in model.parameters:
+        found = ship.find(model, name)
+        known = joint is not None and name in joint.names
+        if found is None or found.speed or not (found.std or known):
+            continue
+        entry = model[name]
+        value = found.at(None, entry.unit, f"ship {ship.name}")
+        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
+        low, high = (entry.number(side) for side in ("low", "high"))
+        low = -np.inf if low is None else min(low * scale, value)
+        high = np.inf if high is None else max(high * scale, value)
+        in_log = low > 0 and value > 0
+        if found.std:
+            deviation = found.std * factor(found.unit, entry.unit)
+            deviation = deviation / value if in_log else deviation
+        else:
+            open_ones.append(name)
+            span = np.log(high / low) if in_log and np.isfinite(high) else high - low
+            loose = _LOOSE if in_log else _LOOSE * max(abs(value), abs(entry.number("start") or 0.0) * scale)
+            deviation = min(span / 4, loose) if np.isfinite(span) else loose
+        names.append(name)
+        nominal.append(value)
+        spread.append(deviation)
+        box.append((low, high, in_log))
+    correlation = np.eye(len(names))
+    if joint is not None:
+        for i, a in enumerate(names):
+            for j, b in enumerate(names):
+                if i != j and a in joint.names and b in joint.names:
+                    correlation[i, j] = joint.correlation[joint.names.index(a)][joint.names.index(b)]
+    values, vectors = np.linalg.eigh(correlation)
+    steps = normal_draws(len(names), count, seed) @ (vectors * np.sqrt(np.clip(values, 0.0, None))).T * np.array(spread)
+    drawn = np.empty((count, len(names)))
+    for k, (low, high, in_log) in enumerate(box):
+        moved = nominal[k] * np.exp(np.clip(steps[:, k], -20, 20)) if in_log else nominal[k] + steps[:, k]
+        drawn[:, k] = np.clip(moved, low, high)
+    return Drawn(tuple(names), np.array(nominal), drawn, _in_words(ship, model, names, open_ones, joint is not None))
+
+
+def _in_words(ship: ParameterSet, model: Model, names: list[str], open_ones: list[str], joint: bool) -> str:
+    if not names:
+        return f"ship {ship.name} states no standard deviation for the coefficients of model {model.name}"
+    words = f"the covariance of {', '.join(names)} in the set of ship {ship.name}"
+    if not joint:
+        words = f"the standard deviations of {', '.join(names)} in the set of ship {ship.name}, taken as independent"
+    return words + (f"; {', '.join(open_ones)} left open by the trials, spread over the bounds" if open_ones else "")
+
+
+def normal_draws(size: int, count: int, seed: int) -> np.ndarray:
+    """Return standard normal numbers, shape (count, size), spread evenly: each column has one in every stratum.
+
+    Parameters
+    ----------
+    size, count : int
+        Columns and rows.
+    seed : int
+        Of the draws.
+    """
+    import numpy as np
+    from scipy.special import ndtri
+
+    rng = np.random.default_rng([seed, 3])
+    # A Latin hypercube; SciPy's generators of such numbers live in a package that takes half a second to load.
+    strata = np.column_stack([rng.permutation(count) for _ in range(size)]) if size else np.zeros((count, 0))
+    return np.asarray(ndtri((strata + rng.random(strata.shape)) / count))

@@ -1,0 +1,1 @@
+"""Which trial to sail next, from the exact information matrix."""

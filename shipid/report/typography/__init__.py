@@ -1,0 +1,1 @@
+"""Numbers and symbols as they are printed."""

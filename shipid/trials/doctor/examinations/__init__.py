@@ -1,0 +1,1 @@
+"""The examinations of the trial doctor, one file a subject."""

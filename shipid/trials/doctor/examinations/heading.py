@@ -1,0 +1,106 @@
+"""The heading: wrapped, interpolated across 0/360, glitching."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.logs.assembly import GLITCH_WINDOW
+
+_PERIODS = (2 * np.pi, 360.0, np.radians(2 * np.pi))
+"""A full turn in a column read rightly, in degrees called radians, and in radians called degrees."""
+
+
+def examine_wrap(p: Patient) -> None:
+    """Unwrap the heading in whatever unit it has.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, in the units of its header.
+    """
+    if not p.has("psi") or len(p) < 3:
+        return
+    psi = p["psi"]
+    d = np.diff(psi)
+    for period in _PERIODS:
+        jumps = np.flatnonzero(np.abs(np.abs(d) - period) < 0.12 * period)
+        usual = float(np.quantile(np.abs(d), 0.9))
+        # A wrap jumps by a full turn between two ordinary steps, inside one turn's range.
+        if jumps.size and usual < 0.05 * period and float(np.ptp(psi)) < 1.05 * period:
+            p.add(
+                "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {len(jumps)} times",
+                "None in shipid, which unwraps headings; a program that does not sees the ship spin.",
+                "Unwrap the heading.", at=jumps + 1, fix={"action": "unwrap"}, spoils=False,
+            )  # fmt: skip
+            p["psi"] = np.unwrap(psi, period=period)
+            return
+
+
+def examine_heading(p: Patient) -> None:
+    """Find heading samples that disagree with the rate of turn, and bridge them by its integral.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, the rate of turn in the heading's unit and sign.
+    """
+    if not p.has("psi", "r") or len(p) < 30:
+        return
+    t, psi = p.t, p["psi"]
+    turned = robust.integral(t, p["r"])
+    rest = np.exp(1j * (psi - turned))
+    size = max(7, round(GLITCH_WINDOW / p.sampling)) | 1
+    size = min(size, (len(p) // 4) | 1)
+    middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))
+    off = np.angle(rest * np.exp(-1j * middle))
+    grid, still = robust.resolution(psi)
+    # What may pass: noise of compass and gyro, resolution, and the lag of one behind the other in a window.
+    inertia = float(np.quantile(np.abs(np.gradient(p["r"], t)), 0.99)) * p.sampling * 2 * p.sampling
+    usual = max(robust.spread(off), robust.noise(psi))
+    near = 1.4826 * median_filter(np.abs(off), max(51, 4 * size | 1), mode="nearest")
+    threshold = np.maximum(7 * np.maximum(usual, near), 2 * inertia + (2 * grid if still > 0.2 else 0.0))
+    threshold = np.maximum(threshold, max(np.radians(0.02), 2e-3 * float(np.ptp(turned))))
+    bad = np.abs(off) > threshold
+    if not bad.any() or bad.mean() > 0.3:
+        return
+    bad = _widened(bad, np.abs(off) > 0.4 * threshold)
+    logged = p.record.values["psi"][p.rows]
+    across = np.zeros(len(p), dtype=bool)
+    for a, b in robust.runs(bad):
+        before, after = logged[max(a - 1, 0)], logged[min(b, len(p) - 1)]
+        full = 2 * np.pi if abs(before - after) < 7 else 360.0
+        if abs(abs(before - after) - full) < 0.25 * full:
+            across[a:b] = True
+    for kind, mask in (("heading-interpolated", across), ("heading-glitch", bad & ~across)):
+        if mask.any():
+            index = np.flatnonzero(mask)
+            ratio = float(np.max(np.abs(off[mask]) / threshold[mask]))
+            size_deg = float(np.degrees(np.abs(off[mask]).max()))
+            what = (
+                "lie between 0 and 360 where the heading was interpolated across the wrap"
+                if kind == "heading-interpolated" else "disagree with the rate of turn"
+            )  # fmt: skip
+            p.add(
+                kind, "psi", robust.sureness(ratio, 0.9, 1.8),
+                f"{len(index)} heading samples {what}, by up to {size_deg:.3g} deg",
+                "The model is asked to follow jumps no ship makes: residuals, noise and intervals swell, and the fit "
+                "follows the jumps.",
+                "Replace them by the integral of r between good neighbours; in a format file: "
+                "[repairs] heading_glitches = true.",
+                at=index, fix={"action": "mend-heading"},
+            )  # fmt: skip
+    good = ~bad
+    slow = np.unwrap(np.angle(rest[good]))
+    slow += psi[good][0] - turned[good][0] - slow[0]
+    mended = np.interp(t, t[good], slow) + turned
+    p["psi"] = np.where(bad, mended, turned + np.interp(t, t[good], slow))
+
+
+def _widened(core: np.ndarray, skirt: np.ndarray) -> np.ndarray:
+    """Return the runs of `skirt` that touch `core`."""
+    label = np.cumsum(np.diff(skirt.astype(int), prepend=0) == 1) * skirt
+    touched = np.unique(label[core & skirt])
+    return core | (skirt & np.isin(label, touched))

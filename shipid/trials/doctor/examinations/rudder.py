@@ -1,0 +1,261 @@
+"""The rudder: unit, sign, order for feedback, delay, offset, whether it moves at all."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from shipid.trials import checks
+from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.working_copy import Patient
+
+_GRAVITY = 9.81
+
+
+def examine_rudder(p: Patient) -> None:
+    """Examine unit, movement and sign of the rudder.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, heading and rate of turn put right.
+    """
+    name = p.rudder
+    if name is None or len(p) < 30:
+        return
+    for column in ("delta", "delta_order"):
+        if p.has(column):
+            _unit(p, column)
+    _moves(p, name)
+    if p.has("r") and not p.found("no-rudder-movement"):
+        sign = _sign(p, name)
+        if sign and p.has("delta", "delta_order") and _sign(p, "delta_order", say=False):
+            p["delta_order"] = -p["delta_order"]
+
+
+def _unit(p: Patient, name: str) -> None:
+    delta = p[name]
+    said = p.record.stated.get(name, "?")
+    largest = float(np.quantile(np.abs(delta), 0.99))
+    peak = float(np.abs(delta).max())
+    factor, real = 1.0, ""
+    if peak > np.radians(90) and largest > np.radians(60):
+        factor, real = np.pi / 180, "degrees"
+    elif (
+        np.radians(0.05) < largest < np.radians(0.9)
+        and "deg" in said
+        and p.has("psi")
+        and float(np.ptp(p["psi"])) > 20 * largest
+    ):
+        factor, real = 180 / np.pi, "radians"
+    if factor == 1.0:
+        return
+    p.add(
+        "unit", name, 0.97 if factor < 1 else 0.88,
+        f"{name} says {said} and reaches {np.degrees(largest):.4g} deg: it is in {real}",
+        "The gain of the rudder comes out wrong by a factor of 57.", f"Multiply {name} by {factor:.6g}, or write its true "
+        "unit.", fix={"action": "scale", "column": name, "factor": factor},
+    )  # fmt: skip
+    p[name] = delta * factor
+
+
+def _moves(p: Patient, name: str) -> None:
+    delta = p[name]
+    quiet = 8 * robust.noise(delta)
+    reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
+    if reach > max(np.radians(0.5), quiet):
+        return
+    p.add(
+        "no-rudder-movement", name, 0.97, f"{name} stays within {np.degrees(reach):.2g} deg",
+        "There is no response to identify: any gain explains the record as well as any other.",
+        "Use a stretch with a manoeuvre in it, or find the column that holds the rudder.",
+    )  # fmt: skip
+
+
+def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regression | None:
+    """Regress ``r' = a delta - b r - b3 r^3 + c``, integrated over blocks.
+
+    Parameters
+    ----------
+    t, delta, r : ndarray, shape (n,)
+        Time [s], rudder angle [rad], rate of turn [rad/s].
+
+    Returns
+    -------
+    Regression or None
+        Coefficients a, -b, -b3, c.
+    """
+    found = []
+    whole = [robust.integral(t, y) for y in (delta, r, r**3)]
+    for count in (300, 120, 60):
+        # Short blocks follow the steering, long ones average the noise: the surest reading of the gain counts.
+        at = robust.edges(len(t), min(count, len(t) // 3))
+        one = robust.regress(np.column_stack([*(np.diff(y[at]) for y in whole), np.diff(t[at])]), np.diff(r[at]))
+        if one is not None:
+            found.append(one)
+    return min(found, key=lambda one: float(one.std[0] / abs(one.value[0] or 1e-300)), default=None)
+
+
+def _sign(p: Patient, name: str, say: bool = True) -> bool:
+    if not (checks.turns_to_port(p.t, p[name], p["r"]) or _answers_to_port(p, name)):
+        return False
+    if say:
+        p.add(
+            "rudder-sign", name, 0.97, f"positive {name} turns the ship to port",
+            "The gain comes out negative, or, where it is held positive, as zero with a rudder offset instead.",
+            f"Turn {name} over; in a format file: sign = -1.", fix={"action": "scale", "column": name, "factor": -1.0},
+        )  # fmt: skip
+        p[name] = -p[name]
+    return True
+
+
+def _answers_to_port(p: Patient, name: str) -> bool:
+    """Whether the ship, at the end of a stretch of rudder, turns to the other side, at nearly all stretches."""
+    delta, r = p[name], p["r"]
+    high = 0.3 * float(np.quantile(np.abs(delta), 0.95))
+    ends = [robust.runs(side * delta > high) for side in (1, -1)]
+    index = np.concatenate([e[:, 1] - 1 for e in ends])
+    long = np.concatenate([e[:, 1] - e[:, 0] for e in ends])
+    if not len(index):
+        return False
+    believed = index[long >= 0.3 * float(np.median(long))]
+    answer = np.sign(delta[believed]) * r[believed]
+    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * robust.noise(r))
+    against = int(np.sum(answer[clear] < 0))
+    far = False
+    if p.has("psi"):
+        begin = index - long + 1
+        turned = np.sign(delta[index]) * (p["psi"][index] - p["psi"][begin])
+        far = bool(np.any(turned < -np.pi / 2)) and not np.any(turned > np.pi / 2)
+    return against >= (1 if far else 4) and against >= 0.9 * int(clear.sum())
+
+
+def executes(delta: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return where the rudder is put over: the first samples, how many samples it takes, and the range.
+
+    Parameters
+    ----------
+    delta : ndarray, shape (n,)
+        Rudder angle [rad].
+
+    Returns
+    -------
+    start : ndarray of int
+        Last sample before each large movement.
+    length : ndarray of int
+        Samples from there until the movement ends.
+    reach : float
+        The rudder's range [rad].
+    """
+    reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
+    step = np.abs(np.diff(delta))
+    # However finely it is sampled, a rudder that is put over moves at about the rate of its gear.
+    moving = step > max(0.3 * float(np.sort(step)[-2]), 0.001 * reach, 4 * robust.noise(delta))
+    moving = ndimage.binary_closing(np.pad(moving, 3), np.ones(4))[3:-3]
+    found = robust.runs(moving)
+    if not len(found):
+        return np.empty(0, int), np.empty(0, int), reach
+    travel = np.abs(delta[found[:, 1]] - delta[found[:, 0]])
+    large = found[travel > 0.3 * reach]
+    return large[:, 0], large[:, 1] - large[:, 0], reach
+
+
+def examine_order(p: Patient) -> None:
+    """Find a rudder column that holds the order, and one that is shifted in time.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, signs put right.
+    """
+    if not p.has("delta") or p.found("no-rudder-movement") or len(p) < 40:
+        return
+    delta, t = p["delta"], p.t
+    if p.has("delta_order") and float(np.abs(delta - p["delta_order"]).max()) <= 1e-9 and np.ptp(delta) > 0:
+        _order(p, 0.95, "delta equals delta_order in every sample", np.arange(len(p)))
+    else:
+        start, length, _reach = executes(delta)
+        if len(start):
+            step = np.abs(np.diff(delta))
+            # One sample carries nearly the whole movement.
+            travel = np.abs(delta[start + length] - delta[start])
+            biggest = np.array([step[a : a + n].max() for a, n in zip(start, length)])
+            at_once = biggest > 0.85 * travel
+            rate = float(np.median(biggest)) / p.sampling
+            fastest = _fastest_gear(p)
+            if at_once.mean() > 0.7 and rate > fastest:
+                _order(
+                    p, robust.sureness(rate / fastest, 1, 2),
+                    f"the rudder is put over within one sample at {int(at_once.sum())} of {len(start)} executes, at "
+                    f"{np.degrees(rate):.3g} deg/s, faster than the {np.degrees(fastest):.3g} deg/s of a fast steering gear",
+                    start,
+                )  # fmt: skip
+    if p.has("r"):
+        _delay(p, t, delta)
+
+
+def _order(p: Patient, confidence: float, message: str, at: np.ndarray) -> None:
+    p.add(
+        "order-not-feedback", "delta", confidence, message,
+        "The time the steering gear takes is taken for the ship's: time constants come out too long by about half the "
+        "time of putting over, overshoots are blamed on the hull.",
+        "Call the column delta_order and identify with a steering machine, or take the feedback.", at=at, spoils=False,
+    )  # fmt: skip
+
+
+def _fastest_gear(p: Patient) -> float:
+    """A rudder rate no usual steering gear exceeds [rad/s]: 12 deg/s at 40 m, by Froude's law for smaller ships."""
+    length = p.length
+    if length is None and p.has("r"):
+        speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None
+        if speed is not None:
+            # A ship under hard rudder turns at about r L/U = 0.4.
+            length = 0.4 * float(np.median(np.abs(speed))) / max(float(np.quantile(np.abs(p["r"]), 0.95)), 1e-9)
+    length = 40.0 if length is None else max(length, 0.5)
+    return float(np.radians(12.0) * np.sqrt(40.0 / min(length, 40.0)))
+
+
+def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
+    """Find a rudder that moves after the ship has answered, or long before."""
+    start, _, reach = executes(delta)
+    if len(start) < 3 or reach == 0:
+        return
+    dt = p.sampling
+    half = float(np.median(np.diff(t[start])))
+    most = int(0.3 * half / dt)
+    if most < 2:
+        return
+    stride = max(1, most // 20)
+    shifts = np.arange(-(most // stride) * stride, most + 1, stride)
+    misfit = np.array([_misfit(t, np.interp(t - k * dt, t, delta), p["r"]) for k in shifts])
+    zero = float(misfit[shifts == 0][0])
+    best = int(np.argmin(misfit))
+    lag = float(shifts[best]) * dt
+    gain = zero / max(float(misfit[best]), 1e-300)
+    early = lag < 0
+    # Short holds of an irregular helm do not make a delay long.
+    usual = float(np.quantile(np.diff(t[start]), 0.8))
+    limit = max(2.5 * dt, (0.06 if early else 0.08) * usual)
+    if abs(lag) >= limit and gain > (1.25 if early else 2.0):
+        which = "after the ship has answered it" if early else "long before the ship answers"
+        p.add(
+            "latency", "delta", min(robust.sureness(gain, 1.2, 2.5), robust.sureness(abs(lag) / limit, 0.9, 2)),
+            f"the rudder moves about {abs(lag):.3g} s {which}",
+            "The delay is taken for a slower or a quicker ship: time constants come out wrong by about as much.",
+            f"Shift the rudder by {lag:+.3g} s." if early
+            else "An order, or a delay of the logger: identify with a steering machine or shift the rudder.",
+            fix={"action": "shift", "column": "delta", "seconds": -lag} if early else None, spoils=early,
+        )  # fmt: skip
+        if early:
+            p["delta"] = np.interp(t - lag, t, delta)
+
+
+def _misfit(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> float:
+    """Misfit of a first-order yaw response with damping of odd powers, block by block."""
+    at = robust.edges(len(t), min(400, len(t) // 2))
+    parts = [np.diff(robust.integral(t, y)[at]) for y in (delta, r, r * np.abs(r), r**3)]
+    design = np.column_stack([*parts, np.diff(t[at])])
+    design /= np.maximum(np.abs(design).max(axis=0), 1e-300)
+    target = np.diff(r[at])
+    rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
+    return float(np.sum(rest**2))

@@ -1,0 +1,190 @@
+"""Sampling and resolution: resampled records, coarse intervals, coarse digits, records too short."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations import rudder as steering
+from shipid.trials.doctor.working_copy import Patient
+
+_SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
+
+
+def examine_resampling(p: Patient) -> None:
+    """Find channels whose samples lie on lines between the samples of a slower record, or repeat them.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, its clock in order.
+    """
+    seen: dict[str, float] = {}
+    for name in _SMOOTH:
+        if p.has(name) and (share := _made_up(p[name])) > 0.25:
+            seen[name] = share
+    if not seen:
+        return
+    worst = max(seen, key=lambda name: seen[name])
+    share = seen[worst]
+    p.add(
+        "resampled", ",".join(seen), robust.sureness(share, 0.37, 0.47),
+        f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
+        "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
+        "corners of the interpolation look like accelerations.",
+        f"Keep one sample in {1 / (1 - share):.2g} or so, or count the samples that were measured.", spoils=False,
+    )  # fmt: skip
+
+
+def _made_up(values: np.ndarray) -> float:
+    """Share of the samples that follow from their neighbours, in a record that is otherwise not a line."""
+    if len(values) < 60:
+        return 0.0
+    d1, d2 = np.diff(values), np.diff(values, 2)
+    size = float(np.quantile(np.abs(d1), 0.9))
+    if size == 0:
+        return 0.0
+    tiny = 1e-6 * size + 4e-15 * float(np.abs(values).max())
+    knot = np.abs(d2) > tiny
+    held = np.abs(d1) <= tiny
+    under_way = _dilated(np.abs(d1) > 0.05 * size, 8)
+    index = np.flatnonzero(knot & under_way[1:])
+    if len(index) < 12:
+        return 0.0
+    # Only between knots that follow one another closely: a straight course is a long line of its own.
+    apart = np.diff(index)
+    close = apart[apart <= 24]
+    line = float((close - 1).sum() / max(close.sum(), 1)) if len(close) > 0.5 * len(apart) and len(close) > 10 else 0.0
+    grid, still = robust.resolution(values)
+    held_share = float(np.mean(held[under_way]))
+    if held_share > 0.3:
+        # Held samples of a slower sensor come at its beat; a printed resolution repeats as the slope has it.
+        steps = np.diff(np.flatnonzero(~held & under_way))
+        steps = steps[steps <= 3 * np.median(steps)]
+        beat = float(np.mean(np.abs(steps - np.median(steps)) <= 0.5)) if len(steps) else 0.0
+        moves = np.abs(d1[~held & under_way])
+        ragged = robust.spread(moves) > 0.2 * float(np.median(moves))
+        return held_share if np.median(steps) >= 2 and beat > 0.85 and ragged else 0.0
+    digits = grid > 0 and still > 0.1
+    return line if not digits else 0.0
+
+
+def _dilated(mask: np.ndarray, width: int) -> np.ndarray:
+    return np.convolve(mask.astype(float), np.ones(2 * width + 1), "same") > 0.5
+
+
+def examine_resolution(p: Patient) -> None:
+    """Find channels that are printed or measured more coarsely than they move from sample to sample.
+
+    Parameters
+    ----------
+    p : Patient
+        The record, its clock in order.
+    """
+    held = {c for f in p.findings if f.kind == "resampled" for c in f.channel.split(",")}
+    for name in _SMOOTH:
+        if name in held:
+            continue
+        if not p.has(name) or len(p) < 60:
+            continue
+        grid, still = robust.resolution(p[name])
+        reach = float(np.ptp(p[name]))
+        if grid == 0 or reach == 0 or still < 0.3:
+            continue
+        steps = np.abs(np.diff(p[name]))
+        share = float(np.quantile(steps[steps > 0], 0.8)) / reach
+        if share > (0.004 if still < 0.6 else 0.0015):
+            p.add(
+                "quantised", name, min(robust.sureness(still, 0.25, 0.7), robust.sureness(share, 0.0015, 0.006)),
+                f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {still:.0%} of the samples",
+                "The error is no white noise: differences are zero or far too large, and what is derived from them is "
+                "worthless; weights from the residuals come out too large.",
+                f"Take {name} from other channels where they give it, and derive nothing from its differences.",
+                spoils=False,
+            )  # fmt: skip
+
+
+def unit_time(p: Patient) -> float | None:
+    """Return the time the ship takes for its own length [s], from its particulars or from its helm.
+
+    Parameters
+    ----------
+    p : Patient
+        The record.
+    """
+    speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None
+    moving = None if speed is None else float(np.quantile(np.abs(speed), 0.9))
+    if p.length is not None and (moving or p.cruise):
+        return p.length / (moving or p.cruise or 1.0)
+    name = p.rudder
+    if name is None:
+        return None
+    start, _, _ = steering.executes(p[name])
+    # Between two executes of a zig-zag a ship sails about five lengths.
+    apart = np.diff(p.t[start])
+    regular = len(apart) >= 3 and float(np.max(apart[1:])) < 1.6 * float(np.min(apart[1:]))
+    return float(np.median(apart)) / 5 if regular else None
+
+
+def examine_sampling(p: Patient) -> None:
+    """Find records sampled too slowly for their ship, and records too short to tell anything.
+
+    Parameters
+    ----------
+    p : Patient
+        The record.
+    """
+    dt, unit = p.sampling, unit_time(p)
+    if unit is not None:
+        limit = unit / 5 if p.length is not None else unit / 4
+        if dt > 1.02 * limit:
+            known = "" if p.length is not None else " (estimated from the executes)"
+            p.add(
+                "coarse-sampling", "t", robust.sureness(dt / limit, 0.9, 2.0),
+                f"samples come every {dt:.4g} s, and the ship takes {unit:.4g} s for its own length{known}: fewer than five",
+                "The moment of the execute is known to half an interval only; rudder ramps and the rise of the rate fall "
+                "between samples, so that time constants are uncertain by as much.",
+                "Log faster; from this record identify gains, not time constants.", spoils=dt > 3 * limit,
+            )  # fmt: skip
+
+
+def examine_length(p: Patient) -> None:
+    """Find records that end before the ship has answered the rudder.
+
+    Parameters
+    ----------
+    p : Patient
+        The record.
+    """
+    n = len(p)
+    if n < 30:
+        p.add(
+            "short", "t", 0.95 if n < 20 else 0.85, f"the record has {n} samples",
+            "There are hardly more samples than unknowns.", "Use a longer record.", spoils=True,
+        )  # fmt: skip
+        return
+    name = p.rudder
+    if name is None or p.found("no-rudder-movement") or not p.has("psi"):
+        return
+    delta = p[name]
+    reach = float(np.quantile(np.abs(delta), 0.995))
+    over = np.abs(delta) > 0.5 * reach
+    first = int(np.argmax(over))
+    sides = np.sign(delta[over])
+    reversals = int(np.sum(np.diff(sides) != 0))
+    turned = float(np.abs(p["psi"][first:] - p["psi"][first]).max(initial=0.0))
+    # Back amidships for good, and not on its way to the other side.
+    last = int(np.flatnonzero(over)[-1])
+    released = n - 1 - last > 0.5 * (last - first + 1)
+    if reversals >= 2 or turned > np.pi / 2 or released:
+        return
+    back = reversals == 1 and turned > 0 and abs(p["psi"][-1] - p["psi"][first]) < 0.7 * turned
+    if back:
+        return
+    p.add(
+        "short", "t", 0.9 if reversals == 0 else 0.7,
+        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {np.degrees(turned):.3g} deg into the turn"
+        + (" and after one reversal" if reversals else ""),
+        "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
+        "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,
+    )  # fmt: skip

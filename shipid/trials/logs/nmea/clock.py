@@ -1,0 +1,238 @@
+"""When each sentence was written: by the logger's stamps, or by the UTC that some sentences carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, date, datetime
+
+import numpy as np
+
+from shipid.trials.errors import ClockError
+from shipid.trials.logs.nmea.errors import NoTimeError
+from shipid.trials.logs.nmea.lines import DAY
+from shipid.trials.logs.nmea.log import Log, Records
+from shipid.trials.logs.nmea.sentences import CARRIED
+from shipid.trials.logs.nmea.settings import NmeaFormat
+
+DISORDER = 0.5
+"""Loggers with a thread a port swap lines; stamps of different sources may run back by this much [s]."""
+LONGEST = 10.0
+"""No sentence is timed between two of UTC further apart than this, or than five of their intervals [s]."""
+
+_WITH_UTC = ("RMC", "ZDA", "GGA", "GLL")
+
+
+@dataclass(frozen=True)
+class Clock:
+    """The time of every sentence of a log.
+
+    Attributes
+    ----------
+    times : ndarray, shape (n,)
+        Seconds since the first that is known; NaN where a sentence cannot be timed.
+    notes : tuple of str
+        Where the time comes from, when it begins, and what was done.
+    """
+
+    times: np.ndarray
+    notes: tuple[str, ...]
+
+
+def read_clock(log: Log, fmt: NmeaFormat) -> Clock:
+    """Find the time of every sentence.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    fmt : NmeaFormat
+        May say the date.
+
+    Returns
+    -------
+    Clock
+
+    Raises
+    ------
+    NoTimeError
+        If there are neither stamps nor UTC.
+    ClockError
+        If the clock jumps back; the message names the line.
+    """
+    stamped = np.isfinite(log.stamps)
+    utc = _best_utc(log)
+    if stamped.mean() < 0.5 and utc is not None:
+        times, dated, notes = _by_utc(log, *utc)
+    elif stamped.any():
+        times, dated, notes = _by_stamps(log)
+    else:
+        raise NoTimeError(
+            f"{log.where}: nothing says when a line was written: no time stamp stands in front of the sentences, and "
+            f"no two of ZDA, RMC, GGA or GLL carry a valid UTC. Seen were {log.seen()}. If the lines do begin with a "
+            "time, state its layout as stamp in [nmea] of a format file."
+        )
+    known = times[np.isfinite(times)]
+    start = float(known.min())
+    lost = int(np.isnan(times).sum())
+    if lost:
+        notes.append(f"{lost} sentences stand where no time is known and were left out.")
+    if not dated and fmt.date is not None:
+        start += (fmt.date - date(1970, 1, 1)).days * DAY
+        notes.append(f"The date {fmt.date} is the format file's.")
+    return Clock(times - float(known.min()), (f"t = 0 is {_moment(start, dated or fmt.date is not None)}.", *notes))
+
+
+def _moment(seconds: float, dated: bool) -> str:
+    try:
+        moment = datetime.fromtimestamp(round(seconds, 3), UTC)
+    except (OverflowError, OSError, ValueError):
+        return f"{seconds:.3f} s of the logger's clock"
+    if dated and seconds > 366 * DAY:
+        return f"{moment:%Y-%m-%d %H:%M:%S}.{moment.microsecond // 1000:03d}"
+    if dated:
+        return f"{seconds:.3f} s of the logger's clock"
+    return f"{moment:%H:%M:%S}.{moment.microsecond // 1000:03d} of a day that nothing names"
+
+
+def _unrolled(seconds: np.ndarray) -> tuple[np.ndarray, int]:
+    """Let times of day run on over midnight; also the number of midnights."""
+    step = np.diff(seconds)
+    days = np.rint(step / DAY)
+    return np.concatenate((seconds[:1], seconds[0] + np.cumsum(step - days * DAY))), int(-days.sum())
+
+
+def _jumped(log: Log, before: int, after: int, back: float, what: str) -> ClockError:
+    return ClockError(
+        f"{log.where}, line {log.numbers[after]}: the clock jumps back by {back:.4g} s against line "
+        f"{log.numbers[before]} ({what}). Cut the log there and read the parts one by one, or correct the stamps."
+    )
+
+
+def _midnights(days: int) -> list[str]:
+    return (
+        [f"The clock passes midnight {days} times." if days > 1 else "The clock passes midnight once."] if days else []
+    )
+
+
+def _by_stamps(log: Log) -> tuple[np.ndarray, bool, list[str]]:
+    at = np.flatnonzero(np.isfinite(log.stamps))
+    stamps, notes = log.stamps[at], ["The time of a sentence is the logger's stamp."]
+    if not log.dated:
+        stamps, days = _unrolled(stamps)
+        notes += _midnights(days)
+    latest = np.maximum.accumulate(stamps)
+    behind = latest - stamps
+    far = np.flatnonzero(behind > DISORDER)
+    if far.size:
+        k = int(far[0])
+        before = int(at[np.flatnonzero(stamps[:k] == latest[k])[-1]])
+        raise _jumped(log, before, int(at[k]), float(behind[k]), "logger's stamps")
+    times = np.full(len(log.stamps), np.nan)
+    times[at] = stamps
+    for (kind, talker), records in log.records.items():
+        own = records.order[np.isfinite(times[records.order])]
+        back = np.flatnonzero(np.diff(times[own]) < 0)
+        if back.size:
+            k = int(back[0])
+            raise _jumped(
+                log, int(own[k]), int(own[k + 1]), times[own[k]] - times[own[k + 1]], f"stamps of {talker}{kind}"
+            )
+    swapped = int((behind > 0).sum())
+    if swapped:
+        notes.append(
+            f"{swapped} lines of different sources stand in another order than their stamps; they were sorted."
+        )
+    bare = len(times) - len(at)
+    if bare:
+        # The last stamp before them; before the first stamp there is none.
+        seen = np.maximum.accumulate(np.where(np.isfinite(times), np.arange(len(times)), -1))
+        times = np.where(seen >= 0, times[np.maximum(seen, 0)], np.nan)
+        notes.append(f"{bare} sentences without a stamp have that of the line before.")
+    if not log.exact:
+        times, spread = _spread(times)
+        if spread:
+            notes.append(
+                "The stamps are whole seconds: the sentences of a second were spread evenly over it, so times are right "
+                "to about half a second."
+            )
+    return times, log.dated, notes
+
+
+def _spread(times: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Spread sentences of one and the same whole second over it, in their order."""
+    known = np.flatnonzero(np.isfinite(times))
+    order = known[np.argsort(times[known], kind="stable")]
+    _, first, group, count = np.unique(times[order], return_index=True, return_inverse=True, return_counts=True)
+    if count.max() == 1:
+        return times, False
+    result = times.copy()
+    result[order] += (np.arange(len(order)) - first[group]) / count[group]
+    return result, True
+
+
+def _utc_of(kind: str, records: Records) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Sentences, UTC of day [s] and day, where the UTC is valid."""
+    fields = CARRIED[kind][0]
+    utc = records.values[:, fields.index("utc")]
+    has = np.isfinite(utc)
+    days = records.values[has, fields.index("day")] if "day" in fields else None
+    return records.order[has], utc[has], days
+
+
+def _best_utc(log: Log) -> tuple[str, str] | None:
+    """The sentence and talker that says UTC most often; one alone, because each lags by its own."""
+    counts = {
+        (kind, talker): len(np.unique(_utc_of(kind, records)[1]))
+        for (kind, talker), records in log.records.items()
+        if kind in _WITH_UTC
+    }
+    counts = {key: n for key, n in counts.items() if n > 1}
+    return max(counts, key=lambda key: (counts[key], -_WITH_UTC.index(key[0]))) if counts else None
+
+
+def _by_utc(log: Log, kind: str, talker: str) -> tuple[np.ndarray, bool, list[str]]:
+    order, utc, days = _utc_of(kind, log.records[kind, talker])
+    notes = [
+        f"The time of a sentence is the UTC of {talker}{kind}, interpolated over the lines between two of them; how long "
+        "after a fix its sentence was sent is not known."
+    ]
+    dated = days is not None and bool(np.isfinite(days).all())
+    if dated and days is not None:
+        moments = days * DAY + utc
+        notes += _midnights(int(np.count_nonzero(np.diff(days))))
+    else:
+        moments, passed = _unrolled(utc)
+        notes += _midnights(passed)
+    step = np.diff(moments)
+    if (step < 0).any():
+        k = int(np.argmax(step < 0))
+        raise _jumped(log, int(order[k]), int(order[k + 1]), -step[k], f"UTC of {talker}{kind}")
+    fresh = np.append(True, step > 0)
+    order, moments = order[fresh], moments[fresh]
+    step = np.diff(moments)
+    sentences = np.arange(len(log.numbers))
+    times = np.interp(sentences, order, moments, left=np.nan, right=np.nan)
+    limit = max(LONGEST, 5 * float(np.median(step)))
+    for before in np.flatnonzero(step > limit):
+        times[order[before] + 1 : order[before + 1]] = np.nan
+    if (step > limit).any():
+        notes.append(f"Between sentences of UTC more than {limit:.3g} s apart no time is known.")
+    if not dated:
+        times, dated, more = _with_date(log, times)
+        notes += more
+    return times, dated, notes
+
+
+def _with_date(log: Log, times: np.ndarray) -> tuple[np.ndarray, bool, list[str]]:
+    """Add the date of another sentence, where one says it."""
+    for (kind, talker), records in log.records.items():
+        if "day" not in CARRIED[kind][0]:
+            continue
+        order, utc, days = _utc_of(kind, records)
+        assert days is not None
+        both = np.flatnonzero(np.isfinite(days) & np.isfinite(times[order]))
+        if both.size:
+            k = int(both[0])
+            midnight = round((days[k] * DAY + utc[k] - times[order[k]]) / DAY) * DAY
+            return times + midnight, True, [f"The date is that of {talker}{kind}."]
+    return times, False, []

@@ -1,0 +1,164 @@
+"""Read an NMEA 0183 log: from the file to raw columns on one clock."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from shipid.trials import checks
+from shipid.trials.errors import LooksLikeDegreesError
+from shipid.trials.logs.assembly import Raw
+from shipid.trials.logs.nmea.channels import read_signals
+from shipid.trials.logs.nmea.clock import read_clock
+from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
+from shipid.trials.logs.nmea.log import read_log
+from shipid.trials.logs.nmea.resampling import Signal, resample
+from shipid.trials.logs.nmea.settings import NmeaFormat
+
+SHORTEST = 0.1
+"""Shortest sampling interval that is taken by itself [s]."""
+
+_UNITS = {
+    "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "U": "m/s",
+    "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
+    "wind_direction_relative": "rad", "depth": "m",
+}  # fmt: skip
+
+
+def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
+    """Read an NMEA 0183 log as raw columns with their units.
+
+    Parameters
+    ----------
+    file : Path
+        The log: one sentence a line, with or without the logger's stamp before it.
+    fmt : NmeaFormat
+        What the log cannot say of itself.
+
+    Returns
+    -------
+    raw : Raw
+        The columns on one clock, with notes on where each comes from and what was left out.
+    comments : tuple of str
+        The comment lines at the head of the file.
+
+    Raises
+    ------
+    NmeaError
+        One class a cause (`shipid.trials.logs.nmea.errors`).
+    EmptyFileError, ClockError, MissingExtraError
+        If there are no sentences, the clock jumps back, or pynmeagps is not installed.
+    """
+    log = read_log(file, fmt)
+    clock = read_clock(log, fmt)
+    signals = read_signals(log, clock.times, fmt)
+    step = fmt.step or max(SHORTEST, round(signals["psi"].interval, 2))
+    leading: list[str] = [name for name in ("psi", "delta") if name in signals]
+    if "delta" not in signals:
+        leading.append("delta_order")
+    t, found, left_out = resample(signals, leading, step, fmt.gap)
+    if not t.size:
+        ends = "; ".join(f"{n} from {signals[n].t[0]:.4g} to {signals[n].t[-1]:.4g} s" for n in leading)
+        raise NoOverlapError(
+            f"{log.where}: heading and rudder are nowhere known together ({ends}). Check that both sensors were logged "
+            "at once; a longer gap in [nmea] of a format file lets sparse sentences be interpolated."
+        )
+    _check_rate(signals, log.where)
+    columns = {"t": t} | _columns(t, found, fmt, signals)
+    # Sentences count in degrees, and so does what is said of these columns.
+    columns |= {name: np.degrees(columns[name]) for name in columns if _UNITS[name].startswith("deg")}
+    notes = [f"NMEA 0183, resampled to {step:.4g} s by linear interpolation.", *clock.notes]
+    notes += [note for name, signal in signals.items() if name in found for note in signal.notes]
+    notes += _derived(columns, found, fmt, signals)
+    notes += [*left_out, *log.notes]
+    if log.others:
+        seen = ", ".join(f"{address} ({n})" for address, n in log.others.most_common(10))
+        rest = len(log.others) - 10
+        notes.append(f"Sentences that are not read: {seen}" + (f" and {rest} others." if rest > 0 else "."))
+    return Raw(columns, {name: _UNITS[name] for name in columns}, log.where, notes=notes), log.head
+
+
+def _columns(
+    t: np.ndarray, found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
+) -> dict[str, np.ndarray]:
+    """Return the trial's columns, of signals that stand on its clock."""
+    psi = found["psi"][:, 0]
+    plain = ("psi", "r", "delta", "delta_order", "depth")
+    result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
+    forward, starboard = fmt.antenna or (0.0, 0.0)
+    if "position" in found:
+        x, y = found["position"].T
+        result["x"] = x - forward * np.cos(psi) + starboard * np.sin(psi)
+        result["y"] = y - forward * np.sin(psi) - starboard * np.cos(psi)
+    speeds = found.get("water", found.get("ground"))
+    if speeds is not None:
+        result |= dict(zip(("u", "v"), speeds.T))
+    if "course" in found:
+        u, v = found["course"].T
+        if forward or starboard:
+            # The antenna goes round midship.
+            r = _turning(t, found, signals["psi"])
+            u, v = u + r * starboard, v - r * forward
+        result["U"] = np.hypot(u, v)
+        if speeds is None and not _magnetic(signals["psi"]):
+            result |= {"u": u, "v": v}
+    for name, tail in (("wind", "_relative"), ("true wind", "")):
+        if name in found:
+            speed, along, across = found[name].T
+            result["wind_speed" + tail] = speed
+            result["wind_direction" + tail] = np.mod(np.arctan2(across, along), 2 * pi)
+    return result
+
+
+def _turning(t: np.ndarray, found: dict[str, np.ndarray], psi: Signal) -> np.ndarray:
+    """Rate of turn [rad/s]; the slope of the heading where there is no ROT."""
+    return found["r"][:, 0] if "r" in found else np.interp(t, psi.t, np.gradient(psi.values[:, 0], psi.t))
+
+
+def _magnetic(psi: Signal) -> bool:
+    return any(note.startswith("WARNING") for note in psi.notes)
+
+
+def _derived(
+    columns: dict[str, np.ndarray], found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
+) -> list[str]:
+    """Say what was computed of several signals, and what is missing for it."""
+    notes = []
+    if "u" in columns and "water" not in found and "ground" not in found:
+        notes.append("u, v: of course and speed over ground and the heading; a current is in them.")
+    if fmt.antenna is not None and {"position", "course"} & set(found):
+        notes.append(
+            f"x, y, U are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
+            "of it."
+        )
+    elif "position" in found:
+        notes.append("x, y are of the antenna; state [nmea.antenna] for those of midship.")
+    if "delta" in columns and "r" not in columns:  # with ROT, every trial is looked at
+        slope = np.gradient(columns["psi"], columns["t"]) if len(columns["t"]) > 1 else columns["t"]
+        if checks.turns_to_port(columns["t"], np.radians(columns["delta"]), np.radians(slope)):
+            notes.append(
+                "WARNING: positive RSA turns this ship to port: state sign = -1 in [nmea.rudder] of a format file."
+            )
+    return notes
+
+
+def _check_rate(signals: dict[str, Signal], where: str) -> None:
+    """Refuse a ROT that is not in the unit it is said to be in: the heading tells."""
+    if "r" not in signals:
+        return
+    psi, rate = signals["psi"], signals["r"]
+    inside = (psi.t >= rate.t[0]) & (psi.t <= rate.t[-1])
+    if inside.sum() < checks.FEWEST_SAMPLES:
+        return
+    t = psi.t[inside]
+    columns = {"t": t, "psi": psi.values[inside, 0], "r": np.interp(t, rate.t, rate.values[:, 0])}
+    try:
+        checks.check_angles(columns, {"psi": "deg", "r": "deg/s"}, where)
+    except LooksLikeDegreesError as error:
+        finding = str(error).partition("look like ")[2].partition(": ")[2].partition(". Write")[0]
+        raise CalibrationError(
+            f"{where}: ROT does not fit the heading: {finding}. State unit = 'deg/s' (or what the sensor sends) in "
+            "[nmea.rate] of a format file, or leave_out = ['r'] in [nmea]."
+        ) from None

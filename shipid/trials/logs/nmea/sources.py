@@ -1,0 +1,174 @@
+"""Whom to believe: of all sentences and talkers that carry a signal, one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.trials.logs.nmea.errors import NoSuchSourceError
+from shipid.trials.logs.nmea.log import Log
+from shipid.trials.logs.nmea.sentences import CARRIED
+from shipid.trials.logs.nmea.settings import NmeaFormat
+
+FEWEST = 10
+"""Fewer values than this are not a signal, where another source has more."""
+
+#: Sentence and the fields of it that make up the signal.
+Wanted = tuple[str, tuple[str, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The source of a signal.
+
+    Attributes
+    ----------
+    kind, talker : str
+        Sentence and talker.
+    fields : tuple of str
+        The fields that were taken.
+    t : ndarray, shape (n,)
+        Time [s], strictly increasing.
+    values : ndarray, shape (n, k)
+        As the sentence counts them.
+    lines : ndarray of int, shape (n,)
+        Lines of the log.
+    rejected, repeated : int
+        Sentences without a valid value, and such with the time of the one after.
+    others : tuple of str
+        Sources of the same signal that were not taken.
+    """
+
+    kind: str
+    talker: str
+    fields: tuple[str, ...]
+    t: np.ndarray
+    values: np.ndarray
+    lines: np.ndarray
+    rejected: int
+    repeated: int
+    others: tuple[str, ...] = ()
+
+    @property
+    def interval(self) -> float:
+        """Median interval [s]."""
+        return float(np.median(np.diff(self.t)))
+
+    def describe(self) -> str:
+        """Return sentence, talker, rate and rejections in words."""
+        text = f"{self.kind} of talker {self.talker}, {len(self.t)} values, {1 / self.interval:.3g} a second"
+        if self.rejected:
+            text += f", {self.rejected} rejected (empty or not valid)"
+        if self.repeated:
+            text += f", {self.repeated} with a time that repeats were left out"
+        return text + (f"; {', '.join(self.others)} not used" if self.others else "")
+
+
+def take(log: Log, times: np.ndarray, kind: str, talker: str, fields: tuple[str, ...]) -> Found | None:
+    """Return the values of one sentence and talker; None where fewer than two are valid.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    times : ndarray, shape (n,)
+        Time of every sentence [s], NaN where it is not known.
+    kind, talker : str
+        Sentence and talker.
+    fields : tuple of str
+        Its fields; a sentence counts where all of them are valid.
+
+    Returns
+    -------
+    Found or None
+    """
+    records = log.records.get((kind, talker))
+    if records is None:
+        return None
+    values = records.values[:, [CARRIED[kind][0].index(name) for name in fields]]
+    valid = np.isfinite(values).all(axis=1)
+    timed = valid & np.isfinite(times[records.order])
+    order = records.order[timed]
+    t = times[order]
+    last = np.append(np.diff(t) > 0, True) if len(t) else np.zeros(0, dtype=bool)
+    if last.sum() < 2:
+        return None
+    rejected, repeated = int((~valid).sum()), int((~last).sum())
+    return Found(kind, talker, fields, t[last], values[timed][last], log.numbers[order[last]], rejected, repeated)
+
+
+def check_sources(log: Log, sources: Mapping[str, str]) -> None:
+    """Refuse a format file that names a source the log does not hold.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    sources : Mapping of str to str
+        Sentence, or talker and sentence, by signal.
+
+    Raises
+    ------
+    NoSuchSourceError
+        With the sentences that were seen.
+    """
+    for signal, asked in sources.items():
+        if not any((talker + kind).endswith(asked) for kind, talker in log.records):
+            raise NoSuchSourceError(
+                f"{log.where} holds no sentence {asked}, which the format file names as the source of {signal}. Seen were "
+                f"{log.seen()}."
+            )
+
+
+def choose(
+    log: Log, times: np.ndarray, fmt: NmeaFormat, signal: str, tiers: Sequence[Sequence[Wanted]]
+) -> Found | None:
+    """Choose the source of a signal.
+
+    The format file's choice counts. Else the first tier with a source that goes on for at least half as long as the
+    longest one does; in it the source with the most values, and among equals (within a tenth) the sentence named first.
+
+    Parameters
+    ----------
+    log : Log
+        The log.
+    times : ndarray, shape (n,)
+        Time of every sentence [s].
+    fmt : NmeaFormat
+        May name sentence and talker.
+    signal : str
+        One of `shipid.trials.logs.nmea.settings.SIGNALS`.
+    tiers : sequence of sequence of (str, tuple of str)
+        Sentences and their fields, those to be preferred first.
+
+    Returns
+    -------
+    Found or None
+        None where no sentence carries the signal.
+    """
+    if signal in fmt.leave_out:
+        return None
+    asked = fmt.sources.get(signal, "")
+    found: list[list[Found]] = []
+    for tier in tiers:
+        level = []
+        for kind, fields in tier:
+            talkers = sorted(t for k, t in log.records if k == kind and (t + kind).endswith(asked))
+            level += [f for t in talkers if (f := take(log, times, kind, t, fields)) is not None]
+        found.append(level)
+    every = [f for level in found for f in level]
+    many = [f for f in every if len(f.t) >= FEWEST] or every
+    if not many:
+        return None
+    longest = max(f.t[-1] - f.t[0] for f in many)
+    for level in found:
+        able = [f for f in level if f in many and f.t[-1] - f.t[0] >= 0.5 * longest]
+        if able:
+            most = max(len(f.t) for f in able)
+            chosen = next(f for f in able if len(f.t) >= 0.9 * most)
+            names = dict.fromkeys(f"{f.talker}{f.kind}" for f in every if f is not chosen)
+            names.pop(chosen.talker + chosen.kind, None)
+            return replace(chosen, others=tuple(names))
+    return None

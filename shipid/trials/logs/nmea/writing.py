@@ -1,0 +1,218 @@
+"""Write a trial as an NMEA 0183 log: what a logger on the bridge would have kept of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from datetime import UTC, datetime, timedelta
+from math import pi
+from pathlib import Path
+
+import numpy as np
+
+from shipid.foundation.errors import OverwriteError, UnknownNameError
+from shipid.foundation.replacing import replacing
+from shipid.trials.logs.nmea.channels import KNOT
+from shipid.trials.logs.nmea.geodesy import to_geographic
+from shipid.trials.logs.nmea.lines import checksum
+from shipid.trials.trial import Trial
+
+#: Sentences a second, by address: gyro and rudder indicator are fast, a log and a receiver are not.
+RATES: dict[str, float] = {
+    "HEHDT": 5.0, "HEROT": 5.0, "IIRSA": 5.0, "IIROR": 5.0, "VDVBW": 1.0, "GPGGA": 1.0, "GPVTG": 1.0, "GPZDA": 1.0,
+    "WIMWV": 1.0,
+}  # fmt: skip
+START = datetime(2026, 5, 4, 9, 0, tzinfo=UTC)
+ORIGIN = (63.45 * pi / 180, 10.42 * pi / 180)
+
+_NEEDS = {
+    "HDT": ("psi",), "THS": ("psi",), "ROT": ("r",), "RSA": ("delta",), "ROR": ("delta_order",), "VBW": ("u",),
+    "VHW": ("u",), "GGA": ("x", "y"), "GLL": ("x", "y"), "RMC": ("x", "y"), "VTG": ("u", "v", "psi"), "ZDA": (),
+    "MWV": ("wind_speed_relative", "wind_direction_relative"), "DPT": ("depth",),
+}  # fmt: skip
+
+
+def sentence(address: str, *fields: str) -> str:
+    """Return a sentence with its checksum: ``$HEHDT,123.4,T*2D``.
+
+    Parameters
+    ----------
+    address : str
+        Talker and sentence.
+    *fields : str
+        As the standard prints them.
+    """
+    text = ",".join((address, *fields))
+    return f"${text}*{checksum(text)}"
+
+
+def _minutes(angle: float, width: int, letters: str) -> tuple[str, str]:
+    """Degrees and minutes to five decimals (2 cm), and the hemisphere."""
+    units = round(abs(angle) * 180 / pi * 60 * 1e5)
+    degrees, rest = divmod(units, 6_000_000)
+    return f"{degrees:0{width}d}{rest // 100000:02d}.{rest % 100000:05d}", letters[0] if angle >= 0 else letters[1]
+
+
+def _fields(kind: str, v: dict[str, float], moment: datetime) -> tuple[str, ...]:
+    """What a sentence says of an instant."""
+    utc = f"{moment:%H%M%S}.{moment.microsecond // 10000:02d}"
+    place = (*_minutes(v["lat"], 2, "NS"), *_minutes(v["lon"], 3, "EW")) if "lat" in v else ()
+    match kind:
+        case "HDT":
+            return f"{round(v['psi'] * 180 / pi, 1) % 360:.1f}", "T"
+        case "THS":
+            return f"{round(v['psi'] * 180 / pi, 1) % 360:.1f}", "A"
+        case "ROT":
+            return f"{v['r'] * 180 / pi * 60:.1f}", "A"
+        case "RSA":
+            return f"{v['delta'] * 180 / pi:.1f}", "A", "", "V"
+        case "ROR":
+            return f"{v['delta_order'] * 180 / pi:.1f}", "A", "", "V", "B"
+        case "VBW":
+            return f"{v['u'] / KNOT:.2f}", f"{v['v'] / KNOT:.2f}" if "v" in v else "", "A", "", "", "V"
+        case "VHW":
+            return "", "T", "", "M", f"{v['u'] / KNOT:.2f}", "N", f"{v['u'] * 3.6:.2f}", "K"
+        case "GGA":
+            return utc, *place, "1", "10", "0.9", "5.0", "M", "40.0", "M", "", ""
+        case "GLL":
+            return *place, utc, "A", "A"
+        case "RMC" | "VTG":
+            north = v["u"] * np.cos(v["psi"]) - v.get("v", 0.0) * np.sin(v["psi"]) if "u" in v and "psi" in v else 0.0
+            east = v["u"] * np.sin(v["psi"]) + v.get("v", 0.0) * np.cos(v["psi"]) if "u" in v and "psi" in v else 0.0
+            knots, course = np.hypot(north, east) / KNOT, round(float(np.degrees(np.arctan2(east, north))), 1) % 360
+            if kind == "VTG":
+                return f"{course:.1f}", "T", "", "M", f"{knots:.2f}", "N", f"{knots * 1.852:.2f}", "K", "A"
+            return utc, "A", *place, f"{knots:.2f}", f"{course:.1f}", f"{moment:%d%m%y}", "", "", "A"
+        case "ZDA":
+            return utc, f"{moment:%d}", f"{moment:%m}", f"{moment:%Y}", "00", "00"
+        case "MWV":
+            angle = (v["wind_direction_relative"] - pi) * 180 / pi
+            return f"{round(angle, 1) % 360:.1f}", "R", f"{v['wind_speed_relative'] / KNOT:.1f}", "N", "A"
+        case "DPT":
+            return f"{v['depth']:.1f}", "0.0"
+    raise AssertionError(kind)
+
+
+#: What a logger puts before a sentence, by the name of its layout.
+STAMPS: dict[str, Callable[[datetime], str]] = {
+    "iso": lambda m: f"{m:%Y-%m-%dT%H:%M:%S}.{m.microsecond // 1000:03d}Z ",
+    "epoch": lambda m: f"{m.timestamp():.3f} ",
+    "hh:mm:ss": lambda m: f"{m:%H:%M:%S}.{m.microsecond // 1000:03d} ",
+    "tag": lambda m: _tag(f"s:LOG1,c:{round(m.timestamp() * 1000)}"),
+    "none": lambda m: "",
+}
+
+
+def _tag(block: str) -> str:
+    return f"\\{block}*{checksum(block)}\\"
+
+
+def nmea_lines(
+    trial: Trial,
+    rates: Mapping[str, float] | None = None,
+    *,
+    stamp: str = "iso",
+    start: datetime = START,
+    origin: tuple[float, float] = ORIGIN,
+) -> Iterator[str]:
+    """Return the lines of a log of a trial, in the order of time.
+
+    Values between samples are interpolated; each sentence prints as many decimals as instruments do (headings, rudder
+    angles and rates 0.1, speeds 0.01 kn, positions 0.00001 minutes).
+
+    Parameters
+    ----------
+    trial : Trial
+        What was sailed. Speeds and courses over ground are those of ``u`` and ``v``: without a current.
+    rates : Mapping of str to float, optional
+        Sentences a second by address (`RATES`); those the trial has no columns for are left out.
+    stamp : str
+        One of `STAMPS`.
+    start : datetime
+        UTC at t = 0.
+    origin : tuple of float
+        Latitude and longitude [rad] of x = y = 0.
+
+    Yields
+    ------
+    str
+        Without the end of the line.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such sentence or stamp.
+    """
+    rates = RATES if rates is None else rates
+    for address in rates:
+        if address[2:] not in _NEEDS:
+            raise UnknownNameError("sentence that is written called", address[2:], _NEEDS)
+    if stamp not in STAMPS:
+        raise UnknownNameError("stamp called", stamp, STAMPS)
+    table = {name: trial[name] for name in trial.table.columns}
+    t = table["t"]
+    events: list[tuple[float, str, dict[str, float]]] = []
+    for slot, (address, rate) in enumerate(rates.items()):
+        names = _NEEDS[address[2:]]
+        if not trial.has(*names):
+            continue
+        # Instruments do not wait for each other: each has its place within the interval.
+        phase = 0.0 if slot == 0 else 0.013 * slot
+        at = np.arange(t[0] + phase, t[-1] + 1e-9, 1 / rate)
+        values = {name: np.interp(at, t, table[name]) for name in {*names, "u", "v", "psi"} if name in table}
+        if "x" in names:
+            x, y = (np.interp(at, t, table[n]) for n in ("x", "y"))
+            values["lat"], values["lon"] = to_geographic(x, y, origin)
+        rows = zip(*values.values()) if values else ((),) * len(at)
+        events += [(s, address, dict(zip(values, row))) for s, row in zip(at, rows)]
+    for seconds, address, values_then in sorted(events, key=lambda event: event[0]):
+        moment = start + timedelta(seconds=float(seconds))
+        yield STAMPS[stamp](moment) + sentence(address, *_fields(address[2:], values_then, moment))
+
+
+def write_nmea(
+    trial: Trial,
+    path: str | Path,
+    rates: Mapping[str, float] | None = None,
+    *,
+    stamp: str = "iso",
+    start: datetime = START,
+    origin: tuple[float, float] = ORIGIN,
+    comment: str | None = None,
+    overwrite: bool = False,
+) -> Path:
+    """Write a trial as an NMEA 0183 log, whole or not at all.
+
+    Parameters
+    ----------
+    trial : Trial
+        What was sailed.
+    path : str or Path
+        The file.
+    rates, stamp, start, origin
+        As in `nmea_lines`.
+    comment : str, optional
+        Lines to put first, each behind a ``#``; by default those of the trial. A first line with the word "simulated"
+        marks a simulation.
+    overwrite : bool
+        Whether a file of that name may be replaced.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    OverwriteError
+        If the file exists and `overwrite` is not set.
+    MissingFileError
+        If the folder cannot be written to.
+    """
+    path = Path(path)
+    if path.exists() and not overwrite:
+        raise OverwriteError(f"'{path}' exists already. Choose another name, or ask for it to be overwritten.")
+    comment = trial.source.comment if comment is None else comment
+    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {line}\n" for line in comment.splitlines())
+        file.writelines(line + "\r\n" for line in nmea_lines(trial, rates, stamp=stamp, start=start, origin=origin))
+    return path

@@ -1,0 +1,75 @@
+"""Write trials: CSV or Parquet with units in the header, whole or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from shipid.foundation.replacing import check_place, replacing
+from shipid.trials.errors import MissingExtraError
+from shipid.trials.trial import Trial
+
+
+def write_trial(
+    trial: Trial,
+    path: str | Path,
+    units: Mapping[str, str] | str | None = None,
+    *,
+    overwrite: bool = False,
+    comment: str | None = None,
+) -> Path:
+    """Write a trial so that `read_trial` reads it back: header ``t [s],psi [deg],...``.
+
+    The file appears under its name only when it is complete.
+
+    Parameters
+    ----------
+    trial : Trial
+        What to write.
+    path : str or Path
+        Where; ``.parquet`` writes Parquet, everything else CSV.
+    units : Mapping of str to str, or "SI", optional
+        Units by column (`Trial.to_frame`).
+    overwrite : bool
+        Whether a file of that name may be replaced.
+    comment : str, optional
+        Lines to put before the header, each behind a ``#``; by default those the trial was read with. A first line
+        with the word "simulated" marks a simulation.
+
+    Returns
+    -------
+    Path
+        The file written.
+
+    Raises
+    ------
+    OverwriteError
+        If the file exists and `overwrite` is not set.
+    MissingFileError
+        If the folder does not exist or cannot be written to.
+    """
+    path = Path(path)
+    check_place(path, overwrite)
+    frame = trial.to_frame(units)
+    comment = trial.source.comment if comment is None else comment
+    with replacing(path) as temporary:
+        if path.suffix.lower() in (".parquet", ".pq"):
+            _parquet(frame, temporary, comment)
+        else:
+            with open(temporary, "w", encoding="utf-8", newline="") as file:
+                file.writelines(f"# {line}\n" for line in comment.splitlines())
+                frame.to_csv(file, index=False, lineterminator="\n")
+    return path
+
+
+def _parquet(frame: pd.DataFrame, temporary: str, comment: str) -> None:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise MissingExtraError("Parquet needs pyarrow. Install shipid[parquet], or write CSV.") from None
+    table = pyarrow.Table.from_pandas(frame, preserve_index=False)
+    metadata = {**(table.schema.metadata or {}), b"comment": comment.encode()}
+    pyarrow.parquet.write_table(table.replace_schema_metadata(metadata), temporary)

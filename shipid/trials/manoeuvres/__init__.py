@@ -1,0 +1,1 @@
+"""Manoeuvres by name, simulated in open and closed loop."""

@@ -1,0 +1,199 @@
+"""Manoeuvres by name: ``zigzag:20/20``, ``turn:35``, ``spiral:25``, ``course:60``, ``telegraph:10``."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from shipid.declaration.component import Component
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.parts.helm import CourseHelm, RateHelm, ScheduledOrder, TurningHelm, ZigzagHelm
+
+_DEG = np.pi / 180
+_NUMBERS = re.compile(r"^[-+]?\d+(\.\d*)?(/[-+]?\d+(\.\d*)?)*$")
+
+
+@dataclass(frozen=True)
+class Manoeuvre:
+    """A manoeuvre to simulate: who steers, by which numbers, for how long.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    numbers : tuple of float
+        Angles in rad (for a reversed spiral: the largest rate of turn, as r* = r L/U).
+    approach : float
+        Length of the straight approach, in ship lengths' time L/U.
+    """
+
+    kind: str
+    numbers: tuple[float, ...]
+    approach: float = 1.0
+
+    def __str__(self) -> str:
+        scale = 1.0 if self.kind == "reversed-spiral" else 1 / _DEG
+        return f"{self.kind}:{'/'.join(f'{n * scale:g}' for n in self.numbers)}"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A manoeuvre worked out for a ship: helmsman, constants, schedule and duration.
+
+    Attributes
+    ----------
+    helm : type[Component]
+        Who steers.
+    constants : dict of str to float
+        Numbers of the helmsman, SI.
+    duration : float
+        In s.
+    schedule : list of (float, float)
+        Begin of each step in s and value of ``helm_schedule`` from then on; empty where the helmsman reads none.
+    """
+
+    helm: type[Component]
+    constants: dict[str, float]
+    duration: float
+    schedule: list[tuple[float, float]] = field(default_factory=list)
+
+    def scheduled(self, t: np.ndarray) -> np.ndarray:
+        """Return the schedule at the times `t`, shape of `t`."""
+        begins, values = (np.array(c) for c in zip(*self.schedule))
+        return values[np.clip(np.searchsorted(begins, t + 1e-9, side="right") - 1, 0, None)]
+
+
+#: Kind: example and meaning, for help texts.
+KINDS: dict[str, tuple[str, str]] = {
+    "zigzag": ("zigzag:20/20", "zig-zag with rudder and heading angle in degrees; zigzag:-20/20 begins to port"),
+    "turn": ("turn:35", "turning circle through 540 degrees with pull-out; turn:-35/360 to port through 360"),
+    "spiral": ("spiral:25", "direct (Dieudonne) spiral from 25 degrees of rudder down to -25 and back"),
+    "reversed-spiral": ("reversed-spiral:0.6", "reversed (Bech) spiral: steady rates up to r* = r L/U = 0.6"),
+    "course": ("course:60", "course change by 60 degrees; course:60/15 with at most 15 degrees of rudder"),
+    "telegraph": ("telegraph:10", "random telegraph of 10 degrees of rudder to either side"),
+}
+
+
+def parse_manoeuvre(text: str) -> Manoeuvre:
+    """Read a manoeuvre such as ``"zigzag:20/20"``.
+
+    Parameters
+    ----------
+    text : str
+        Kind, a colon, and numbers in degrees separated by slashes.
+
+    Returns
+    -------
+    Manoeuvre
+
+    Raises
+    ------
+    UnknownNameError
+        If the kind is unknown.
+    UsageError
+        If the numbers do not fit the kind.
+    """
+    kind, _, rest = text.strip().partition(":")
+    if kind not in KINDS:
+        raise UnknownNameError("manoeuvre", kind, KINDS, f"Write one as {', '.join(e for e, _ in KINDS.values())}.")
+    example = KINDS[kind][0]
+    if not _NUMBERS.match(rest):
+        raise UsageError(f"the manoeuvre '{text}' does not say its numbers. Write it as {example}.")
+    numbers = [float(n) for n in rest.split("/")]
+    wanted = {"zigzag": (2, 2), "turn": (1, 2), "course": (1, 2)}.get(kind, (1, 1))
+    if not wanted[0] <= len(numbers) <= wanted[1]:
+        raise UsageError(f"the manoeuvre '{text}' has {len(numbers)} numbers. Write it as {example}.")
+    if numbers[0] == 0 or any(n <= 0 for n in numbers[1:]):
+        raise UsageError(f"the manoeuvre '{text}' needs numbers other than zero, the second positive, as in {example}.")
+    scale = 1.0 if kind == "reversed-spiral" else _DEG
+    return Manoeuvre(kind, tuple(n * scale for n in numbers))
+
+
+def plan(
+    manoeuvre: Manoeuvre, unit_time: float, course: float, limit: float, seed: int, duration: float | None = None
+) -> Plan:
+    """Work a manoeuvre out for a ship.
+
+    Parameters
+    ----------
+    manoeuvre : Manoeuvre
+        What to sail.
+    unit_time : float
+        L/U in s: it sets approach, steps and duration.
+    course : float
+        Heading of the approach in rad.
+    limit : float
+        Largest rudder angle of the ship in rad.
+    seed : int
+        Of the random telegraph.
+    duration : float, optional
+        In s; by default long enough for five executes, a full circle with pull-out, or all steps.
+    """
+    start = manoeuvre.approach * unit_time
+    makers: dict[str, Any] = {
+        "zigzag": _zigzag,
+        "turn": _turn,
+        "spiral": _spiral,
+        "reversed-spiral": _reversed_spiral,
+        "course": _course,
+        "telegraph": _telegraph,
+    }
+    made: Plan = makers[manoeuvre.kind](manoeuvre.numbers, start, unit_time, course, limit, seed, duration)
+    return made
+
+
+def _approach(start: float, course: float, rudder: float) -> dict[str, float]:
+    return {"helm_start": start, "helm_course": course, "helm_rudder": rudder}
+
+
+def _zigzag(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+    constants = _approach(start, course, n[0]) | {"helm_heading": n[1]}
+    return Plan(ZigzagHelm, constants, duration or start + 30 * unit)
+
+
+def _turn(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+    constants = _approach(start, course, n[0]) | {"helm_turn": n[1] if len(n) > 1 else 3 * np.pi}
+    return Plan(TurningHelm, constants, duration or start + 60 * unit)
+
+
+def _stairs(levels: np.ndarray, start: float, step: float) -> list[tuple[float, float]]:
+    return [(0.0, 0.0), *((start + i * step, float(v)) for i, v in enumerate(levels))]
+
+
+def _spiral_levels(largest: float) -> np.ndarray:
+    """Down and back up in steps that get finer near amidships, where a loop would show."""
+    fractions = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0])
+    return largest * np.concatenate([fractions, fractions[-2::-1]])
+
+
+def _spiral(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+    schedule = _stairs(_spiral_levels(n[0]), start, 12 * unit)
+    return Plan(ScheduledOrder, {}, duration or schedule[-1][0] + 12 * unit, schedule)
+
+
+def _reversed_spiral(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> Plan:
+    schedule = _stairs(_spiral_levels(n[0] / unit), start, 15 * unit)
+    constants = {"helm_limit": limit, "helm_gain": 3 * unit, "helm_reset": 2 * unit}
+    return Plan(RateHelm, constants, duration or schedule[-1][0] + 15 * unit, schedule)
+
+
+def _course(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+    constants = {"helm_limit": n[1] if len(n) > 1 else limit, "helm_damping": 1.5 * unit}
+    return Plan(CourseHelm, constants, duration or start + 30 * unit, [(0.0, course), (start, course + n[0])])
+
+
+def _telegraph(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> Plan:
+    length = duration or start + 40 * unit
+    rng = np.random.default_rng([seed, 1])
+    # Exponential holding times with a mean of 2 L/U, but long enough for the rudder to arrive.
+    holds = np.maximum(rng.exponential(2 * unit, size=int(length / unit) + 2), 0.3 * unit)
+    levels = np.where(np.arange(holds.size) % 2 == 0, n[0], -n[0])
+    begins = start + np.concatenate([[0.0], np.cumsum(holds)[:-1]])
+    return Plan(ScheduledOrder, {}, length, [(0.0, 0.0), *zip(begins.tolist(), levels.tolist())])

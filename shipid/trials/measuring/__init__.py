@@ -1,0 +1,1 @@
+"""What a zig-zag or a turning circle measures."""

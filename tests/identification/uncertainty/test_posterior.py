@@ -1,0 +1,112 @@
+"""The sampled posterior: against a closed form, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import shipid
+from shipid import Component, given, parameter, state
+from shipid.foundation.errors import UsageError
+from shipid.identification.errors import PosteriorError
+
+pytest.importorskip("emcee")
+
+
+class Drift(Component):
+    """A rate of turn that is a multiple of the rudder and a constant: linear in both coefficients."""
+
+    psi = state("rad", "heading", wraps=True)
+    delta = given("rad", "rudder angle")
+    gain = parameter("1/s", "rate of turn per rudder angle", start=0.1, low=-10, high=10)
+    swing = parameter("rad/s", "rate of turn without rudder", start=0.001, low=-1, high=1)
+
+    @psi.rate
+    def turn(self):
+        """Made up for its closed form."""
+        return self.gain * self.delta + self.swing
+
+
+SIGMA, COUNT = np.deg2rad(0.5), 240
+
+
+@pytest.fixture(scope="module")
+def linear():
+    """A fit whose posterior is a normal density: heading = psi0 + gain * integral of delta + swing * t, white noise."""
+    t = np.arange(COUNT, dtype=float)
+    delta = np.deg2rad(10) * np.sign(np.sin(2 * np.pi * t / 60))
+    # Between samples the rudder runs straight: the integral is the trapezoid's.
+    turned = np.concatenate([[0.0], np.cumsum(0.5 * (delta[1:] + delta[:-1]))])
+    design = np.column_stack([turned, t, np.ones(COUNT)])
+    rng = np.random.default_rng(11)
+    psi = design @ np.array([0.05, 1e-4, 0.0]) + SIGMA * rng.standard_normal(COUNT)
+    table = pd.DataFrame({"t [s]": t, "delta [rad]": delta, "psi [rad]": psi, "u [m/s]": np.full(COUNT, 5.0)})
+    trial = shipid.Trial.from_frame(table, name="linear")
+    model = shipid.join("drift", Drift)
+    fit = shipid.identify(
+        model, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"], check=False
+    )
+    covariance = SIGMA**2 * np.linalg.inv(design.T @ design)
+    mean = covariance @ design.T @ psi / SIGMA**2
+    return fit, mean[:2], np.sqrt(np.diag(covariance))[:2]
+
+
+@pytest.fixture(scope="module")
+def drawn(linear):
+    return linear[0].sample_posterior(8_000, seed=1)
+
+
+def test_against_the_closed_form(linear, drawn):
+    fit, mean, spread = linear
+    assert drawn.names == ("gain", "swing") and fit._problem.size == 3
+    assert np.array(fit._solution.q[:2]) == pytest.approx(mean, rel=1e-6)
+    assert drawn.mixed
+    # So many independent draws tell a mean to 1/sqrt(n) and a standard deviation to 1/sqrt(2n) of it; four of those.
+    few = drawn.independent.min()
+    assert few > 200
+    assert np.abs(drawn.draws.mean(axis=0) - mean).max() < (4 * spread / np.sqrt(few)).max()
+    assert drawn.draws.std(axis=0) == pytest.approx(spread, rel=4 / np.sqrt(2 * few))
+    assert drawn.quantiles[[0, -1]] == pytest.approx(
+        mean + np.outer([-1.96, 1.96], spread), rel=0.15, abs=0.3 * spread.max()
+    )
+    for k in range(2):
+        assert drawn.width_over_gaussian(k) == pytest.approx(1.0, abs=0.12)
+
+
+def test_what_it_gives(linear, drawn):
+    plain = json.loads(json.dumps(drawn.to_dict(), allow_nan=False))
+    assert set(plain) == {"draws", "walkers", "acceptance", "mixed", "parameters"}
+    assert set(plain["parameters"]["gain"]["quantiles"]) == {"2.5", "16", "50", "84", "97.5"}
+    assert list(drawn.to_frame().columns) == ["gain", "swing"] and len(drawn.to_frame()) >= 8_000
+    assert "times as wide as the fit's" in repr(drawn)
+    short, again = (linear[0].sample_posterior(400, seed=3) for _ in range(2))
+    assert not short.mixed and "TOO FEW" in repr(short)
+    assert np.array_equal(short.draws, again.draws)
+
+
+def test_too_few_draws_are_refused(linear):
+    with pytest.raises(UsageError, match=r"10 draws are 0.3 steps of 32 walkers; ask for 1600"):
+        linear[0].sample_posterior(10)
+
+
+def test_too_many_unknowns_are_refused(sail):
+    trials = [sail("norrbin", "zeefakkel", sampling="4 s", seed=i, name=f"t{i}") for i in range(10)]
+    fit = shipid.identify("norrbin", trials, ship="zeefakkel", starts=1)
+    with pytest.raises(PosteriorError, match="33 unknowns"):
+        fit.sample_posterior()
+
+
+def test_a_regression_has_no_likelihood(sail):
+    fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", method="equation-error")
+    with pytest.raises(UsageError, match="this fit is by equation-error"):
+        fit.sample_posterior()
+
+
+def test_without_the_sampler(linear, monkeypatch):
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    with pytest.raises(PosteriorError, match=r"pip install 'shipid\[posterior\]'"):
+        linear[0].sample_posterior()

@@ -1,0 +1,131 @@
+"""Profiles against their parabola, residuals against known colours, and null directions of known structure."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+import shipid
+from shipid import Component, given, parameter, state
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.identification.uncertainty.directions import _sparse
+
+
+@pytest.fixture(scope="module")
+def fit(sail):
+    return shipid.identify(
+        "norrbin", [sail("norrbin", "zeefakkel", "zigzag:10/10", seed=1)], ship="zeefakkel", starts=1
+    )
+
+
+@pytest.mark.parametrize("name", ["a", "b3", "K"])
+def test_a_well_determined_coefficient_has_a_parabola(fit, name):
+    profile, estimate = fit.profile(name), fit.parameters[name]
+    assert profile.ci95 == pytest.approx(estimate.ci95, rel=5e-3)
+    parabola = 0.5 * ((profile.values - estimate.value) / estimate.std) ** 2
+    assert profile.cost == pytest.approx(parabola, abs=0.35)
+    assert profile.cost.min() == 0
+    json.dumps(profile.to_dict(), allow_nan=False)
+    assert list(profile.to_frame().columns) == [name, "cost"]
+    assert "95 % from" in repr(profile)
+
+
+def test_a_coefficient_that_no_data_have_seen_has_an_open_interval(sail):
+    trial = sail("de-keizer", "soesterberg")
+    fit = shipid.identify("de-keizer", [trial], ship="soesterberg", signals=["psi", "r", "u"], starts=1)
+    profile = fit.profile("gamma", points=9)
+    assert profile.ci95 == (None, None)
+    assert "open" in repr(profile)
+    (direction,) = fit.directions
+    assert direction.parameters == {"gamma": 1.0} and direction.relative_std is None
+    assert "does not show" in direction.words and "sway speed" in direction.words
+
+
+def test_what_cannot_be_profiled_is_said(fit, sail):
+    with pytest.raises(UnknownNameError, match="b4"):
+        fit.profile("b4")
+    held = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", estimate=["a", "b1"], starts=1)
+    with pytest.raises(UsageError, match="held fixed"):
+        held.profile("b3")
+
+
+def test_a_determined_fit_has_no_direction_to_speak_of(fit):
+    assert fit.directions == ()
+    assert fit.to_dict(bands=False)["diagnostics"]["directions"] == []
+
+
+class TwoGains(Component):
+    """A yaw model whose two gains show in their product alone."""
+
+    r = state("rad/s", "rate of turn, positive to starboard")
+    delta = given("rad", "rudder angle, positive turns to starboard")
+    rudder_gain = parameter("1", "of the rudder", start=1.0, low=0.05, high=20.0)
+    hull_gain = parameter("1/s", "of the hull", start=0.3, low=0.01, high=5.0)
+    tau = parameter("s", "time constant", start=20.0, low=0.5, high=500.0)
+
+    @r.rate
+    def yaw(self):
+        """Nobody's."""
+        return (self.rudder_gain * self.hull_gain * self.delta - self.r) / self.tau
+
+
+def test_a_structure_that_hides_a_coefficient_is_seen_through(sail):
+    trial = sail("nomoto", "zeefakkel")
+    fit = shipid.identify(TwoGains, [trial], ship=shipid.find_ship("zeefakkel"), starts=1)
+    (direction,) = fit.directions
+    assert direction.parameters == {
+        "rudder_gain": pytest.approx(1, abs=0.02),
+        "hull_gain": pytest.approx(-1, abs=0.02),
+    } or (direction.parameters == {"hull_gain": pytest.approx(1, abs=0.02), "rudder_gain": pytest.approx(-1, abs=0.02)})
+    assert direction.relative_std is None
+    assert "cannot be told apart from one 20/20 zig-zag" in direction.words
+    assert "No other manoeuvre" in direction.words and "Hold one of them" in direction.words
+    assert fit.parameters["tau"].identifiable
+
+
+def test_sway_and_yaw_derivatives_leave_two_directions_open(sail):
+    """Four numbers of the transfer function from rudder to heading, six derivatives: two combinations are free."""
+    trial = sail("davidson-schiff", "mariner", "zigzag:10/10", sampling="1 s", noise="psi=0.2 deg,r=0.02 deg/s")
+    fit = shipid.identify("davidson-schiff", [trial], ship="mariner", signals=["psi", "r"], starts=1)
+    free = [d for d in fit.directions if d.relative_std is None]
+    assert len(free) == 2
+    assert all("Measure the sway speed" in d.words for d in free)
+
+
+def test_a_small_zigzag_does_not_show_the_cubic(sail):
+    trial = sail("norrbin", "zeefakkel", "zigzag:2/2", noise="psi=0.2 deg,r=0.05 deg/s")
+    fit = shipid.identify("norrbin", [trial], ship="zeefakkel", signals=["psi"], starts=1)
+    weakest = fit.directions[0]
+    assert next(iter(weakest.parameters)) == "b3"
+    assert weakest.relative_std > 0.1
+    assert "Sail a" in weakest.words and "zig-zag as well" in weakest.words
+
+
+def test_sparse_directions_span_the_same_space():
+    rng = np.random.default_rng(4)
+    wanted = np.array([[1.0, -1, 0, 0, 0], [0, 0, 0, 2, 1]])
+    basis = np.linalg.qr((rng.standard_normal((2, 2)) @ wanted).T)[0].T
+    found = _sparse(basis)
+    assert sorted(int(np.sum(np.abs(v) > 1e-9)) for v in found) == [2, 2]
+    assert np.linalg.matrix_rank(np.vstack([wanted, *found]), tol=1e-9) == 2
+
+
+def test_white_residuals_pass_and_coloured_ones_do_not(fit, sail):
+    assert all(r.white for r in fit.residuals.values())
+    assert all(r.chi_square == pytest.approx(1, abs=0.01) for r in fit.residuals.values())
+    assert all(r.effective == r.samples for r in fit.residuals.values())
+    trial = sail("norrbin", "zeefakkel", "zigzag:10/10", noise="none")
+    rng, table = np.random.default_rng(5), trial.table.copy()
+    for name, level in (("psi", 0.003), ("r", 0.0003)):
+        table[name] += level * lfilter([np.sqrt(1 - 0.9**2)], [1, -0.9], rng.standard_normal(len(table)))
+    coloured = shipid.identify("norrbin", [replace(trial, table=table)], ship="zeefakkel", starts=1)
+    for r in coloured.residuals.values():
+        assert not r.white and r.p_value < 1e-6
+        assert r.autocorrelation_time > 5
+        assert r.effective < 0.5 * r.samples
+    plain = json.loads(json.dumps(coloured.to_dict(bands=False), allow_nan=False))["diagnostics"]["residuals"]
+    assert set(plain["psi"]) >= {"p_value", "ljung_box", "autocorrelation_time", "chi_square", "effective", "white"}

@@ -1,0 +1,154 @@
+"""The structure that made the data wins, the simpler of two that are tied is taken, and training errors never enter."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.identification.validation.compare_models import MEASURES, Rank, Ranking, _tied, compare_models
+from shipid.trials.columns import COLUMNS
+
+
+@pytest.fixture(scope="module")
+def cubic_trials(sail):
+    return [
+        sail("norrbin", "zeefakkel", m, seed=i, name=f"t{i}")
+        for i, m in enumerate(("zigzag:20/20", "zigzag:10/10", "zigzag:30/15"))
+    ]
+
+
+@pytest.fixture(scope="module")
+def ranking(cubic_trials) -> Ranking:
+    return compare_models(["nomoto", "norrbin"], cubic_trials, ship="zeefakkel", starts=2)
+
+
+def test_the_structure_that_made_the_data_wins(ranking):
+    assert ranking.best == "norrbin"
+    assert [r.model for r in ranking.ranks] == ["norrbin", "nomoto"]
+    right, wrong = ranking.ranks
+    assert wrong.score - right.score > 3 * np.hypot(wrong.std, right.std)
+    assert all(right.measures[n] < wrong.measures[n] for n in MEASURES if n not in ("speed", "sway"))
+    # Both take the speed as given, and no sway: neither gains by what it does not predict.
+    assert [right.measures[n] for n in ("speed", "sway")] == [wrong.measures[n] for n in ("speed", "sway")]
+    assert len(right.shares) == 3 and right.reads == 1  # the rudder, and not the speed that both are given
+    assert right.score == pytest.approx(np.exp(np.mean(np.log(right.shares))))
+
+
+def test_every_trial_is_left_out_once(ranking):
+    assert ranking.folds == ("t0", "t1", "t2")
+
+
+def test_the_simpler_of_two_tied_models_is_taken(sail):
+    """A linear ship: the cubic predicts as well with one coefficient more, and gains nothing."""
+    trials = [
+        sail("nomoto", "zeefakkel", m, seed=i, name=f"t{i}") for i, m in enumerate(("zigzag:20/20", "zigzag:10/10"))
+    ]
+    ranking = compare_models(["norrbin", "nomoto"], trials, ship="zeefakkel", starts=2)
+    counts = {r.model: r.coefficients for r in ranking.ranks}
+    assert counts == {"nomoto": 2, "norrbin": 3}
+    assert ranking.best == min(ranking.tied, key=counts.get)
+
+
+def rank(model: str, free: int, shares: tuple[float, ...], reads: int = 1, coefficients: int = 9) -> Rank:
+    score = float(np.exp(np.mean(np.log(shares))))
+    return Rank(model, coefficients, free, reads, score, 0.0, shares, {}, {})
+
+
+def test_models_tie_by_the_error_of_their_difference():
+    """One trial is hard for both: the scatter between trials is large, that of the difference is not."""
+    best, worse = rank("one", 5, (0.1, 0.4)), rank("two", 2, (0.15, 0.62))
+    assert _tied([best, worse]) == ("one",)
+    close = rank("three", 2, (0.15, 0.39))
+    assert _tied([best, close]) == ("one", "three")
+
+
+def test_of_tied_models_the_one_with_most_beliefs_is_taken():
+    ranks = (rank("lucky", 8, (0.1, 0.3)), rank("known", 3, (0.14, 0.29)), rank("known, worse", 3, (0.15, 0.3)))
+    assert Ranking(ranks, ("a", "b"), tuple(r.model for r in ranks)).best == "known"
+    # Then the one that reads the wind of the log; one that finds no wind in it has coefficients for nothing.
+    windy = (*ranks, rank("in wind", 3, (0.15, 0.3), reads=3, coefficients=11))
+    assert Ranking(windy, ("a", "b"), tuple(r.model for r in windy)).best == "in wind"
+    calm = (*ranks, rank("in wind", 3, (0.14, 0.29), reads=1, coefficients=11))
+    assert Ranking(calm, ("a", "b"), tuple(r.model for r in calm)).best == "known"
+    fitted = shipid.find_model("cross-flow")
+    assert sum(fitted[n].quantity.spread is None for n in fitted.parameters) == 3
+
+
+def test_a_single_trial_predicts_itself_by_halves(cubic_trials):
+    ranking = compare_models(["norrbin"], cubic_trials[:1], ship="zeefakkel", starts=2)
+    assert len(ranking.folds) == 2
+    assert all("@" in f for f in ranking.folds)
+    assert ranking.best == "norrbin"
+
+
+def test_trials_kept_apart_are_reported_and_do_not_rank(cubic_trials, ranking):
+    again = compare_models(
+        ["nomoto", "norrbin"], cubic_trials[:2], ship="zeefakkel", validate=cubic_trials[2:], starts=2
+    )
+    alone = compare_models(["nomoto", "norrbin"], cubic_trials[:2], ship="zeefakkel", starts=2)
+    assert [r.score for r in again.ranks] == [r.score for r in alone.ranks]
+    assert set(again.ranks[0].validation) == {"t2"}
+    assert alone.ranks[0].validation == {}
+
+
+def test_a_model_that_cannot_be_fitted_ranks_last_and_stops_nothing(cubic_trials):
+    lost = shipid.find_model("davidson-schiff")
+    ranking = compare_models([lost, "norrbin"], cubic_trials[:2], starts=1)
+    assert ranking.best == "norrbin"
+    last = ranking.ranks[-1]
+    assert last.model == "davidson-schiff" and last.score is None and "needs L" in last.message
+
+
+def test_the_result_is_json_without_nan_and_a_table(ranking):
+    result = json.loads(json.dumps(ranking.to_dict(), allow_nan=False))
+    assert result["best"] == "norrbin"
+    assert set(result["ranking"][0]) >= {"model", "score", "std", "measures"}
+    assert ranking.to_frame().loc["norrbin", "rate [deg/s]"] == pytest.approx(
+        np.rad2deg(ranking.ranks[0].measures["rate"])
+    )
+    assert "to take: norrbin" in repr(ranking)
+
+
+@pytest.mark.parametrize(("models", "trials"), [([], [1]), (["nomoto"], [])])
+def test_nothing_to_compare(models, trials):
+    with pytest.raises(shipid.ShipidError, match="at least one model and one trial"):
+        compare_models(models, trials)
+
+
+def test_a_misspelt_model_is_refused_before_any_fit(cubic_trials):
+    with pytest.raises(shipid.ShipidError, match="Did you mean norrbin"):
+        compare_models(["nomoto", "norbin"], cubic_trials)
+
+
+def test_the_firmer_the_belief_the_closer_the_biases(sail, monkeypatch):
+    """A linear model of a cubic ship: its biases take up what it lacks, as far as they are let."""
+    trials = [
+        sail("norrbin", "kvlcc2", m, seed=i, name=f"t{i}") for i, m in enumerate(("zigzag:20/20", "zigzag:-20/20"))
+    ]
+    apart = []
+    for belief in (1.0, 0.03, 0.001):
+        monkeypatch.setattr("shipid.identification.problem.prior.RUDDER_BIAS", np.deg2rad(belief))
+        fit = shipid.identify("nomoto", trials, ship="kvlcc2", starts=3, purpose="prediction")
+        apart.append(np.rad2deg(abs(fit.fitted[0].bias - fit.fitted[1].bias)))
+    assert apart[0] > apart[1] > 10 * apart[2]
+    assert apart[2] < 0.01
+    assert "pooled" in fit.method
+
+
+def test_a_shared_rudder_bias_survives_the_pooling(sail):
+    trials = []
+    for i in range(2):
+        frame = sail("norrbin", "zeefakkel", seed=i).table.copy()
+        frame["delta"] -= np.deg2rad(1.5)
+        units = {n: COLUMNS[n].unit for n in frame.columns}
+        trials.append(shipid.Trial.from_frame(frame, name=f"t{i}", units=units))
+    fit = shipid.identify("norrbin", trials, ship="zeefakkel", purpose="prediction", starts=2)
+    assert [np.rad2deg(c.bias) for c in fit.fitted] == pytest.approx([1.5, 1.5], abs=0.1)
+
+
+def test_an_unknown_purpose_is_refused(cubic_trials):
+    with pytest.raises(shipid.ShipidError, match="purpose"):
+        shipid.identify("norrbin", cubic_trials[:1], purpose="glory")

@@ -1,0 +1,101 @@
+"""Predictions of trials that were not fitted take nothing from them but their first seconds."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.identification.validation.predictions import warm_up_samples
+from shipid.trials.columns import COLUMNS
+
+DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
+FORMATS = Path(__file__).resolve().parents[3] / "studies" / "formats"
+
+
+@pytest.fixture(scope="module")
+def fit(sail):
+    return shipid.identify("norrbin", [sail("norrbin", "zeefakkel", seed=1)], ship="zeefakkel", starts=2)
+
+
+def test_a_right_model_predicts_to_the_noise(fit, sail):
+    other = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
+    compared = fit.validate([other]).validation[0]
+    assert np.rad2deg(compared.refitted["psi"]) == pytest.approx(0.2, rel=0.1)
+    assert compared.rmse["psi"] < 5 * compared.refitted["psi"]
+    assert np.rad2deg(compared.predicted_overshoots) == pytest.approx(np.rad2deg(compared.overshoots), abs=0.5)
+    assert len(compared.overshoots) >= 4
+
+
+def test_what_comes_after_the_first_seconds_does_not_touch_the_prediction(fit, sail):
+    trial = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
+    table = trial.table.copy()
+    count = warm_up_samples(trial, 45 / 4.95)
+    table.loc[count + 5 :, "psi"] += 0.5
+    table.loc[count + 5 :, "r"] *= 3
+    spoiled = replace(trial, table=table)
+    first, second = (fit.validate([t]).validation[0] for t in (trial, spoiled))
+    assert second.predicted["psi"] == pytest.approx(first.predicted["psi"], abs=1e-12)
+    assert second.rmse["psi"] > 10 * first.rmse["psi"]
+
+
+def test_refitting_the_bias_is_reported_apart(fit, sail):
+    frame = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2).table.copy()
+    frame["delta"] -= np.deg2rad(1.0)
+    units = {n: COLUMNS[n].unit for n in frame.columns}
+    biased = shipid.Trial.from_frame(frame, name="biased", units=units)
+    compared = fit.validate([biased]).validation[0]
+    assert np.rad2deg(compared.refitted_bias) == pytest.approx(1.0, abs=0.05)
+    assert compared.bias == pytest.approx(fit.fitted[0].bias)
+    assert compared.rmse["psi"] > 5 * compared.refitted["psi"]
+
+
+def test_validation_does_not_change_the_fit(fit, sail):
+    after = fit.validate([sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)])
+    assert after.parameters == fit.parameters
+    assert fit.validation == ()
+
+
+def test_trials_of_one_name_are_told_apart(sail):
+    first, second, third = (sail("norrbin", "zeefakkel", seed=i, name="zz") for i in range(3))
+    fit = shipid.identify("norrbin", [first, second], ship="zeefakkel", validate=[third], starts=1)
+    result = fit.to_dict()
+    assert list(result["fit"]) == ["zz", "zz-2"]
+    assert list(result["validation"]) == ["zz-3"]
+    assert list(result["provenance"]["trials"]) == ["zz", "zz-2", "zz-3"]
+
+
+def test_a_turning_circle_has_no_overshoots(fit, sail):
+    compared = fit.validate([sail("norrbin", "zeefakkel", "turn:15", seed=3)]).validation[0]
+    assert compared.overshoots == () and compared.predicted_overshoots == ()
+
+
+def test_a_prediction_that_runs_away_is_said_without_nan(sail):
+    """A cubic with the wrong sign, fitted to small angles, has no bound at large ones."""
+    fit = shipid.identify(
+        "norrbin", [sail("norrbin", "zeefakkel", "zigzag:5/5", seed=1)], ship="zeefakkel", fixed={"b3": "-200 s/rad^2"}
+    )
+    fit = fit.validate([sail("norrbin", "zeefakkel", "turn:35", seed=2)])
+    assert not np.isfinite(fit.validation[0].rmse["psi"])
+    text = json.dumps(fit.to_dict(), allow_nan=False)
+    name = fit.validation[0].trial.name
+    assert json.loads(text)["validation"][name]["psi"]["rmse"] is None
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the real trials are not on this machine")
+def test_real_trials_stay_where_they_were():
+    """The first pass on MARIN's zig-zags: no worse than the baseline of output error at constant speed."""
+    trial_format = str(FORMATS / "kvlcc2-marin.toml")
+    files = {n: str(DATA / f"kvlcc2-marin/MARIN_FREE_KVLCC2_{n}_m.dat") for n in ("zz_20", "zz_-20", "zz_10")}
+    trials = {n: shipid.read_trial(f, format=trial_format) for n, f in files.items()}
+    for model, fitted, predicted in (("nomoto", 1.76, 3.5), ("norrbin", 1.28, 1.05)):
+        fit = shipid.identify(
+            model, [trials["zz_20"], trials["zz_-20"]], ship="kvlcc2", validate=[trials["zz_10"]], starts=3
+        )
+        together = np.sqrt(np.mean([c.rmse["psi"] ** 2 for c in fit.fitted]))
+        assert np.rad2deg(together) <= fitted
+        assert np.rad2deg(fit.validation[0].refitted["psi"]) <= predicted

@@ -1,0 +1,93 @@
+"""What an identification says of its coefficients together: written, read, drawn from."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.foundation.errors import ParameterSetError
+from shipid.parameters.correlation import Joint
+from shipid.parameters.draws import draw_coefficients
+from shipid.parameters.parameter_set import Value
+
+MODEL = shipid.find_model("nomoto")
+
+
+def ship(std=(0.1, 0.1), correlation=0.9, joint=True) -> shipid.ParameterSet:
+    found = shipid.find_ship("soesterberg")
+    section = {
+        n: dataclasses.replace(
+            found.sections["nomoto"][n], std=None if s is None else s * found.sections["nomoto"][n].value
+        )
+        for n, s in zip(("K", "tau"), std)
+    }
+    one = {"nomoto": Joint(("K", "tau"), ((1.0, correlation), (correlation, 1.0)), (4.5, 9.5))} if joint else {}
+    return dataclasses.replace(found, sections={**found.sections, "nomoto": section}, joint=one)
+
+
+def test_round_trip(tmp_path):
+    path = tmp_path / "ship.toml"
+    shipid.write_parameter_set(ship(), path)
+    assert shipid.read_parameter_set(path) == ship()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (r"names = .*", "names = ['K']", "no square matrix"),
+        (r"  \[1, 0.9\]", "  [1, 1.9]", "no square matrix"),
+        (r"  \[1, 0.9\]", "  [1, 0.8]", "not symmetric"),
+        (r"  \[1, 0.9\]", "  [0.5, 0.9]", "with ones on its diagonal"),
+        (r"speeds = .*", "speeds = [4.5]", "speeds are two numbers"),
+        (r"speeds = .*", "speeds = 4.5", "speeds are two numbers"),
+        (r"speeds = .*", "speeds = [9.5, 4.5]", "have to rise"),
+        (r"speed_unit = .m/s.", "speed_unit = 'deg'", "in a unit of speed"),
+        (r"names = ", "name = 1\nnames = ", "entry 'name' it does not know"),
+        (r"\[identified.nomoto\]", "[identified]", "holds one table for each model"),
+    ],
+)
+def test_nonsense_is_named(tmp_path, old, new, words):
+    path = tmp_path / "ship.toml"
+    shipid.write_parameter_set(ship(), path)
+    text = path.read_text()
+    at = text.index("[identified")
+    changed, count = re.subn(old, new, text[at:], count=1)
+    assert count == 1
+    path.write_text(text[:at] + changed)
+    with pytest.raises(ParameterSetError, match=words):
+        shipid.read_parameter_set(path)
+
+
+def test_draws_have_the_covariance(tmp_path):
+    drawn = draw_coefficients(MODEL, ship(std=(0.1, 0.2)), 4000)
+    logs = np.log(drawn.values / drawn.nominal)
+    np.testing.assert_allclose(logs.std(axis=0), [0.1, 0.2], rtol=0.05)
+    assert np.corrcoef(logs.T)[0, 1] == pytest.approx(0.9, abs=0.02)
+    assert drawn.source == "the covariance of K, tau in the set of ship soesterberg"
+
+
+def test_what_the_set_does_not_say():
+    apart = draw_coefficients(MODEL, ship(joint=False), 2000)
+    assert abs(np.corrcoef(apart.values.T)[0, 1]) < 0.1 and "taken as independent" in apart.source
+    loose = draw_coefficients(MODEL, ship(std=(0.1, None), correlation=0.0), 2000)
+    assert "tau left open by the trials" in loose.source
+    assert np.log(loose.values[:, 1]).std() == pytest.approx(1.0, rel=0.1)
+    none = draw_coefficients(MODEL, shipid.find_ship("soesterberg"), 10)
+    assert none.names == () and none.values.shape == (10, 0) and "states no standard deviation" in none.source
+
+
+def test_a_fit_keeps_its_correlation_and_its_speeds(tmp_path):
+    trial = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:20/20", noise="standard")
+    fit = shipid.identify("nomoto", [trial], ship="soesterberg", starts=1)
+    joint = fit.ship.joint["nomoto"]
+    np.testing.assert_allclose(joint.correlation, fit.correlation, atol=1e-6)
+    assert joint.speeds is not None and 5.0 < joint.speeds[0] <= joint.speeds[1] < 9.6
+    shipid.write_parameter_set(fit.ship, tmp_path / "ship.toml")
+    again = draw_coefficients(fit.model, shipid.read_parameter_set(tmp_path / "ship.toml"), 4000)
+    spread = np.sqrt(np.diag(fit.covariance))
+    np.testing.assert_allclose(again.values.std(axis=0), spread, rtol=0.05)
+    assert isinstance(fit.ship.sections["nomoto"]["K"], Value)

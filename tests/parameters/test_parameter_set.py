@@ -1,0 +1,185 @@
+"""Parameter sets: read, refused, resolved, and written back."""
+
+import string
+from pathlib import Path
+
+import pytest
+from hypothesis import given as given_values
+from hypothesis import settings
+from hypothesis import strategies as st
+
+from shipid import ParameterSet, find_model, read_parameter_set, write_parameter_set
+from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, UnknownNameError
+from shipid.parameters.parameter_set import Value, missing_values, parse_value
+
+SHIP = """
+name = "boat"
+title = "A boat"
+notes = "Made up."
+
+[particulars]
+L = { value = 45.0, unit = "m", source = "assumed" }
+speed = { value = 10.0, unit = "kn", source = "assumed" }
+
+[norrbin]
+K = { value = [0.2, 0.4], unit = "1/s", speed = [4.0, 8.0], speed_unit = "kn", source = "Table 1" }
+tau = { value = 33.0, unit = "s", source = "Table 1", std = 1.5, note = "by eye" }
+n3 = { value = 0.4, unit = "s^2/deg^2", source = "Table 1" }
+
+[van-leeuwen-sway]
+gamma = { value = 0.4, unit = "1", source = "assumed" }
+"""
+
+
+def written(folder: Path, text: str) -> Path:
+    path = folder / "boat.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_a_set_is_read_with_everything_it_says(tmp_path: Path) -> None:
+    ship = read_parameter_set(written(tmp_path, SHIP))
+    assert (ship.name, ship.title, ship.notes) == ("boat", "A boat", "Made up.")
+    assert ship.models == ("norrbin", "van-leeuwen-sway")
+    tau = ship.sections["norrbin"]["tau"]
+    assert (tau.value, tau.unit, tau.source, tau.std, tau.note) == (33.0, "s", "Table 1", 1.5, "by eye")
+    assert ship.particular("speed", "m/s") == pytest.approx(10 * 1852 / 3600)
+    assert ship.particular("B", "m") is None
+    assert "norrbin: K, tau, n3" in repr(ship)
+
+
+def test_a_set_without_a_name_takes_the_file_s(tmp_path: Path) -> None:
+    assert read_parameter_set(written(tmp_path, "[particulars]\n")).name == "boat"
+
+
+def test_values_of_a_model_are_si_and_worked_out(tmp_path: Path) -> None:
+    ship = read_parameter_set(written(tmp_path, SHIP))
+    values = ship.values(find_model("norrbin"), speed=6 * 1852 / 3600)
+    assert values["b1"] == pytest.approx(1 / 33)
+    assert values["a"] == pytest.approx(0.3 / 33)
+    assert values["b3"] == pytest.approx(0.4 * 3282.8064 / 33)
+
+
+def test_a_component_s_table_serves_every_model_that_has_the_component(tmp_path: Path) -> None:
+    ship = read_parameter_set(written(tmp_path, SHIP))
+    for model in ("de-keizer", "van-leeuwen"):
+        assert ship.values(find_model(model)) == {"gamma": 0.4, "L": 45.0}
+
+
+def test_a_table_asks_for_a_speed_inside_it(tmp_path: Path) -> None:
+    ship, model = read_parameter_set(written(tmp_path, SHIP)), find_model("norrbin")
+    with pytest.raises(ParameterSetError, match=r"'K' in ship boat depends on the speed: say at which"):
+        ship.values(model)
+    with pytest.raises(ParameterSetError, match=r"known from 2\.05\d+ to 4\.11\d+ m/s, and 5 m/s is outside"):
+        ship.values(model, speed=5.0)
+
+
+def test_a_unit_that_does_not_fit_names_ship_and_quantity(tmp_path: Path) -> None:
+    ship = read_parameter_set(written(tmp_path, SHIP.replace('unit = "s^2/deg^2"', 'unit = "s^2"')))
+    with pytest.raises(UnitError, match=r"'n3' in ship boat needs the unit s²/rad², and s² does not say which angle"):
+        ship.values(find_model("norrbin"), speed=3.0)
+
+
+def test_what_is_missing_is_listed_with_its_unit(tmp_path: Path) -> None:
+    ship, model = read_parameter_set(written(tmp_path, SHIP)), find_model("nomoto")
+    error = missing_values(model, ship.values(model), "boat")
+    assert isinstance(error, ParameterSetError)
+    assert "model nomoto needs K [1/s], tau [s], which boat does not hold" in str(error)
+    assert missing_values(model, {"K": 1.0, "tau": 2.0}, "boat") is None
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("K = 0.2", r"\[nomoto\] K is the bare number 0\.2 with no unit and no source; write \{ value = 0\.2"),
+        ('K = "0.2 1/s"', r"\[nomoto\] K is text; write"),
+        ('K = { value = 0.2, source = "x" }', r"\[nomoto\] K has no unit"),
+        ('K = { value = 0.2, unit = "1/s" }', r"\[nomoto\] K has no source"),
+        ('K = { unit = "1/s", source = "x" }', r"\[nomoto\] K has no value"),
+        ('K = { value = 0.2, unit = "1/s", source = "  " }', r"K has an empty source.*'assumed' is a source"),
+        ('K = { value = 0.2, unit = "1/s", sourc = "x" }', r"an entry 'sourc' it does not know. Did you mean source"),
+        ('K = { value = inf, unit = "1/s", source = "x" }', r"K is inf, which is not a finite number"),
+        ('K = { value = nan, unit = "1/s", source = "x" }', r"K is nan, which is not a finite number"),
+        ('K = { value = true, unit = "1/s", source = "x" }', r"K is True, which is not a finite number"),
+        ('K = { value = [1.0, 2.0], unit = "1/s", source = "x" }', r"needs one speed for each of its 2 values"),
+        ('K = { value = [1.0, 2.0], unit = "1/s", speed = [2, 1], source = "x" }', r"2 values, rising"),
+        ("K = {", r"is not valid TOML"),
+    ],
+)
+def test_a_number_that_is_not_well_told_is_refused(tmp_path: Path, line: str, words: str) -> None:
+    with pytest.raises(ParameterSetError, match=words) as error:
+        read_parameter_set(written(tmp_path, f"[nomoto]\n{line}\n"))
+    assert "boat.toml" in str(error.value)
+
+
+def test_a_number_outside_a_table_and_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ParameterSetError, match=r"'titel' stands outside a table\. Did you mean title\?"):
+        read_parameter_set(written(tmp_path, 'titel = "x"\n'))
+    with pytest.raises(ParameterSetError, match=r"cannot be read: No such file"):
+        read_parameter_set(tmp_path / "nothing.toml")
+
+
+def test_a_set_cannot_be_changed(tmp_path: Path) -> None:
+    ship = read_parameter_set(written(tmp_path, SHIP))
+    with pytest.raises(TypeError):
+        ship.sections["nomoto"] = {}
+    with pytest.raises(AttributeError):
+        ship.name = "other"
+
+
+TEXT = st.text(st.characters(blacklist_categories=("Cs", "Cc")), max_size=30)
+FINITE = st.floats(allow_nan=False, allow_infinity=False)
+NAME = st.text(string.ascii_letters, min_size=1, max_size=8)
+SECTION = st.text(string.ascii_lowercase + "-", min_size=1, max_size=12).filter(lambda s: s not in ("name", "notes"))
+
+
+@st.composite
+def quantities(draw: st.DrawFn) -> Value:
+    speeds = sorted(draw(st.sets(st.floats(0, 50), max_size=4)))
+    value = tuple(draw(FINITE) for _ in speeds) if speeds else draw(FINITE)
+    return Value(
+        draw(NAME),
+        value,
+        draw(st.sampled_from(["1", "1/s", "s^2/deg^2", "kn", "m"])),
+        draw(TEXT.filter(str.strip)),
+        std=draw(st.none() | st.floats(0, 1e6)),
+        speed=tuple(speeds),
+        speed_unit=draw(st.sampled_from(["m/s", "kn"])) if speeds else "m/s",
+        note=draw(TEXT),
+    )
+
+
+@given_values(
+    name=TEXT,
+    title=TEXT,
+    notes=TEXT,
+    values=st.lists(st.tuples(SECTION, st.lists(quantities(), max_size=3)), max_size=3),
+)
+@settings(max_examples=60, deadline=None)
+def test_what_is_written_reads_the_same(
+    tmp_path_factory: pytest.TempPathFactory, name: str, title: str, notes: str, values: list
+) -> None:
+    sections = {section: {v.name: v for v in inside} for section, inside in values}
+    sections.pop("title", None), sections.pop("schema", None)
+    ship = ParameterSet(name, title, notes, sections)
+    path = tmp_path_factory.mktemp("ships") / "boat.toml"
+    write_parameter_set(ship, path)
+    again = read_parameter_set(path)
+    assert (again.name, again.title, again.notes) == (name, title, notes)
+    assert {s: dict(v) for s, v in again.sections.items()} == sections
+    assert [p.name for p in path.parent.iterdir()] == ["boat.toml"]  # no temporary file is left
+
+
+def test_a_value_given_on_the_command_line() -> None:
+    model = find_model("norrbin")
+    assert parse_value(model, "n3 = 0.4 s^2/deg^2") == ("n3", pytest.approx(1313.12, rel=1e-5))
+    with pytest.raises(UnitError, match=r"'n3' \(cubic coefficient of the reversed spiral\) is the bare number 0\.4"):
+        parse_value(model, "n3=0.4")
+    with pytest.raises(UnitError, match=r"does not say which angle"):
+        parse_value(model, "n3=0.4 s^2")
+    with pytest.raises(UnitError, match=r"'n3' does not say NAME=VALUE UNIT"):
+        parse_value(model, "n3")
+    with pytest.raises(UnknownNameError, match=r"called 'n4'"):
+        parse_value(model, "n4=1 s")
+    with pytest.raises(DeclarationError, match=r"'r' is a state of model norrbin, and cannot be given a value"):
+        parse_value(model, "r=1 deg/s")

@@ -1,0 +1,289 @@
+from __future__ import annotations
+
+import dataclasses
+import html.parser
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
+from shipid.identification.uncertainty.posterior import Posterior
+from shipid.report import write_report as report
+from shipid.report.write_report import render, write_report
+from shipid.trials.columns import COLUMNS
+
+ROOT = Path(__file__).resolve().parents[2]
+DATA = ROOT.parent / "shared" / "data" / "kvlcc2-marin"
+SECTIONS = ("coefficients", "equations", "trials", "criteria", "correlation", "noise", "provenance")
+
+
+class Page(html.parser.HTMLParser):
+    """Text, tags and attributes of a page; void and foreign elements aside, every element has to be closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(n, v or "") for n, v in attrs]
+        if tag not in ("meta", "br", "link"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(n, v or "") for n, v in attrs]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, self.getpos()
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture(scope="module")
+def text(fit):
+    return render(fit)
+
+
+def test_the_page_is_whole_and_well_formed(text):
+    page = Page(text)
+    assert page.open == []
+    assert text.startswith("<!DOCTYPE html>")
+    ids = [v for n, v in page.attributes if n == "id"]
+    assert len(ids) == len(set(ids)), "ids of the figures collide"
+    targets = {v[1:] for n, v in page.attributes if n == "href"} | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert targets <= set(ids)
+
+
+def test_it_needs_nothing_from_outside(text):
+    assert re.findall(r"https?:|//[a-z]|@import|<link|<script|<img|xlink", text) == []
+    assert set(re.findall(r"url\((.)", text)) <= {"#"}
+
+
+@pytest.mark.parametrize("which", ["fit", "diverged"])
+def test_every_section_and_trial_is_there(which, request):
+    fit = request.getfixturevalue(which)
+    page = Page(render(fit))
+    ids = [v for n, v in page.attributes if n == "id"]
+    for section in SECTIONS:
+        assert section in ids
+    for c in (*fit.fitted, *fit.validation):
+        assert page.text.count(c.trial.name) >= 3
+    assert page.tags.count("svg") == 6
+    for name in fit.parameters:
+        assert name in page.text
+    for fixed in fit.fixed:
+        assert fixed in page.text
+
+
+def test_the_answer_comes_first_in_words(fit, text):
+    lead = Page(text).text
+    rms = np.rad2deg(fit.validation[0].rmse["psi"])
+    assert f"{rms:.2g} deg rms (second)" in lead[: lead.index("Coefficients")]
+    assert "The search converged" in lead
+    assert 'class="box warning"' not in text
+
+
+def test_simulated_trials_are_labelled(text):
+    assert text.count("simulated, not measured</span>") == 4
+    assert "one simulated trial" in text
+
+
+def test_a_diverged_prediction_is_said_in_words(diverged):
+    page = Page(render(diverged))
+    assert "did not converge" in page.text
+    assert "the search gave up." in page.text
+    assert "The prediction of second runs away at t = " in page.text
+    assert "runs to infinity" in page.text
+    assert "ran away" in page.text
+
+
+def test_neither_nan_nor_infinity_reaches_the_page(fit, diverged):
+    for result in (fit, diverged):
+        page = re.sub(r"<style>.*?</style>", "", render(result), flags=re.DOTALL)
+        assert re.findall(r"(?i)(?<![a-z])(?:nan|inf|infinity)(?![a-z])", page.replace("to infinity", "")) == []
+        assert re.findall(r"\bNone\b", page) == []
+
+
+def test_bands_and_closed_loop_stand_beside_the_overshoots(fit, text):
+    page = Page(text)
+    manoeuvre = fit.manoeuvres["second"]
+    low, high = np.rad2deg(manoeuvre.band95[0])
+    assert f"{low:.2f} to {high:.2f}" in page.text
+    assert f"{np.rad2deg(manoeuvre.closed_loop[0]):.2f}" in page.text
+    assert "Closed loop" in page.text
+
+
+def test_criteria_are_evaluated_and_not_certified(text):
+    page = Page(text)
+    assert "evaluated against MSC.137(76) 5.3" in page.text
+    assert "compliant" not in page.text.lower()
+    assert "ships of 100 m and longer" in page.text
+    assert "at least 90 % of the speed at 85 %" in page.text
+    for words in ("Advance", "Tactical diameter", "10/10 second overshoot", "Spiral: no loop"):
+        assert words in page.text
+
+
+def test_a_ship_without_a_length_has_no_criteria(fit):
+    bare = dataclasses.replace(
+        fit, ship=dataclasses.replace(fit.ship, sections={**fit.ship.sections, "particulars": {}})
+    )
+    assert 'id="criteria"' not in render(bare)
+
+
+def test_directions_and_whiteness_are_said_in_words(fit, text):
+    page = Page(text)
+    assert "There is no such direction to speak of" in page.text
+    assert "Chi-square" in page.text and "Correlation time" in page.text
+    blind = shipid.identify(
+        "de-keizer",
+        [dataclasses.replace(fit.fitted[0].trial)],
+        ship="soesterberg",
+        signals=["psi", "r"],
+        estimate=["K", "tau", "gamma"],
+        starts=1,
+    )
+    words = Page(render(blind)).text
+    assert "gamma does not show in one 20/20 zig-zag" in words
+
+
+def test_text_from_files_is_escaped(fit):
+    nasty = "<script>alert(1)</script>.csv"
+    trial = fit.fitted[0].trial
+    source = dataclasses.replace(
+        trial.source, path=f"/some/where/{nasty}", notes=(nasty,), format=nasty, sha256='"><b>'
+    )
+    bad = dataclasses.replace(fit.fitted[0], trial=dataclasses.replace(trial, name=nasty, source=source, ship=nasty))
+    text = render(dataclasses.replace(fit, fitted=(bad,), message=nasty))
+    page = Page(text)
+    assert "script" not in page.tags
+    assert "b" not in page.tags
+    assert page.text.count(nasty) >= 7
+    assert any(n == "aria-label" and nasty in v for n, v in page.attributes)
+    assert "/some/where" not in text, "folders of the machine stay at home"
+
+
+def test_the_same_result_gives_the_same_bytes(fit, tmp_path):
+    first, second = write_report(fit, tmp_path / "a.html"), write_report(fit, tmp_path / "b.html")
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_the_user_s_matplotlib_settings_do_not_show(fit, text):
+    import matplotlib
+
+    with matplotlib.rc_context({"font.size": 30, "lines.linewidth": 9, "axes.facecolor": "red"}):
+        assert render(fit) == text
+
+
+def test_it_is_written_whole_or_not_at_all(fit, tmp_path, monkeypatch):
+    path = tmp_path / "report.html"
+    path.write_text("before")
+
+    def fail(*_):
+        raise OSError("disk full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "replace", fail)
+        with pytest.raises(OSError, match="disk full"):
+            write_report(fit, path)
+    with monkeypatch.context() as patch:
+        patch.setattr(report, "render", fail)
+        with pytest.raises(OSError, match="disk full"):
+            write_report(fit, path)
+    assert path.read_text() == "before"
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+    assert write_report(fit, path) == path
+    assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+def test_what_cannot_be_written_is_said(fit, tmp_path):
+    (tmp_path / "old.html").write_text("old")
+    with pytest.raises(OverwriteError, match=r"old\.html"):
+        write_report(fit, tmp_path / "old.html", overwrite=False)
+    with pytest.raises(MissingFileError, match="no folder"):
+        write_report(fit, tmp_path / "nowhere" / "a.html")
+    with pytest.raises(MissingFileError, match="is a folder"):
+        write_report(fit, tmp_path)
+    with pytest.raises(UsageError, match="int"):
+        write_report(3, tmp_path / "a.html")
+
+
+def test_three_long_noisy_trials_stay_small(fit, tmp_path):
+    rng = np.random.default_rng(1)
+
+    def long(c, k):
+        n, t = 10_000, c.trial["t"]
+        at = np.linspace(t[0], t[-1], n)
+        table = {
+            m: np.interp(at, t, c.trial[m]) + 0.1 * np.std(c.trial[m]) * rng.standard_normal(n) for m in c.trial.table
+        }
+        table["t"] = at
+        frame = type(c.trial.table)(table)
+        predicted = {m: np.interp(at, t, p) for m, p in c.predicted.items()}
+        return dataclasses.replace(
+            c, trial=dataclasses.replace(c.trial, name=f"long {k}", table=frame), predicted=predicted
+        )
+
+    c = fit.fitted[0]
+    result = dataclasses.replace(fit, fitted=(long(c, 1), long(c, 2)), validation=(long(fit.validation[0], 3),))
+    path = write_report(result, tmp_path / "long.html")
+    assert path.stat().st_size < 1_500_000
+
+
+def test_real_trials_with_a_turning_circle():
+    if not DATA.exists():
+        pytest.skip("the trial data of kvlcc2-marin are not on this machine")
+    form = ROOT / "studies" / "formats" / "kvlcc2-marin.toml"
+    names = ("zz_20_m", "zz_10_m", "tc_35_m")
+    trials = [shipid.read_trial(DATA / f"MARIN_FREE_KVLCC2_{n}.dat", form) for n in names]
+    fit = shipid.identify("norrbin", trials[:1], ship="kvlcc2", validate=trials[1:], starts=1)
+    text = render(fit)
+    page = Page(text)
+    assert "Turning circle to port" in page.text
+    assert "Tactical diameter" in page.text
+    assert "goes beyond the fitted trials: rudder angle up to 35.0 deg" in page.text
+    assert "simulated" not in page.text
+    for trial in trials:
+        assert trial.source.sha256 in text
+        assert trial.name in page.text
+    assert len(text) < 1_500_000
+
+
+def test_what_was_tried_and_found_is_on_the_page(fit, text):
+    page = Page(text)
+    assert "What was tried" in page.text and "instrumental-variables" in page.text
+    assert "Nothing was found in the records" in page.text
+    assert "Sampled posterior" not in page.text
+    regressed = dataclasses.replace(fit, checked=False, loss="huber")
+    said = Page(render(regressed)).text
+    assert "Check of the trials" not in said and "Huber's loss" in said
+
+
+def test_findings_and_a_posterior_on_the_page(fit):
+    table = fit.fitted[0].trial.table.copy()
+    table["delta"] *= -1
+    units = {n: COLUMNS[n].unit for n in table.columns}
+    trial = shipid.Trial.from_frame(table, name="<mirrored>", units=units)
+    wrong = dataclasses.replace(fit, fitted=(dataclasses.replace(fit.fitted[0], trial=trial),))
+    k, n = len(fit.estimated), 4
+    drawn = Posterior(fit.estimated, ("1",) * k, np.ones((n, k)), np.ones((5, k)), np.ones(k), 2, 0.5, (None,) * k)
+    text = render(dataclasses.replace(wrong, posterior=drawn))
+    said = Page(text).text
+    assert "rudder-sign" in said and "nothing was repaired" in said and "<mirrored>" not in text
+    assert "Sampled posterior" in said and "4 draws of 2 walkers" in said

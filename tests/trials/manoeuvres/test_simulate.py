@@ -1,0 +1,298 @@
+"""Simulated manoeuvres: what the helmsman, the rudder, the sensors and the current do, and what is refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from shipid import ParameterSet, Trial, find_model, find_ship, read_trial, simulate, write_trial
+from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
+from shipid.parameters.parameter_set import Value
+from shipid.trials.manoeuvres.simulate import SimulationDivergedError, parse_noise, standard_noise
+
+DEG = np.pi / 180
+
+
+def sail(manoeuvre: str, model: str = "de-keizer", ship: Any = "soesterberg", **options: Any) -> Trial:
+    return simulate(find_model(model), ship, manoeuvre, **options)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_zigzag_executes(side: int) -> None:
+    """The rudder is ordered over at 20 deg, within the heading turned in one interval of the simulation (a quarter s)."""
+    trial = sail(f"zigzag:{20 * side}/20", sampling="0.25 s", heading="70 deg")
+    order, swing = trial["delta_order"], trial["psi"] - 70 * DEG
+    at = np.flatnonzero(np.diff(order)) + 1
+    assert at.size >= 5
+    first = trial["t"][at[0]]
+    assert first == pytest.approx(226 / 9.5, abs=0.25)
+    assert order[at].tolist() == pytest.approx([side * s * 20 * DEG for s in (1, -1, 1, -1, 1, -1, 1, -1)][: at.size])
+    late = 0.25 * np.abs(trial["r"]).max()
+    for k, i in enumerate(at[1:]):
+        passed = side * (-1) ** k * swing[i - 1]
+        assert 20 * DEG <= passed <= 20 * DEG + late
+    assert np.abs(swing[: at[0]]).max() == 0
+
+
+def test_turn_with_pull_out() -> None:
+    """At 15 deg the rudder is back amidships once the ship has turned by 540 deg, and the ship straightens up."""
+    trial = sail("turn:15", sampling="0.25 s")
+    order, psi = trial["delta_order"], trial["psi"]
+    begin, end = np.flatnonzero(np.diff(order)) + 1
+    assert order[begin] == pytest.approx(15 * DEG)
+    assert order[end] == 0
+    assert 540 * DEG <= psi[end - 1] <= 540 * DEG + 0.25 * trial["r"].max()
+    steady = trial["r"][end] * 226 / trial["u"][end]
+    assert steady == pytest.approx(1.6 * 15 * DEG, rel=1e-4)  # after 540 deg, dozens of time constants
+    assert abs(trial["r"][-1]) < 1e-3 * trial["r"].max()
+
+
+def test_turn_to_port_through_a_circle() -> None:
+    trial = sail("turn:-15/360")
+    released = np.flatnonzero(np.diff(trial["delta_order"]))[-1]
+    assert -365 * DEG < trial["psi"][released] <= -360 * DEG
+    assert trial["y"].min() < -226
+
+
+def rates_in_spiral(alpha1: float) -> tuple[np.ndarray, np.ndarray]:
+    """Rudder and r* at the end of every step of a direct spiral, Norrbin's ship with a3* = 20, K* = 1.6."""
+    unit = 226 / 9.5
+    values = {
+        "a": f"{1.6 / 1.7 / unit**2} 1/s^2",
+        "b1": f"{alpha1 / 1.7 / unit} 1/s",
+        "b3": f"{20 * unit / 1.7} s/rad^2",
+    }
+    trial = sail("spiral:10", "norrbin", values=values)
+    ends = np.append(np.flatnonzero(np.diff(trial["delta_order"])), len(trial) - 1)[1:]
+    return trial["delta"][ends] / DEG, trial["r"][ends] * unit
+
+
+def test_the_spiral_of_an_unstable_ship_has_a_loop() -> None:
+    """Norrbin: the branch is left at 3.08 deg, so at 2, 1, .5, 0 deg the way down differs from the way back."""
+    rudder, rate = rates_in_spiral(-1.0)
+    down, up = (dict(zip(np.round(rudder[s], 3), rate[s])) for s in (slice(0, 15), slice(14, None)))
+    assert len(down) == len(up) == 15
+    for angle in down:
+        if abs(angle) <= 2.0:
+            assert down[angle] > 0.15 and up[angle] < -0.15  # r* = 0.129 is where a branch ends
+        else:
+            assert down[angle] == pytest.approx(up[angle], abs=2e-3)  # 12 L/U after a step
+    assert down[0.0] == pytest.approx(np.sqrt(1 / 20), abs=1e-3)
+    assert up[0.0] == pytest.approx(-np.sqrt(1 / 20), abs=1e-3)
+
+
+def test_the_spiral_of_a_stable_ship_has_none() -> None:
+    rudder, rate = rates_in_spiral(1.0)
+    assert rate[:15] == pytest.approx(rate[:13:-1], abs=2e-3)
+    # and lies on a1 r* + a3 r*^3 = K delta
+    assert rate + 20 * rate**3 == pytest.approx(1.6 * rudder * DEG, abs=2e-3)
+
+
+@pytest.mark.parametrize("alpha1", [-1.0, 1.0])
+def test_the_reversed_spiral_follows_the_whole_curve(alpha1: float) -> None:
+    """H(r*) = K delta also where a direct spiral jumps; 15 L/U after a step, to the lag that is left."""
+    unit = 226 / 9.5
+    values = {"b1": f"{alpha1 / 1.7 / unit} 1/s", "b3": f"{20 * unit / 1.7} s/rad^2"}
+    trial = sail("reversed-spiral:0.3", "norrbin", values=values)
+    level = np.concatenate([[1, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0]])
+    wanted = 0.3 * np.concatenate([level, level[-2::-1]])
+    ends = np.searchsorted(trial["t"], unit + 15 * unit * np.arange(1, 30)) - 2
+    rate, rudder = trial["r"][ends] * unit, trial["delta"][ends]
+    assert rate == pytest.approx(wanted, abs=3e-3)
+    assert alpha1 * rate + 20 * rate**3 == pytest.approx(1.6 * rudder, abs=0.01)
+
+
+def test_course_change() -> None:
+    trial = sail("course:60/15", heading="-20 deg")
+    assert trial["psi"][0] == pytest.approx(-20 * DEG)
+    assert trial["psi"][-1] == pytest.approx(40 * DEG, abs=0.1 * DEG)
+    assert np.abs(trial["delta_order"]).max() == pytest.approx(15 * DEG)
+    assert np.ptp(trial["psi"]) < 62 * DEG
+
+
+def test_the_telegraph_is_reproducible() -> None:
+    same = [sail("telegraph:10", seed=s, noise="standard")["psi"] for s in (1, 1, 2)]
+    assert np.array_equal(same[0], same[1])
+    assert not np.array_equal(same[0], same[2])
+    trial = sail("telegraph:10", seed=1)
+    after = trial["t"] >= 226 / 9.5
+    assert set(np.round(trial["delta_order"][after] / DEG, 9)) == {-10.0, 10.0}
+
+
+def test_noise_has_the_stated_standard_deviation() -> None:
+    """A standard deviation of N samples scatters by 1/sqrt(2 N): 0.7 % at 10 001 samples, of which five are allowed."""
+    clean = sail("zigzag:20/20", duration="1000 s", sampling="0.1 s")
+    noisy = sail("zigzag:20/20", duration="1000 s", sampling="0.1 s", noise="psi=0.2 deg,r=0.02 deg/s,u=0.1 m/s")
+    for name, deviation in (("psi", 0.2 * DEG), ("r", 0.02 * DEG), ("u", 0.1)):
+        error = noisy[name] - clean[name]
+        assert error.std() == pytest.approx(deviation, rel=0.035)
+        assert abs(error.mean()) < 5 * deviation / 100
+        assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 0.05
+    for name in ("x", "y", "delta"):
+        assert np.array_equal(noisy[name], clean[name])
+
+
+def test_noise_on_one_column_leaves_the_others_alone() -> None:
+    one, both = (sail("zigzag:20/20", noise=n) for n in ("psi=0.2 deg", "psi=0.2 deg,r=0.02 deg/s"))
+    assert np.array_equal(one["psi"], both["psi"])
+    assert not np.array_equal(one["r"], both["r"])
+
+
+def test_sensors_do_not_show_the_sway() -> None:
+    assert {"u", "v"} <= set(sail("zigzag:20/20").table)
+    assert "v" not in sail("zigzag:20/20", noise="standard").table
+    assert {"u", "v"}.isdisjoint(sail("zigzag:20/20", noise="psi=0.2 deg").table)
+
+
+def test_standard_noise() -> None:
+    wanted = {"psi": 0.2 * DEG, "r": 0.02 * DEG, "u": 0.1, "x": 10.0, "y": 10.0}
+    assert standard_noise() == pytest.approx(wanted)
+    assert parse_noise("standard") == pytest.approx(wanted)
+    assert parse_noise("none") == parse_noise(None) == {}
+    assert parse_noise({"psi": 0.01, "r": "1 deg/s"}) == pytest.approx({"psi": 0.01, "r": DEG})
+
+
+@pytest.mark.parametrize("model", ["de-keizer", "nomoto", "van-leeuwen"])
+def test_a_current_shifts_the_track(model: str) -> None:
+    """By current times time, to rounding: the current enters the equations of the path as a constant."""
+    still = sail("zigzag:20/20", model)
+    moved = sail("zigzag:20/20", model, current=("1.5 m/s", "30 deg"))
+    t = still["t"]
+    np.testing.assert_allclose(moved["x"] - still["x"], 1.5 * np.cos(30 * DEG) * t, rtol=1e-10, atol=1e-8)
+    np.testing.assert_allclose(moved["y"] - still["y"], 1.5 * np.sin(30 * DEG) * t, rtol=1e-10, atol=1e-8)
+    for name in ("psi", "r", "delta"):
+        assert np.array_equal(moved[name], still[name])
+
+
+def test_wind_turns_the_ship() -> None:
+    coefficients = {"N_w": "1e-7 rad/m^2", "F_w": "1e-7 1/m^2"}
+    blown = sail("zigzag:10/10", values=coefficients, wind=("15 m/s", "60 deg"), sampling="0.25 s")
+    calm = sail("zigzag:10/10", sampling="0.25 s")
+    assert np.abs(calm["r"][calm["t"] < 20]).max() == 0
+    # On the approach, r' = 2 N_w V_ahead V_aside from the start, less what a quarter second of damping takes.
+    ahead, aside = 15 * np.cos(60 * DEG) - 9.5, 15 * np.sin(60 * DEG)
+    assert blown["r"][1] / 0.25 == pytest.approx(2e-7 * ahead * aside, rel=0.01)
+    # and u' = F_w L V_ahead |V|
+    assert (blown["u"][1] - 9.5) / 0.25 == pytest.approx(1e-7 * 226 * ahead * np.hypot(ahead, aside), rel=0.01)
+
+
+def test_the_steering_machine_keeps_its_limits() -> None:
+    """Angle to rounding; rate between the samples as well, since the integrator adds up rates within the limit."""
+    ship = find_ship("soesterberg")
+    trial = sail("zigzag:35/20", ship=ship, values={"delta_max": "20 deg", "delta_rate": "2 deg/s"}, sampling="0.25 s")
+    delta = trial["delta"]
+    assert np.abs(trial["delta_order"]).max() == pytest.approx(35 * DEG)
+    assert 19.9 * DEG < np.abs(delta).max() <= 20 * DEG * (1 + 1e-12)
+    rate = np.abs(np.diff(delta)) / 0.25
+    assert rate.max() == pytest.approx(2 * DEG, rel=1e-9)
+
+
+def test_without_a_steering_machine_the_rudder_is_where_it_is_ordered() -> None:
+    trial = sail("zigzag:20/20", steering=False)
+    assert np.array_equal(trial["delta"], trial["delta_order"])
+
+
+def test_sampling_and_duration() -> None:
+    trial = sail("zigzag:20/20", duration="100 s", sampling=0.5)
+    assert trial["t"].tolist() == pytest.approx(np.arange(0, 100.5, 0.5).tolist())
+    fine = sail("zigzag:20/20", duration="100 s", sampling="0.25 s")
+    np.testing.assert_allclose(trial["psi"], fine["psi"][::2], atol=1e-12)  # one clock of a quarter second
+    assert sail("zigzag:20/20").sampling == 1.0
+    assert sail("zigzag:20/20", speed="19 kn")["u"][0] == pytest.approx(19 * 1852 / 3600)
+
+
+def test_published_coefficients_may_be_given() -> None:
+    values = {"K": "0.5 1/s", "tau": "31 s", "n3": "0.4 s^2/deg^2"}
+    trial = sail("turn:30", "norrbin", "zeefakkel", values=values, steering=False)
+    r = trial["r"].max() / DEG
+    # n3 r^3 + r = K delta, in degrees per second
+    assert 0.4 * r**3 + r == pytest.approx(0.5 * 30, rel=1e-4)
+
+
+def test_it_says_that_it_is_simulated(tmp_path: Path) -> None:
+    trial = sail("zigzag:20/20", noise="psi=0.2 deg", current=("1 m/s", "90 deg"), seed=5, name="first")
+    assert trial.source.simulated
+    assert trial.name == "first"
+    assert sail("zigzag:20/20").name == "de-keizer-zigzag-20-20"
+    line = write_trial(trial, tmp_path / "first.csv").read_text().splitlines()[0]
+    assert line.startswith("# Simulated, not measured: shipid ")
+    for part in ("model de-keizer", "ship soesterberg", "zigzag:20/20", "9.5 m/s", "seed 5", "current 1 m/s to 90 deg"):
+        assert part in line
+
+
+def test_write_and_read_back(tmp_path: Path) -> None:
+    """Equal to the rounding of degrees and back."""
+    trial = sail("zigzag:20/20", noise="standard")
+    back = read_trial(write_trial(trial, tmp_path / "run.csv"))
+    assert back.source.simulated
+    assert set(back.table) == set(trial.table)
+    for name in trial.table:
+        np.testing.assert_allclose(back[name], trial[name], rtol=1e-14, atol=1e-300)
+
+
+def without(ship: str, particular: str) -> ParameterSet:
+    whole = find_ship(ship)
+    sections = {s: {n: v for n, v in c.items() if n != particular} for s, c in whole.sections.items()}
+    return ParameterSet(whole.name, sections=sections)
+
+
+def length(number: float) -> ParameterSet:
+    return ParameterSet("toy", sections={"particulars": {
+        "L": Value("L", number, "m", "assumed"), "speed": Value("speed", 1.0, "m/s", "assumed")}})  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "says"),
+    [
+        ({"manoeuvre": "zigzig:20/20"}, UnknownNameError, r"no manoeuvre 'zigzig'\. Did you mean zigzag\?"),
+        ({"manoeuvre": "zigzag:20"}, UsageError, "has 1 numbers"),
+        ({"ship": "sosterberg"}, UnknownNameError, "Did you mean soesterberg"),
+        ({"ship": without("soesterberg", "speed")}, ParameterSetError, "has no speed of its own: give one"),
+        ({"ship": without("soesterberg", "L")}, ParameterSetError, "has no length L"),
+        ({"ship": length(-1.0)}, ParameterSetError, "no length L greater than zero"),
+        ({"ship": without("soesterberg", "K_u")}, ParameterSetError, r"needs K_u \[1\], which ship soesterberg"),
+        ({"ship": without("soesterberg", "delta_rate")}, ParameterSetError, r"needs delta_rate \[rad/s\]"),
+        ({"speed": "0 kn"}, UsageError, "does not steer a ship"),
+        ({"speed": "9"}, UnitError, "the speed is the bare number 9"),
+        ({"speed": "9 m"}, UnitError, "m does not fit it"),
+        ({"duration": "0 s"}, UsageError, "give a duration greater than zero"),
+        ({"duration": "-5 s"}, UsageError, "give a duration greater than zero"),
+        ({"sampling": "0 s"}, UsageError, "a sampling interval of 0 s does not fit"),
+        ({"sampling": "1e5 s"}, UsageError, "does not fit a manoeuvre of"),
+        ({"noise": "loud"}, UsageError, "neither none nor standard"),
+        ({"noise": "psi=0.2"}, UnitError, "noise on psi is the bare number 0.2"),
+        ({"noise": "pis=0.2 deg"}, UnknownNameError, "Did you mean psi"),
+        ({"noise": "psi=-0.2 deg"}, UsageError, "a standard deviation is zero or more"),
+        ({"values": {"Q": "1 s"}}, UnknownNameError, "called 'Q'"),
+        ({"values": {"K_u": "1 s"}}, UnitError, "s does not fit it"),
+        ({"values": {"r": "1 rad/s"}}, UsageError, "'r' is a state of model de-keizer, and takes no value"),
+        ({"values": {"cruise": "1 m/s"}}, UsageError, "'cruise' is an input"),
+        ({"model": "nomoto", "ship": "mariner", "wind": (10.0, 0.0)}, ParameterSetError, r"needs N_w \[rad/m²\], F_w"),
+        ({"model": "pershitz-track", "ship": "semerdjiev"}, UsageError, "reads no rudder angle 'delta'"),
+        ({"model": "pershitz-discrete", "ship": "semerdjiev", "current": (1.0, 0.0)}, UsageError, "a current does not"),
+        ({"model": "pershitz-discrete", "ship": "semerdjiev", "wind": (1.0, 0.0)}, UsageError, "a wind does not act"),
+        ({"model": "nomoto", "ship": "zeefakkel", "speed": "9 m/s"}, ParameterSetError, "known from 2 to 6.2 m/s"),
+    ],
+)
+def test_what_is_refused(options: dict[str, Any], error: type[Exception], says: str) -> None:
+    arguments = {"model": "de-keizer", "ship": "soesterberg", "manoeuvre": "zigzag:20/20"} | options
+    manoeuvre = arguments.pop("manoeuvre")
+    with pytest.raises(error, match=says):
+        sail(manoeuvre, **arguments)
+
+
+def test_a_model_that_runs_away() -> None:
+    """A cubic damping of the wrong sign: the harder the ship turns, the less holds it back."""
+    with pytest.raises(
+        SimulationDivergedError, match=r"runs away \d.* s into turn:35 at 9\.5 m/s\. Less rudder"
+    ) as caught:
+        sail("turn:35", values={"alpha3": "-5"})
+    assert caught.value.exit_code == 4
+
+
+def test_beyond_de_keizers_limit_the_ship_stops_and_stays_finite() -> None:
+    """At hard rudder and K_u* = 3 no steady turn exists; the floor under the speed keeps the run finite."""
+    trial = sail("turn:35", values={"K_u": "3"})
+    assert 0 < trial["u"].min() < 0.05 * 9.5
+    assert trial["u"].max() <= 9.5

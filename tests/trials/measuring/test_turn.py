@@ -1,0 +1,153 @@
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shipid.trials import errors as e
+from shipid.trials.measuring.measure import measure
+from shipid.trials.measuring.track import drift, speed, track
+from shipid.trials.trial import Trial
+
+
+def circle(
+    radius=300.0, speed=5.0, start=50.0, turns=1.6, side=1, course=30.0, interval=0.5, beta=0.0, rudder=35.0,
+    residual=0.0, pull_out=0.0, noise=0.0, positions=True,
+):  # fmt: skip
+    """Make a straight run, a circle from the order on, and perhaps a pull-out: everything in closed form."""
+    rate = speed / radius
+    over = start + turns * 2 * np.pi / rate
+    t = np.arange(0, over + pull_out, interval)
+    turned = np.where(t < over, rate * np.clip(t - start, 0, None), rate * (over - start) + residual * (t - over))
+    psi = np.radians(course) + side * turned
+    turning = (t >= start) & (t < over)
+    north, east = speed * np.minimum(t, start), np.zeros_like(t)
+    arc = rate * np.clip(np.minimum(t, over) - start, 0, None)
+    north, east = north + radius * np.sin(arc), east + side * radius * (1 - np.cos(arc))
+    c, s = np.cos(np.radians(course)), np.sin(np.radians(course))
+    noisy = np.random.default_rng(1).normal(0, noise, (3, len(t)))
+    frame = pd.DataFrame({"t [s]": t, "psi [rad]": psi + np.radians(noisy[0])})
+    if positions:
+        frame["x [m]"], frame["y [m]"] = c * north - s * east + noisy[1], s * north + c * east + noisy[2]
+    drifting = side * np.radians(beta) * turning
+    frame["u [m/s]"], frame["v [m/s]"] = speed * np.cos(drifting), -speed * np.sin(drifting)
+    frame["delta_order [deg]"] = side * rudder * turning
+    return Trial.from_frame(frame, name="circle")
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("positions", [True, False])
+def test_circle_in_closed_form(side, positions):
+    trial = circle(side=side, positions=positions)
+    found = measure(trial, length="100 m")
+    assert found.kind == "turning circle"
+    assert found.side == ("starboard" if side > 0 else "port")
+    assert found.track == ("positions" if positions else "speeds and heading")
+    # On a circle of radius R advance and transfer are R, the tactical diameter is 2 R; the kink at the order is
+    # smoothed over one per cent of the turn.
+    assert found.advance == pytest.approx(300, rel=0.01)
+    assert found.transfer == pytest.approx(300, rel=0.01)
+    assert found.tactical_diameter == pytest.approx(600, rel=0.01)
+    assert found.advance_ratio == pytest.approx(found.advance / 100)
+    assert found.tactical_diameter_ratio == pytest.approx(found.tactical_diameter / 100)
+    assert found.first_execute == pytest.approx(50)
+    quarter = np.pi / 2 * 300 / 5
+    np.testing.assert_allclose(found.times, quarter * np.arange(1, 5), rtol=0.01)
+    np.testing.assert_allclose(found.speeds, 5)
+    assert found.steady_rate == pytest.approx(5 / 300, rel=1e-3)
+    assert found.steady_speed == pytest.approx(5)
+    assert found.steady_diameter == pytest.approx(600, rel=1e-3)
+    assert found.speed_loss == pytest.approx(0, abs=1e-9)
+    assert found.pull_out_rate is None
+    assert np.degrees(found.course) == pytest.approx(30, abs=1e-6)
+
+
+@given(
+    radius=st.floats(50, 2000), fast=st.floats(1, 15), side=st.sampled_from([1, -1]), course=st.floats(-180, 180),
+    turns=st.floats(0.8, 3),
+)  # fmt: skip
+@settings(max_examples=30, deadline=None)
+def test_any_circle(radius, fast, side, course, turns):
+    around = 2 * np.pi * radius / fast
+    found = measure(
+        circle(radius, fast, 0.1 * around, turns, side, course, interval=around / 1000), "turning circle"
+    )  # fmt: skip
+    assert found.tactical_diameter == pytest.approx(2 * radius, rel=0.01)
+    assert found.advance == pytest.approx(radius, rel=0.02)
+    assert found.steady_diameter == pytest.approx(2 * radius, rel=0.01)
+
+
+def test_noise_on_heading_and_positions():
+    found = measure(circle(noise=0.2))  # deg and m
+    assert found.advance == pytest.approx(300, rel=0.02)
+    assert found.tactical_diameter == pytest.approx(600, rel=0.02)
+    assert found.steady_rate == pytest.approx(5 / 300, rel=0.01)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_drift_and_pull_out(side):
+    trial = circle(side=side, beta=15.0, pull_out=200.0, residual=np.radians(0.05))
+    found = measure(trial)
+    assert np.degrees(found.steady_drift) == pytest.approx(15, abs=1e-6)
+    assert np.degrees(found.pull_out_rate) == pytest.approx(0.05 * side, abs=1e-3)
+    short = measure(circle(side=side, pull_out=10.0))
+    assert short.pull_out_rate is None
+
+
+def test_what_a_short_turn_does_not_reach_is_none():
+    found = measure(circle(turns=0.4))
+    assert found.advance is not None and found.tactical_diameter is None
+    assert found.times[1:] == (None, None, None)
+    assert found.steady_rate is None and found.steady_diameter is None
+    json.dumps(found.to_dict(), allow_nan=False)
+    assert "not reached" in repr(found) and "tactical" not in repr(found)
+
+
+def test_turn_without_speed_or_positions():
+    frame = circle().to_frame()[["t [s]", "psi [deg]", "delta_order [deg]"]]
+    found = measure(Trial.from_frame(frame))
+    assert found.track == "" and found.advance is None and found.steady_speed is None
+    assert found.steady_rate == pytest.approx(5 / 300, rel=1e-3)
+
+
+def test_turn_that_began_before_the_record():
+    with pytest.raises(e.NotAManoeuvreError, match="begins with the rudder over"):
+        measure(circle().window(100, 500))
+    with pytest.raises(e.NotAManoeuvreError, match="no turning circle"):
+        measure(circle(turns=0.2), "turning circle")
+
+
+def test_rudder_moved_by_three_degrees():
+    frame = circle().to_frame().rename(columns={"delta_order [deg]": "delta [deg]"})
+    t = frame["t [s]"].to_numpy()
+    frame["delta [deg]"] = np.clip(0.5 * (t - 50), 0, 35)
+    trial = Trial.from_frame(frame)
+    assert measure(trial).first_execute == pytest.approx(56, abs=0.5)  # 3 deg at 0.5 deg/s
+    assert measure(trial, execute="order").first_execute == pytest.approx(50, abs=0.5)
+
+
+def test_speed_drift_and_track_from_what_there_is():
+    t = np.arange(20.0)
+    base = {"t [s]": t, "psi [deg]": np.full(20, 90.0)}
+    over_all = Trial.from_frame(pd.DataFrame(base | {"U [kn]": np.full(20, 10.0)}))
+    assert speed(over_all)[0] == pytest.approx(5.1444, abs=1e-4)
+    assert drift(over_all) is None
+    north, east, how = track(over_all)
+    assert how == "speed and heading, without drift"
+    np.testing.assert_allclose(north, 0, atol=1e-9)
+    assert east[-1] == pytest.approx(19 * 10 * 1852 / 3600)
+    both = Trial.from_frame(pd.DataFrame(base | {"u [m/s]": np.full(20, 3.0), "v [m/s]": np.full(20, -4.0)}))
+    assert speed(both)[0] == pytest.approx(5)
+    assert drift(both)[0] == pytest.approx(np.arctan2(4, 3))
+    north, east, _ = track(both)
+    assert (north[-1], east[-1]) == pytest.approx((19 * 4, 19 * 3))  # heading east, pushed to port: north
+    assert track(Trial.from_frame(pd.DataFrame(base))) is None
+
+
+def test_importing_the_package_costs_nothing():
+    code = "import sys, shipid.trials; assert not {'pandas', 'numpy', 'pint'} & set(sys.modules), 'eager'"
+    subprocess.run([sys.executable, "-c", code], check=True)

@@ -1,0 +1,237 @@
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.trials import errors as e
+from shipid.trials.measuring.measure import measure
+from shipid.trials.measuring.series import maximum, value_at
+from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.trial import Trial
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("interval", [0.1, 0.5, 1.0])
+def test_sine_in_closed_form(sine, side, interval):
+    trial, executes, check = sine(side=side, interval=interval, course=57.0)
+    found = measure(trial, length="50 m")
+    assert found.execute == "order"
+    assert found.nominal == "20/20"
+    assert found.first_side == ("starboard" if side > 0 else "port")
+    # The order falls on a sample: up to one interval late, at 1.9 deg/s * cos(asin(2/3)) = 1.4 deg/s.
+    late = interval
+    np.testing.assert_allclose(found.executes, executes[: len(found.executes)], atol=late)
+    assert len(found.overshoots) == 4
+    np.testing.assert_allclose(np.degrees(found.overshoots), 10.0, atol=0.05 + 1.41 * late)
+    # The extreme does not depend on when the execute was read.
+    np.testing.assert_allclose(np.abs(np.degrees(found.extreme_headings)), 30, atol=0.03)
+    np.testing.assert_allclose(found.times_to_check_yaw, check, atol=0.3 + late)
+    assert found.period == pytest.approx(100, abs=late)
+    assert found.first_execute == pytest.approx(20, abs=late)
+    assert found.reach == pytest.approx(50, abs=late)
+    assert found.initial_turning_time == pytest.approx(executes[0] - 20, abs=2 * late)
+    assert found.initial_turning_distance == pytest.approx(5 * found.initial_turning_time, abs=10 * late)
+    assert found.initial_turning_ratio == pytest.approx(found.initial_turning_distance / 50)
+    assert found.approach_speed == pytest.approx(5)
+    assert np.degrees(found.course) == pytest.approx(57, abs=0.1 + 2 * late)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("interval", [0.1, 0.5, 1.0])
+def test_noise_of_a_fifth_of_a_degree(sine, seed, interval):
+    quiet = measure(sine(interval=interval)[0])
+    noisy = measure(sine(interval=interval, noise=0.2, seed=seed)[0])
+    # Two or three samples at the execute for 1 s of sampling: the noise there hardly averages; 2.5 sigma.
+    tolerance = 0.5 if interval == 1.0 else 0.35
+    np.testing.assert_allclose(np.degrees(noisy.overshoots), np.degrees(quiet.overshoots), atol=tolerance)
+    assert noisy.period == quiet.period
+
+
+@given(
+    switch=st.floats(5, 30), beyond=st.floats(1.5, 25), rudder=st.floats(5, 35), period=st.floats(30, 600),
+    side=st.sampled_from([1, -1]), course=st.floats(-700, 700),
+)  # fmt: skip
+@settings(max_examples=40, deadline=None)
+def test_overshoots_of_any_sine(sine, switch, beyond, rudder, period, side, course):
+    interval = period / 400
+    trial, executes, _ = sine(
+        amplitude=switch + beyond, switch=switch, rudder=rudder, period=period, start=0.2 * period,
+        interval=interval, side=side, course=course,
+    )  # fmt: skip
+    # Given the exact executes there is no sample to be late by: only the fit of the extreme is left.
+    exact = executes[:4]
+    found = overshoots_of(trial["t"], trial["psi"], exact, side=side)
+    np.testing.assert_allclose(np.degrees(found), beyond, atol=0.02 * beyond + 0.05)
+    assert overshoots_of(trial["t"], trial["psi"], exact) == found
+    measured = measure(trial)
+    assert len(measured.executes) == 4
+    np.testing.assert_allclose(measured.executes, exact, atol=1.01 * interval)
+
+
+def ramped(rate=2.5, interval=0.1):
+    """A zig-zag whose rudder is only recorded as it moves, at a finite rate: the sine of 30 deg, reversed at 20."""
+    t = np.arange(0, 260, interval)
+    psi = 30 * np.sin(2 * np.pi / 100 * np.clip(t - 20, 0, None))
+    first = np.arcsin(20 / 30) * 100 / (2 * np.pi)
+    times = np.concatenate(([20], 20 + first + 50 * np.arange(5)))
+    sides = np.concatenate(([1], (-1.0) ** (1 + np.arange(5))))
+    delta = np.zeros_like(t)
+    for when, side in zip(times, sides):
+        start = np.interp(when, t, delta)
+        ramp = start + side * rate * (t - when)
+        delta = np.where(t >= when, np.clip(ramp, -20, 20), delta)
+    frame = pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta [deg]": delta})
+    return Trial.from_frame(frame, name="ramped"), times
+
+
+def test_rudder_feedback_gives_the_order_back():
+    trial, times = ramped()
+    found = measure(trial, execute="order")
+    assert found.first_execute == pytest.approx(times[0], abs=0.05)
+    np.testing.assert_allclose(found.executes, times[1:], atol=0.05)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:4]), 10, atol=0.1)
+
+
+def test_rudder_feedback_by_default_is_read_when_it_has_left_its_plate():
+    trial, times = ramped()
+    found = measure(trial)
+    assert found.execute == "moved"
+    # 15 % of 20 deg at 2.5 deg/s are 1.2 s, in which the heading runs on by 1.41 deg/s.
+    np.testing.assert_allclose(found.executes, times[1:] + 1.2, atol=0.11)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:4]), 10 - 1.2 * 1.4, atol=0.2)
+
+
+def test_order_is_preferred_where_it_is_recorded():
+    trial, times = ramped()
+    frame = trial.to_frame()
+    ordered = np.zeros(len(trial))
+    for k, when in enumerate(times):
+        ordered[trial["t"] >= when] = 20 * (-1) ** k
+    frame["delta_order [deg]"] = ordered
+    both = Trial.from_frame(frame, name="both")
+    assert measure(both).execute == "order"
+    np.testing.assert_allclose(measure(both).executes, times[1:], atol=0.11)
+    assert measure(both, execute="moved").executes == measure(trial).executes
+
+
+def test_rudder_noise_does_not_move_the_executes():
+    trial, _ = ramped()
+    frame = trial.to_frame()
+    frame["delta [deg]"] += np.random.default_rng(3).normal(0, 0.2, len(frame))
+    np.testing.assert_allclose(measure(Trial.from_frame(frame)).executes, measure(trial).executes, atol=0.3)
+
+
+def test_modified_zigzag_is_named_by_rudder_and_heading(sine):
+    assert measure(sine(amplitude=18, switch=10, rudder=20)[0]).nominal == "20/10"
+    assert measure(sine(amplitude=9, switch=5, rudder=35)[0]).nominal == "35/5"
+
+
+def test_hand_steering_before_the_zigzag_is_left_out(sine):
+    trial, executes, _ = sine(start=60)
+    frame = trial.to_frame()
+    t = trial["t"]
+    hand = (t > 10) & (t < 50)
+    frame.loc[hand, "delta_order [deg]"] = 17 * np.sin(t[hand] / 3)
+    found = measure(Trial.from_frame(frame))
+    np.testing.assert_allclose(found.executes, executes[: len(found.executes)], atol=0.51)
+    assert len(found.overshoots) == 4
+
+
+def test_what_the_record_does_not_reach_is_none(sine):
+    trial, executes, _ = sine()
+    cut = trial.window(0, executes[1] + 3)
+    found = measure(cut)
+    assert len(found.executes) == 2
+    assert np.degrees(found.overshoots[0]) == pytest.approx(10, abs=1)
+    assert found.overshoots[1] is None and found.times_to_check_yaw[1] is None
+    assert found.period is None
+    started = measure(trial.window(25, 200))  # begins in the first plate
+    assert started.first_execute is None and started.initial_turning_time is None and started.reach is None
+
+
+def test_results_are_plain_and_readable(sine):
+    trial, executes, _ = sine()
+    found = measure(trial.window(0, executes[1] + 3))
+    content = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert content["kind"] == "zig-zag" and content["nominal"] == "20/20"
+    assert content["overshoots"]["unit"] == "deg"
+    assert content["overshoots"]["value"][1] is None
+    assert content["overshoots"]["value"][0] == pytest.approx(np.degrees(found.overshoots[0]))
+    frame = found.to_frame()
+    assert list(frame.columns) == ["quantity", "value", "unit", "meaning"]
+    assert (
+        frame.set_index("quantity").loc["overshoots[2]", "value"] != frame.set_index("quantity").loc["rudder", "value"]
+    )
+    assert np.isnan(frame.set_index("quantity").loc["overshoots[2]", "value"])
+    text = repr(found)
+    assert "zig-zag 20/20" in text and "not reached deg" in text and "nan" not in text
+    with pytest.raises(AttributeError):
+        found.period = 1.0
+
+
+def test_what_cannot_be_measured_is_refused(sine):
+    trial, *_ = sine()
+    with pytest.raises(UsageError, match="'moved'"):
+        measure(trial, execute="ordered")
+    with pytest.raises(UnknownNameError, match="Did you mean zig-zag"):
+        measure(trial, "zigzag")
+    with pytest.raises(e.NotAManoeuvreError, match="neither"):
+        measure(trial.window(0, 18))
+    with pytest.raises(e.NotAManoeuvreError, match="no zig-zag"):
+        measure(trial.window(0, 18), "zig-zag")
+    with pytest.raises(e.UnknownColumnError, match="heading"):
+        measure(Trial.from_frame(trial.to_frame().drop(columns="psi [deg]")))
+    with pytest.raises(e.UnknownColumnError, match="neither 'delta' nor 'delta_order'"):
+        measure(Trial.from_frame(trial.to_frame().drop(columns="delta_order [deg]")))
+
+
+def test_overshoots_of_edges():
+    t = np.arange(0, 100, 0.5)
+    assert overshoots_of(t, np.sin(t / 10), []) == ()
+    assert overshoots_of(t, t, [50.0]) == (None,)  # never turns back
+    (single,) = overshoots_of(t, np.sin(t / 20), [20.0])
+    # One execute alone leaves 80 s to average over 3 % of: the straight line there misses the curvature.
+    assert single == pytest.approx(1 - np.sin(1), abs=2e-3)
+    (port,) = overshoots_of(t, -np.sin(t / 20), [20.0])
+    assert port == pytest.approx(single)
+
+
+class TestSeries:
+    @given(st.floats(-50, 50), st.floats(0.5, 20), st.floats(0.3, 0.7))
+    def test_maximum_of_a_parabola_is_exact(self, height, width, place):
+        t = np.linspace(0, 10, 201)
+        found = maximum(t, height - width * (t - 10 * place) ** 2, 0.2)
+        assert found[0] == pytest.approx(10 * place, abs=0.02)
+        assert found[1] == pytest.approx(height, abs=width * 0.02**2 + 1e-9)
+
+    def test_maximum_that_is_not_reached(self):
+        t = np.linspace(0, 10, 201)
+        assert maximum(t, t, 0.5) is None
+        assert maximum(t[:3], t[:3], 0.5) is None
+        slowed = maximum(t, 1 - np.exp(-t), 0.5)  # has all but come to rest
+        assert slowed[1] == pytest.approx(1, abs=0.01)
+
+    def test_value_is_averaged(self):
+        t = np.linspace(0, 10, 1001)
+        noise = np.random.default_rng(0).normal(0, 1, len(t))
+        assert value_at(t, 3 * t + noise, 5.0, 2.0, 1) == pytest.approx(15, abs=0.2)  # 4 sigma of 400 samples
+        assert value_at(t, t**2, 5.0, 0.001) == pytest.approx(25, abs=1e-3)
+
+
+def test_rudder_reversed_by_a_clock_is_no_zigzag():
+    rng = np.random.default_rng(5)
+    t = np.arange(0, 900, 0.5)
+    flips = np.cumsum(rng.integers(10, 90, 40))
+    side = (-1.0) ** np.searchsorted(flips, t)
+    r = np.zeros_like(t)
+    for k in range(len(t) - 1):
+        r[k + 1] = r[k] + 0.5 * (0.1 * 10 * side[k] - r[k]) / 10
+    psi = np.cumsum(r) * 0.5
+    trial = Trial.from_frame(pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta [deg]": 10 * side}))
+    with pytest.raises(e.NotAManoeuvreError, match="regular headings"):
+        measure(trial)
+    assert measure(trial, "zig-zag").kind == "zig-zag"
