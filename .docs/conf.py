@@ -23,7 +23,7 @@ extensions = [
     "equations",
     "public_api",
     "ship_models",
-    "plain_text",
+    "references",
 ]
 exclude_patterns = ["extensions"]
 

@@ -152,13 +152,18 @@ def _room_page(room: str, public: list[Any], results: list[type]) -> str:
     return "\n".join(f"{part}\n" for part in parts)
 
 
-def _errors_page(errors: list[type]) -> str:
+def _errors_page(errors: list[Any]) -> str:
     about = (
-        "Every error that shipid raises for its user's sake is a `ShipidError`. The command line prints its message and "
-        "ends with its exit code: 2 for usage, 3 for bad data, 4 where a search or a simulation did not converge."
+        "Every error that bad input causes is a `ShipidError`. Its message says what is wrong, where, and what to do. The "
+        "command line prints the message and ends with the exit code."
     )
-    entries = [f".. autoexception:: {path_of(e)}\n\n   Exit code {e.exit_code}.\n" for e in errors]  # type: ignore[attr-defined]
-    return "\n".join([title("Errors"), about + "\n", *entries])
+    parts = [title("Errors"), about]
+    for code in sorted({e.exit_code for e in errors}):
+        parts += [
+            title(f"Exit code {code}", "-"),
+            *(f".. autoexception:: {path_of(e)}" for e in errors if e.exit_code == code),
+        ]
+    return "\n".join(f"{part}\n" for part in parts)
 
 
 def _overview(rooms: dict[str, list[Any]]) -> str:

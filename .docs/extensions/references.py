@@ -1,4 +1,4 @@
-"""What is no link on the site: files of the repository, and words between backticks that the API does not have."""
+"""What Sphinx finds no page for: files of the repository, and words between backticks."""
 
 from __future__ import annotations
 
@@ -22,13 +22,20 @@ def _name_files(app: Any, page: nodes.document) -> None:
             link.replace_self(link.children)
 
 
-def _leave_code(app: Any, environment: Any, node: nodes.Element, content: nodes.Element) -> nodes.Element | None:
-    """Leave a word between single backticks as code where the API has no such name."""
-    return content if node.get("reftype") == "obj" else None
+def _find_or_leave(app: Any, environment: Any, node: nodes.Element, content: nodes.Element) -> nodes.Element | None:
+    """Look for a word between single backticks among the public names, and leave it as code where it is none of them."""
+    if node.get("reftype") != "obj":
+        return None
+    first, dot, rest = str(node["reftarget"]).partition(".")
+    path = app.config.numpydoc_xref_aliases.get(first, f"shipid.{first}") + dot + rest
+    found: nodes.Element | None = environment.domains["py"].resolve_xref(
+        environment, node["refdoc"], app.builder, "obj", path, node, content
+    )
+    return found or content
 
 
 def setup(app: Any) -> dict[str, bool]:
-    """Connect both to what Sphinx reads and does not find."""
+    """Connect both to what Sphinx reads, and to what it does not find."""
     app.connect("doctree-read", _name_files)
-    app.connect("missing-reference", _leave_code)
+    app.connect("missing-reference", _find_or_leave)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
