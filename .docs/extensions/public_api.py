@@ -113,7 +113,7 @@ def results_of(things: Iterable[Any], classes: list[type]) -> list[type]:
     by_name: dict[str, list[type]] = defaultdict(list)
     for each in classes:
         by_name[each.__name__].append(each)
-    todo, found = list(things), set()
+    todo, found = list(things), set[type]()
     while todo:
         for function in _verbs(todo.pop()):
             for word in re.findall(r"\w+", str(function.__annotations__.get("return", ""))):
