@@ -113,15 +113,15 @@ def results_of(things: Iterable[Any], classes: list[type]) -> list[type]:
     by_name: dict[str, list[type]] = defaultdict(list)
     for each in classes:
         by_name[each.__name__].append(each)
-    todo, found = list(things), set[type]()
+    todo = list(things)
+    found: set[type] = set()
     while todo:
         for function in _verbs(todo.pop()):
             for word in re.findall(r"\w+", str(function.__annotations__.get("return", ""))):
                 named = [c for c in by_name[word] if word in function.__globals__ or len(by_name[word]) == 1]
-                for result in {*named} - found:
-                    found.add(result)
-                    todo += [result, *result.__subclasses__()]
-                    found.update(c for c in result.__subclasses__() if c in classes)
+                new = {kind for c in named for kind in (c, *c.__subclasses__()) if kind in classes} - found
+                found |= new
+                todo += new
     return sorted((c for c in found if path_of(c).count(".") > 1), key=lambda c: c.__name__)
 
 
