@@ -13,6 +13,7 @@ from typing import Any
 
 from click.testing import CliRunner
 from markup import emptied, indented, plain, table, title
+from public_api import public_classes
 
 import shipid
 from shipid.cli import main
@@ -60,6 +61,28 @@ def _model_page(name: str, ships: list[str]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def _descendants(component: type) -> set[type]:
+    found: set[type] = set(component.__subclasses__())
+    return found.union(*map(_descendants, component.__subclasses__()))
+
+
+def _other_components(known: dict[str, Any]) -> list[list[str]]:
+    """List the components that no named model is joined of, with what each states and what it reads."""
+    public_classes()  # imports every file of the toolbox
+    joined = {c for name in known["models"] for c in shipid.find_model(name).components}
+    homes = ("shipid.models.", "shipid.parts.")
+    rows = []
+    for each in sorted(_descendants(shipid.Component) - joined, key=lambda c: c.__name__):
+        if each.__module__.startswith(homes) and not each.__name__.startswith("_"):
+            model = shipid.join(each.__name__, each)
+            stated, read = model.states + model.derived + model.outputs, model.inputs
+            about = plain((inspect.getdoc(each) or "").partition("\n\n")[0].replace("\n", " "))
+            rows.append(
+                [f"``{each.__name__}``", about, *(", ".join(f"``{n}``" for n in names) for names in (stated, read))]
+            )
+    return rows
+
+
 def _overview(known: dict[str, Any]) -> str:
     models = [(f":ref:`{name} <model-{name}>`", plain(m["about"])) for name, m in known["models"].items()]
     ships = [
@@ -76,6 +99,10 @@ def _overview(known: dict[str, Any]) -> str:
             title("Ship models"),
             about,
             table(("Model", "What it describes"), models, "30 70"),
+            title("Components to join", "-"),
+            "What a ship, its environment and its helm may be joined of besides. `shipid.join` connects what a component reads "
+            "to what another one states under the same name.",
+            table(("Component", "What it describes", "States", "Reads"), _other_components(known), "20 40 20 20"),
             title("Ships", "-"),
             "Parameter sets with the source of every value, for ``--ship`` and `shipid.find_ship`.",
             table(("Ship", "Which", "Models"), ships, "20 45 35"),
