@@ -128,6 +128,17 @@ def test_modified_zigzag_is_named_by_rudder_and_heading(sine):
     assert measure(sine(amplitude=9, switch=5, rudder=35)[0]).nominal == "35/5"
 
 
+@pytest.mark.parametrize("interval", [0.5, 2.0])
+def test_distance_until_the_second_execute(sine, interval):
+    """A ship that loses speed evenly: the mean of the speeds at both executes, times the time between."""
+    trial, *_ = sine(interval=interval)
+    frame = trial.to_frame()
+    frame["u [m/s]"] = 5.0 - 0.04 * trial["t"]
+    found = measure(Trial.from_frame(frame))
+    mean = 5.0 - 0.04 * 0.5 * (found.first_execute + found.executes[0])
+    assert found.initial_turning_distance == pytest.approx(mean * found.initial_turning_time, rel=1e-12)
+
+
 def test_hand_steering_before_the_zigzag_is_left_out(sine):
     trial, executes, _ = sine(start=60)
     frame = trial.to_frame()
