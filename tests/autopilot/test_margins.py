@@ -110,10 +110,10 @@ def test_growth_of_many():
     )
 
 
-def test_bandwidth_equals_python_controls(container):
-    for speed, plant, gains in loops(container):
-        found = margins_at(plant, gains, speed, container.pace(speed)).bandwidth
-        loop = container.to_control(speed)[0, 0]
+def test_bandwidth_equals_python_controls(pilot):
+    for speed, plant, gains in loops(pilot):
+        found = margins_at(plant, gains, speed, pilot.pace(speed)).bandwidth
+        loop = pilot.to_control(speed)[0, 0]
         assert found == pytest.approx(control.bandwidth(loop, 20 * np.log10(np.sqrt(0.5))), rel=1e-4)
 
 

@@ -134,6 +134,33 @@ def test_the_sea_filter_spares_the_rudder_and_keeps_the_course(container):
     assert clean.rms_error.mean() < raw.rms_error.mean() + np.deg2rad(0.05)
 
 
+def test_the_sea_filter_is_set_to_the_waves_the_ship_meets(container):
+    """Of waves to 100 deg, on the way from 0 to 60 deg: met at 70 deg off the bow, omega - omega^2 u/g cos 70 deg."""
+    met = 0.6 - 0.6**2 * 9.5 / 9.81 * np.cos(np.deg2rad(70))
+    sea = Weather(0.0, 0.6, np.deg2rad(0.2), 0.0)
+    own, told = (
+        sail(container, [9.5], [np.deg2rad(60)], weather=sea, headings=[np.deg2rad(100)], filtered=True, values=values)
+        for values in ({}, {"sea_frequency": met})
+    )
+    assert own.rms_rudder[0] == pytest.approx(told.rms_rudder[0], rel=1e-9)
+
+
+def test_the_weather_follows_froude():
+    """Ships alike at one Froude number meet waves, wind and current alike: u/sqrt(L) and omega sqrt(L) are the same.
+
+    From a length of 100 m on it is the weather of the sea.
+    """
+    small, large, largest = (yardstick(length, 1.2 * np.sqrt(length)) for length in (4.0, 100.0, 400.0))
+    assert (large.wind, large.wave_frequency, large.current) == (12.0, 0.6, 1.0)
+    assert largest == large
+    assert (small.wind, small.wave_frequency, small.current) == pytest.approx((12.0 / 5, 0.6 * 5, 1.0 / 5))
+    assert small.wave_heading == large.wave_heading == pytest.approx(np.deg2rad(0.2))
+    # The wind goes to 30 deg, the current across it.
+    given = large.inputs(np.array([np.deg2rad(30)]))
+    current = np.array([given["current_north"][0], given["current_east"][0]])
+    assert current @ [np.sqrt(0.75), 0.5] == pytest.approx(0.0, abs=1e-12) and np.hypot(*current) == pytest.approx(1.0)
+
+
 def test_the_sea_filter_is_a_notch(container):
     """In the declared loop: what passes at its frequency is nothing, and a steady rate passes whole."""
     from shipid.autopilot.sea_filter import SeaFiltered
