@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from pathlib import Path, PurePosixPath
@@ -19,6 +19,8 @@ from _scratch import Outcome, Scratch, digest
 FIRST = 4.0
 #: A run may take so many times what its tests took without a change, and so long [s] besides.
 PATIENCE, GRACE = 5.0, 90.0
+#: Pytest's exit code where a test or a conftest file is not to be had.
+NOT_FOUND = 4
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class Result:
     status : {"killed", "timeout", "survived", "doubtful"}
         Doubtful: the test that failed also fails without the change.
     by : str
-        The test that failed, ``collection`` where a file of tests could not be imported.
+        The test that failed, ``collection`` where a file of tests could not be imported, or the exit code of pytest.
     tests, of : int
         How many tests ran at most, and how many execute the line.
     budget : float
@@ -95,7 +97,8 @@ def choose(executions: Executions, mutant: Mutant, budget: float) -> tuple[list[
     for group, place in ranks:
         for test in group:
             rank.setdefault(test, place)
-    chosen, spent = [], 0.0
+    chosen: list[str] = []
+    spent = 0.0
     for test in sorted(rank, key=lambda t: (rank[t], seconds[t], t)):
         if chosen and spent + seconds[test] > budget:
             break
@@ -142,7 +145,7 @@ class Runner:
         for copy in copies:
             self._free.put(copy)
 
-    def run(self, mutants: Iterable[Mutant]) -> Iterator[Result]:
+    def run(self, mutants: Iterable[Mutant]) -> Generator[Result, None, None]:
         """Yield results as they come.
 
         Parameters
@@ -188,15 +191,16 @@ class Runner:
             first += 1
         for part in filter(None, (tests[:first], tests[first:])):
             done = self._pytest(copy, part)
-            # A test whose parameters the change takes away is not there to fail.
-            gone = set(re.findall(r"not found: \S*?(tests/[^\n]+)", done.output)) if done.code == 4 else set()
-            rest = [t for t in part if t not in gone]
-            if gone:
-                done = self._pytest(copy, rest) if rest else Outcome({}, [], 0, "")
+            if done.code == NOT_FOUND:  # a test whose parameters the change takes away is not there to fail
+                gone = set(re.findall(r"not found: \S*?(tests/[^\n]+)", done.output))
+                part = [t for t in part if t not in gone]
+                done = self._pytest(copy, part) if part else Outcome({}, [], 0, "")
+            elif done.code and not done.failed:  # a crash, unless it was stopped from outside: seen twice, it counts
+                done = self._pytest(copy, part)
             if done.code is None:
                 return "timeout", ""
             if done.code != 0:
-                return "killed", done.failed[0] if done.failed else "collection"
+                return "killed", done.failed[0] if done.failed else f"exit code {done.code}"
         return "survived", ""
 
     def _pytest(self, copy: Scratch, tests: list[str]) -> Outcome:
@@ -214,7 +218,7 @@ def proof_of(root: Path, file: str, by: str, tree: str) -> str:
     file : str
         The source file.
     by : str
-        The test that killed, empty or ``collection`` for none.
+        What killed: a test, or something else.
     tree : str
         Hash of the whole tree.
     """

@@ -102,6 +102,7 @@ class Scratch:
                 "PYTHONPATH": str(self.folder),
                 "SHIPID_CACHE": str(cache),
                 "HYPOTHESIS_STORAGE_DIRECTORY": f"{name}/hypothesis",
+                "PYTEST_ADDOPTS": "",
             }
             if not keep:
                 env["PYTHONDONTWRITEBYTECODE"] = "1"

@@ -11,8 +11,8 @@ Results are appended to ``--out`` as they come: an interrupted run goes on where
 budget, tries again only what survived. A survivor that changes no result is explained in ``equivalent_mutants.toml`` and leaves the
 count. The study fails below 95 % killed.
 
-The operators are Cosmic Ray's with a few of our own (`_mutants.py`). Its runner has no choice of tests by line, and Mutmut's mutates only
-packages that are imported from where they lie, which `models/`, installed as `shipid.models`, is not.
+The operators are Cosmic Ray's with a few of our own (`_mutants.py`). Its runner is not used: it runs one command for every mutant,
+the whole suite of some minutes, and knows nothing of the tests that execute a line.
 
     python studies/mutation.py [--mutants 200] [--seed 0] [--only ROOM] [--out FILE] [--list] [--json]
 """
@@ -24,10 +24,11 @@ import contextlib
 import json
 import resource
 import signal
+import sqlite3
 import sys
 import tempfile
 import tomllib
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -89,23 +90,24 @@ def reasons() -> dict[tuple[str, str, str], str]:
     return found
 
 
-def count(executions: Executions, results: Sequence[Result], why: Mapping[tuple[str, str, str], str]) -> list[Room]:
-    """Count by room; the last row is the whole."""
-    tally: Counter[tuple[str, str]] = Counter()
+def count(
+    executions: Executions, results: Sequence[Result], why: Mapping[tuple[str, str, str], str], only: str
+) -> list[Room]:
+    """Count by room, of the rooms with a text in their name; the last row is the whole."""
+    tally: dict[str, Counter[str]] = defaultdict(Counter)
     for file, executed in executions.executed.items():
-        for room in (room_of(file), "all"):
-            tally[room, "executed"] += len(executed)
-            tally[room, "statements"] += len(executed) + len(executions.missing[file])
+        missing = executions.missing[file]
+        if only in room_of(file) and (executed or missing):
+            for room in (room_of(file), "all"):
+                tally[room].update(executed=len(executed), statements=len(executed) + len(missing))
     for result in results:
         equivalent = (result.file, result.before, result.after) in why
         kind = "killed" if result.killed else "equivalent" if equivalent else "survived"
         for room in (room_of(result.file), "all"):
-            tally[room, "mutants"] += 1
-            tally[room, kind] += 1
-            tally[room, "timeouts"] += result.status == "timeout"
+            tally[room].update(["mutants", kind])
+            tally[room]["timeouts"] += result.status == "timeout"
     names = ("statements", "executed", "mutants", "killed", "timeouts", "survived", "equivalent")
-    rooms = sorted({room for room, _ in tally if room != "all"} - {r for r, _ in tally if not tally[r, "statements"]})
-    return [Room(room, *(tally[room, name] for name in names)) for room in (*rooms, "all")]
+    return [Room(room, *(tally[room][n] for n in names)) for room in (*sorted(tally.keys() - {"all"}), "all")]
 
 
 def table(rooms: Sequence[Room]) -> str:
@@ -141,10 +143,10 @@ def shown(result: Result) -> str:
     return f"{result.file}:{result.line} ({ran})\n    - {result.before}\n    + {result.after}"
 
 
-def report(executions: Executions, results: Sequence[Result], as_json: bool) -> int:
+def report(executions: Executions, results: Sequence[Result], only: str, as_json: bool) -> int:
     """Print table and survivors; return the exit code."""
     why = reasons()
-    rooms = count(executions, results, why)
+    rooms = count(executions, results, why, only)
     whole = rooms[-1]
     holds = whole.share is not None and whole.share >= ASKED
     alive = [r for r in results if not r.killed]
@@ -234,7 +236,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="another seed draws others (default 0)")
     parser.add_argument("--only", metavar="ROOM", default="", help="rooms with this in their name")
     parser.add_argument(
-        "--budget", type=float, default=30.0, metavar="S", help="seconds of tests a mutant (default 30)"
+        "--budget", type=float, default=60.0, metavar="S", help="seconds of tests a mutant (default 60)"
     )
     parser.add_argument("--workers", type=int, default=2, help="mutants at a time (default 2)")
     parser.add_argument("--out", type=Path, metavar="FILE", help="results as JSON lines (default: in the cache folder)")
@@ -242,6 +244,8 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print the mutants and run none")
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     options = parser.parse_args()
+    if min(options.mutants, options.workers, options.budget) <= 0:
+        parser.error("--mutants, --workers and --budget have to be greater than zero")
     cache = cache_folder().resolve()
     recorded = options.coverage or cache / "mutation" / "coverage"
     options.out = options.out or cache / "mutation" / "results.jsonl"
@@ -260,10 +264,12 @@ def main() -> int:
             copies = [Scratch(ROOT, Path(name) / str(k), cache) for k in range(options.workers)]
             mutants = drawn(copies[0].folder, executions, options)
             results = work(executions, mutants, copies, options)
+    except sqlite3.Error as error:
+        raise SystemExit(f"{recorded} is no recorded run of the tests ({error}); delete it, or name another") from None
     except KeyboardInterrupt:
         print(f"interrupted; what was done stands in {options.out}", file=sys.stderr)
         return 130
-    return report(executions, results, options.json)
+    return report(executions, results, options.only, options.json)
 
 
 if __name__ == "__main__":
