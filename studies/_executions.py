@@ -104,7 +104,7 @@ def measure(root: Path, path: Path, compiled: Path, workers: int) -> None:
         for test in done.failed:
             print(f"fails without any change and is not used: {test}", file=sys.stderr)
         command = [sys.executable, "-m", "coverage", "json", f"--rcfile={settings}", "-q", "-o", f"{name}/report.json"]
-        subprocess.run(command, cwd=scratch.folder, check=True)
+        subprocess.run(command, cwd=scratch.folder, env=scratch.environment, check=True)
         files = json.loads(Path(f"{name}/report.json").read_text(encoding="utf-8"))["files"]
         _store(scratch.folder / ".coverage", tree, done.passed, files)
         path.parent.mkdir(parents=True, exist_ok=True)

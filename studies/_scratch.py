@@ -19,7 +19,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-LEFT_OUT = (".git", ".venv", ".*_cache", ".hypothesis", "__pycache__", "*.egg-info", "build", "dist")
+LEFT_OUT = (".git", ".venv", ".*_cache", ".coverage*", ".hypothesis", "__pycache__", "*.egg-info", "build", "dist")
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,12 @@ class Scratch:
         if beside.is_dir() and not (folder.parent / beside.name).exists():
             (folder.parent / beside.name).symlink_to(beside, target_is_directory=True)
         compiled.mkdir(parents=True, exist_ok=True)
+        #: The user's environment, less what would change how the tests run here.
+        self.environment = os.environ | {
+            "PYTHONPATH": str(folder),
+            "PYTEST_ADDOPTS": "",
+            "COVERAGE_FILE": str(folder / ".coverage"),
+        }
 
     def pytest(self, arguments: Iterable[str], timeout: float | None = None, keep: bool = False) -> Outcome:
         """Run pytest in the copy, with a cache of its own.
@@ -98,11 +104,9 @@ class Scratch:
             # Compiled code is named by a hash of its source; whatever else is cached may be what a change spoils.
             for library in self.compiled.glob("*.so"):
                 (cache / library.name).symlink_to(library)
-            env = os.environ | {
-                "PYTHONPATH": str(self.folder),
+            env = self.environment | {
                 "SHIPID_CACHE": str(cache),
                 "HYPOTHESIS_STORAGE_DIRECTORY": f"{name}/hypothesis",
-                "PYTEST_ADDOPTS": "",
             }
             if not keep:
                 env["PYTHONDONTWRITEBYTECODE"] = "1"
