@@ -42,7 +42,7 @@ from shipid.estimation.settings.instruments import (
     read_ranges,
     read_rates,
 )
-from shipid.estimation.settings.noise import NoiseSource, process_sources, sensor_levels
+from shipid.estimation.settings.noise import NoiseSource, declared_noise, process_sources, sensor_levels
 from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.loop import Loop, make_loop
@@ -316,7 +316,10 @@ def design_filter(
         read_deviations(whole, initial, parameters),
     )
     lost = read_lost(whole, given.lost or {})
-    sources = _sources(base, whole, given, parameters, first, lost, scale)
+    noise = dict(given.noise or {})
+    noise = {n: q for n, q in declared_noise(base, whole, parameters).items() if n not in noise} | noise
+    in_log = {n: first.parameters[n][0] for n, s in parameters.items() if s != n}
+    sources = process_sources(whole, noise, parameters, in_log, scale, given.model_noise, lost)
     equations = make_equations(
         whole, tuple(levels), sources, given.method, given.hold, given.substeps, given.shared_noise
     )
@@ -378,26 +381,3 @@ def _gate(given: FilterSettings) -> Gate | None:
     if patience < 0:
         raise UsageError(f"a patience of {given.patience} is over before it begins; give '0 s' or more.")
     return Gate(given.gate, patience)
-
-
-def _sources(
-    base: Model,
-    model: Model,
-    given: FilterSettings,
-    parameters: Mapping[str, str],
-    first: FirstEstimates,
-    lost: Mapping[str, float],
-    scale: Scale,
-) -> tuple[NoiseSource, ...]:
-    """Return what drives states and inputs: as given, as declared, by default, and for inputs that may be lost."""
-    noise = given.noise or {}
-    declared = {
-        n: e.quantity.noise
-        for n, e in model.entries.items()
-        if e.quantity.noise and e.quantity.kind in ("state", "given") and n not in noise
-    }
-    declared |= {n: q for n in parameters if (q := base[n].quantity.noise) and n not in noise}
-    in_log = {n: first.parameters[n][0] for n, s in parameters.items() if s != n}
-    sources = process_sources(model, {**declared, **noise}, parameters, in_log, scale, given.model_noise)
-    driven = {s.name for s in sources}
-    return sources + tuple(NoiseSource(n, v, "input", False) for n, v in lost.items() if n not in driven)

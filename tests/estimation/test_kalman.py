@@ -9,8 +9,9 @@ import pytest
 from filterpy.kalman import ExtendedKalmanFilter as Oracle
 
 from shipid import Component, ExtendedKalmanFilter, find_model, find_ship, join, parameter, state
+from shipid.declaration.scale import Scale
 from shipid.estimation.errors import FilterDivergedError
-from shipid.estimation.settings.initial import bounds_of
+from shipid.estimation.settings.initial import state_bounds
 from shipid.parameters.parameter_set import ParameterSet, Value
 
 
@@ -178,7 +179,7 @@ def test_runs_away_is_an_error(setup: Any) -> None:
 def test_noise_of_a_parameter_in_its_own_unit(setup: Any) -> None:
     """K = 0.07 1/s, estimated by its logarithm: a walk of 0.0014 1/s in a root second is one of 0.02 of the logarithm."""
     kalman = setup("yaw", {"psi": 0.01}, estimated=["K"], density={"K": 0.0014}).kalman
-    assert {s.name: s.level for s in kalman.sources} == {"log_K": pytest.approx(0.02)}
+    assert {s.name: s.level for s in kalman.design.sources} == {"log_K": pytest.approx(0.02)}
     t = np.array([0.0, 100.0])
     run = kalman.filter({"t": t, "psi": np.array([0.0, np.nan]), "delta": np.zeros(2)})
     first, last = run.std[:, run.states.index("log_K")]
@@ -210,7 +211,7 @@ def test_bounds_follow_the_prime_system() -> None:
     kalman = ExtendedKalmanFilter(
         base, known, measured={"r": "0.001 rad/s"}, estimated=["damping"], log=[], noise={"damping": "0.05 1/s/s^0.5"}
     )
-    low, high = bounds_of(base, kalman.model, {"damping": "damping"}, 100.0, 5.0)
+    low, high = state_bounds(base, kalman.model, {"damping": "damping"}, Scale(100.0, 5.0))
     place = kalman.model.states.index("damping")
     assert (low[place], high[place]) == pytest.approx((-0.1, 0.15))
     # A rate that dies away faster than the upper bound allows, and one that grows faster than the lower one does.

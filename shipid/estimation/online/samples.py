@@ -82,7 +82,7 @@ class SampleReader:
             If it has no time.
         """
         t = sample.get("t")
-        if t is None or (self.t is None and not abs(t) < LATEST):
+        if t is None or (self._began is None and not abs(t) < LATEST):
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         if self._began is None:
             self.clock = FilterClock()
@@ -152,8 +152,9 @@ class SampleReader:
             Inputs at both ends.
         """
         count = steps(elapsed, self.clock.typical)
-        for k in range(1, count + 1):
-            yield elapsed / count, last + k / count * (inputs - last), k == count
+        for k in range(1, count):
+            yield elapsed / count, last + k / count * (inputs - last), False
+        yield elapsed / count, inputs, True
 
     def shown(self, sample: Mapping[str, float], z: np.ndarray, there: np.ndarray) -> tuple[str, ...]:
         """Write what the sensors show, and return those whose value is out of their range.
@@ -164,6 +165,10 @@ class SampleReader:
             SI.
         z, there : ndarray, shape (sensors,)
             Written: values, and 1 where a sensor shows one.
+
+        Returns
+        -------
+        tuple of str
         """
         outside = []
         for i, name, measures, seconds, low, high in self._sensors:

@@ -8,7 +8,7 @@ the variance ``level**2 / T``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -114,6 +114,20 @@ def _positive(value: Amount, units: Sequence[str], what: str) -> tuple[float, in
     raise UnitError(f"{refused} A noise level here is in {choices}.")
 
 
+def declared_noise(base: Model, model: Model, estimated: Collection[str]) -> dict[str, Amount]:
+    """Return the noise that a model declares on its states and inputs, and on the parameters that are estimated.
+
+    Parameters
+    ----------
+    base, model : Model
+        Without and with the estimated parameters as states.
+    estimated : collection of str
+        The estimated parameters.
+    """
+    entries = [e for e in model.entries.values() if e.quantity.kind in ("state", "given")]
+    return {e.name: e.quantity.noise for e in (*entries, *(base[n] for n in estimated)) if e.quantity.noise}
+
+
 def process_sources(
     model: Model,
     noise: Mapping[str, Amount],
@@ -121,6 +135,7 @@ def process_sources(
     sizes: Mapping[str, float],
     scale: Scale,
     model_noise: bool = True,
+    lost: Mapping[str, float] | None = None,
 ) -> tuple[NoiseSource, ...]:
     """Return what drives the states: the levels given, and the default for moving states that have none.
 
@@ -138,6 +153,8 @@ def process_sources(
         L and U, for the default.
     model_noise : bool
         Whether states that have a rate, and are no parameter and no position or heading, get the default.
+    lost : mapping of str to float, optional
+        Standard deviation of inputs while they are missing, SI: a noise of its own where the input has none.
 
     Raises
     ------
@@ -172,6 +189,8 @@ def process_sources(
             if name not in driven and _walks(model, name):
                 density = _times(model[name].unit, "1/s^0.5")
                 found.append(NoiseSource(name, MODEL_NOISE * scale.factor(density), "state", True, True))
+    driven = {s.name for s in found}
+    found += [NoiseSource(n, v, "input", False) for n, v in (lost or {}).items() if n not in driven]
     return tuple(found)
 
 
