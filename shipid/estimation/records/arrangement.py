@@ -1,7 +1,7 @@
 """From a record to the rows of a filter: inputs, intervals, what each sensor shows and when it is there.
 
 A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; what becomes of time stamps that
-cannot be right is told in `shipid.estimation.records.clock`.
+cannot be right is explained in `shipid.estimation.records.clock`.
 """
 
 from __future__ import annotations

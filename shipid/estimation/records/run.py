@@ -21,7 +21,7 @@ from shipid.foundation.statistics import interval_95
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What a filter says of an estimate among plain values.
+#: What is reported of an estimate as plain values.
 _REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
 
 
@@ -228,7 +228,7 @@ class FilterRun:
             "record": self.record,
             "samples": int(self.t.size),
             "parameters": {
-                n: {key: told for key, told in p.to_dict().items() if key in _REPORTED}
+                n: {key: value for key, value in p.to_dict().items() if key in _REPORTED}
                 for n, p in self.parameters.items()
             },
             "states": {

@@ -1,4 +1,4 @@
-"""How noisy the measured state is: as the user says, or from the record alone."""
+"""The noise level of the measured state: as given, or from the record alone."""
 
 from __future__ import annotations
 
