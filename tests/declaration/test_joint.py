@@ -70,6 +70,22 @@ def test_draws_have_the_covariance(tmp_path):
     assert drawn.source == "the covariance of K, tau in the set of ship soesterberg"
 
 
+@pytest.mark.parametrize(
+    ("model", "name", "si", "other", "factor"),
+    [("nomoto", "tau", "s", "min", 60.0), ("norrbin", "b3", "s/rad^2", "s/deg^2", (180 / np.pi) ** 2)],
+)
+def test_a_standard_deviation_has_the_unit_of_its_value(model, name, si, other, factor):
+    """A ship that is stated in two units has the same draws: tau by its logarithm, b3, which has either sign, as it is."""
+    found, drawn = shipid.find_ship("soesterberg"), []
+    for unit, value, std in ((si, 30.0, 3.0), (other, 30.0 / factor, 3.0 / factor)):
+        stated = {name: Value(name, value, unit, "assumed", std=std)}
+        own = dataclasses.replace(found, sections={**found.sections, model: stated}, joint={})
+        drawn.append(draw_coefficients(shipid.find_model(model), own, 4000).values[:, 0])
+    scattered = np.log(drawn[0] / 30.0) if name == "tau" else (drawn[0] - 30.0) / 30.0
+    assert (scattered.mean(), scattered.std()) == pytest.approx((0.0, 0.1), abs=0.001)
+    np.testing.assert_allclose(drawn[1], drawn[0], rtol=1e-12)
+
+
 def test_what_the_set_does_not_say():
     apart = draw_coefficients(MODEL, ship(joint=False), 2000)
     assert abs(np.corrcoef(apart.values.T)[0, 1]) < 0.1 and "taken as independent" in apart.source
