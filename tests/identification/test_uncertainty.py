@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import linregress
 
 import shipid
+from shipid.identification.problem import Prior, make_problem
+from shipid.identification.sailed import prepare
 from shipid.identification.search import triangle
-from shipid.identification.uncertainty import autocorrelation_time, correlation_of, verdict
+from shipid.identification.solve import box_of, minimise
+from shipid.identification.uncertainty import autocorrelation_time, correlation_of, covariance_of, verdict
 
 
 @pytest.mark.parametrize("phi", [0.5, 0.9, 0.97])
@@ -65,6 +70,27 @@ def test_verdicts():
     assert "trades off with b (+0.99)" in verdict(1.0, 0.9, 1.0, -10.0, 10.0, "b (+0.99)")
     assert verdict(0.0, 0.1, 1.0, -10.0, 10.0, "") == "", "a zero that is known to a tenth of a typical size is known"
     assert "90% of its value" in verdict(0.1, 0.09, 1.0, 0.01, 10.0, ""), "one that must be positive has no zero"
+
+
+@pytest.mark.parametrize("strength", [1.0, 7.0])
+def test_without_data_the_uncertainty_is_that_of_the_belief(drift, drifting, strength):
+    """The rudder rests amidships and shows no gain; how many samples outvote the belief does not make it surer."""
+    trial, _ = drifting(np.deg2rad(0.5), 100, seed=1, rudder=0.0)
+    sailed, sigma = prepare(drift, trial, ("psi",), None), np.array([np.deg2rad(0.5)])
+    problem = make_problem(drift, [sailed], ("psi",), ("gain", "swing"), {}, sigma, ())
+    prior = Prior({}, {}, {}, {}, parameters={"gain": (0.1, 0.02)}, strength=strength)
+    box = box_of({"gain": (0.3, -10, 10), "swing": (0.0, -1, 1)})
+    found = minimise(replace(problem, prior=prior), problem.first_guess(box.start), box, most=50)
+    assert found.q[0] == pytest.approx(0.1)
+    assert np.sqrt(covariance_of(found).matrix[0, 0]) == pytest.approx(0.02, rel=1e-6)
+
+
+def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, drifting):
+    trial, _ = drifting(np.deg2rad(0.5), 100, seed=2)
+    sailed = prepare(drift, trial, ("psi",), None, first=25)
+    line = linregress(trial["t"][:25], trial["psi"][:25])
+    assert sailed.x0 == pytest.approx([line.intercept], rel=1e-9)
+    assert sailed.x0_std == pytest.approx([line.intercept_stderr], rel=1e-9)
 
 
 def test_a_coefficient_without_influence_is_not_determined(sail):
