@@ -66,7 +66,16 @@ def test_what_does_not_fit_says_what_was_needed(value: object, wanted: str, word
 
 @pytest.mark.parametrize(
     ("text", "power"),
-    [("deg/s", 1), ("rpm", 1), ("s^2*deg^2", 2), ("s^2/deg^2", -2), ("s²/rad²", -2), ("1/deg", -1), ("1/s", 0), ("1", 0)],
+    [
+        ("deg/s", 1),
+        ("rpm", 1),
+        ("s^2*deg^2", 2),
+        ("s^2/deg^2", -2),
+        ("s²/rad²", -2),
+        ("1/deg", -1),
+        ("1/s", 0),
+        ("1", 0),
+    ],
 )
 def test_the_power_of_the_angle_has_a_sign(text: str, power: float) -> None:
     assert units.angle_exponent(text) == power
