@@ -7,6 +7,8 @@ import pytest
 from shipid import Component, augment, find_model, given, join, parameter, state
 from shipid.declaration.errors import DeclarationError, UnknownNameError
 from shipid.declaration.model import Evaluation
+from shipid.declaration.parameters import resolve
+from shipid.declaration.unit_check import check_units
 
 POINT = {"r": 0.012, "u": 5.0, "psi": 0.3, "delta": 0.2, "cruise": 6.0, "L": 45.0, "r_disturbance": 0.0}
 POINT |= {"u_disturbance": 0.0, "current_north": 0.0, "current_east": 0.0}
@@ -79,6 +81,8 @@ def test_a_dimensional_parameter_keeps_its_unit() -> None:
     assert wide["tau"].unit == "s" and wide["log_tau"].unit == "1"
     assert Evaluation(wide, {"log_tau": log(31.0), "unit_tau": 1.0})["tau"] == pytest.approx(31.0)
     assert Evaluation(wide, {"log_tau": 0.3, "unit_tau": 1.0})["tau"] == pytest.approx(exp(0.3))
+    assert resolve(wide, {}) == {"unit_tau": 1.0}
+    check_units(wide)
 
 
 def test_a_constant_may_be_augmented_too() -> None:
