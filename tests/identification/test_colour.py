@@ -85,6 +85,24 @@ def test_signals_that_drive_each_other_are_found():
     assert colour.drive == pytest.approx(DRIVE, abs=0.03)
 
 
+def test_no_more_past_samples_are_taken_than_there_are():
+    """Four signals of first order: a second past sample has 16 numbers, which reach 16 log(500) once in 10^13 times."""
+    found = [colour_of(np.array([first_order(0.6, 500, 4 * seed + k) for k in range(4)])).order for seed in range(60)]
+    assert found == [1] * 60
+
+
+def test_of_signals_that_drive_each_other_everything_is_put_back():
+    """Unknowns for every sample leave no residual: what is put back is the whole covariance, but for the ends."""
+    count = 400
+    everything = np.eye(2 * count).reshape(2, count, 2 * count)
+    colour = Colour(COUPLED, DRIVE)
+    shaped = colour.shaped(everything)
+    found = corrected(colour, np.zeros((2, count)), everything, np.eye(2 * count), shaped.T @ shaped)
+    # A lag of k samples is an average of N - k products over N.
+    assert found.steps == pytest.approx(COUPLED, abs=0.02)
+    assert found.drive == pytest.approx(DRIVE, abs=0.03)
+
+
 def test_what_a_fit_took_up_is_put_back():
     """A regression on slow waves takes the slow noise: the power at low frequencies is right after the correction."""
     phi, count = 0.9, 400

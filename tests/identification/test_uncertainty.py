@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import lfilter
 from scipy.stats import linregress, multivariate_normal, norm
 
 import shipid
@@ -16,7 +17,7 @@ from shipid.identification.beliefs import prior_of
 from shipid.identification.problem import Prior, make_problem
 from shipid.identification.sailed import prepare
 from shipid.identification.search import triangle
-from shipid.identification.solve import box_of, minimise
+from shipid.identification.solve import Solution, box_of, minimise
 from shipid.identification.uncertainty import autocorrelation_time, correlation_of, covariance_of, verdict
 
 
@@ -86,6 +87,24 @@ def test_without_data_the_uncertainty_is_that_of_the_belief(drift, drifting, str
     found = minimise(replace(problem, prior=prior), problem.first_guess(box.start), box, most=50)
     assert found.q[0] == pytest.approx(0.1)
     assert np.sqrt(covariance_of(found).matrix[0, 0]) == pytest.approx(0.02, rel=1e-6)
+
+
+def test_weights_three_times_too_small_make_nothing_surer(drift, drifting):
+    """One signal: its residuals say how large its noise is, whatever weight it was given, and how many samples count."""
+    sigma, phi = np.deg2rad(0.5), 0.8
+    trial, design = drifting(sigma, 400, seed=6)
+    noise = lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], np.random.default_rng(7).standard_normal(900))[500:]
+    found = []
+    for given_ in (sigma, 3 * sigma):
+        problem = make_problem(
+            drift, [prepare(drift, trial, ("psi",), None)], ("psi",), ("gain", "swing"), {}, np.array([given_]), ()
+        )
+        q = problem.first_guess(np.array([0.05, 1e-4]))
+        solution = Solution(problem, q, sigma * noise / given_, design / given_, True, "", 1)
+        found.append(covariance_of(solution))
+    assert found[1].matrix == pytest.approx(found[0].matrix, rel=1e-9)
+    assert found[1].effective == pytest.approx(found[0].effective, rel=1e-9)
+    assert found[1].effective[0, 0] < 0.5
 
 
 def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, drifting):
