@@ -62,8 +62,8 @@ class Arrangement:
     @property
     def sample(self) -> np.ndarray:
         """The sample that each row belongs to, among those used, shape (N,): rows that bridge a gap belong to the one that ends it."""
-        found: np.ndarray = np.searchsorted(np.flatnonzero(self.shown), np.arange(self.t.size))
-        return np.minimum(found, np.count_nonzero(self.shown) - 1)
+        found = np.searchsorted(np.flatnonzero(self.shown), np.arange(self.t.size))
+        return np.asarray(np.minimum(found, np.count_nonzero(self.shown) - 1))
 
     @property
     def back(self) -> int:

@@ -56,7 +56,7 @@ class RecursiveIdentification:
     out: np.ndarray
 
     def _rows(self, name: str) -> np.ndarray:
-        return self.out[self.arranged.shown][:, self.design.layout.outputs[name]]
+        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.outputs[name]])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,7 +66,7 @@ class RecursiveIdentification:
     @property
     def t(self) -> np.ndarray:
         """Times of the samples in s, shape (N,)."""
-        return self.arranged.t[self.arranged.shown]
+        return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
     def theta(self) -> np.ndarray:
@@ -99,7 +99,7 @@ class RecursiveIdentification:
     @property
     def std(self) -> np.ndarray:
         """Standard deviations of the parameters after each sample, SI, shape (N, n)."""
-        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0))
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
 
     @property
     def innovations(self) -> np.ndarray:
@@ -121,7 +121,7 @@ class RecursiveIdentification:
     @functools.cached_property
     def _normalised(self) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
-            return (self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken]
+            return np.asarray((self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken])
 
     @property
     def nis_mean(self) -> float | None:
