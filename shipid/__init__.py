@@ -46,7 +46,7 @@ _HOMES = {
     "plan_trials": "shipid.planning.plan_trials",
     "manoeuvring_criteria": "shipid.criteria.manoeuvring_criteria",
     "design_autopilot": "shipid.autopilot.design.design_autopilot",
-    "read_schedule": "shipid.autopilot.design.schedule_file",
+    "read_schedule": "shipid.autopilot.design.read_schedule",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }

@@ -22,10 +22,10 @@ import numpy as np
 from _table import Row, below, show
 
 import shipid
+from shipid.autopilot.course_changes.run_course_changes import sail
+from shipid.autopilot.course_changes.weather import Weather
 from shipid.autopilot.design.placement import pole_pair
-from shipid.autopilot.judgement.course_changes import sail
 from shipid.autopilot.judgement.margins import disk_on, loop_polynomials, margins_at, to_transfer_function
-from shipid.autopilot.judgement.weather import Weather
 from shipid.parameters.draws import draw_coefficients
 
 HERE = Path(__file__).parent

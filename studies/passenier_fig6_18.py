@@ -11,9 +11,9 @@ import numpy as np
 from _claims import FAILS, UNDER_A_READING, Claim, options, show
 
 import shipid
+from shipid.autopilot.course_changes.run_course_changes import sail
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import Schedule
-from shipid.autopilot.judgement.course_changes import sail
 from shipid.generation.record import make_record
 from shipid.parameters.parameter_set import Value
 

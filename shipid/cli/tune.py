@@ -128,7 +128,7 @@ def _frequency(text: str | None) -> str | float | None:
 def _compare(
     files: tuple[str, str], folder: Path | None, samples: int, seed: int, as_json: bool, open_report: bool
 ) -> int:
-    from shipid.autopilot.design.schedule_file import read_schedule
+    from shipid.autopilot.design.read_schedule import read_schedule
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
 
     pilots = [read_schedule(f) for f in files]
@@ -157,7 +157,7 @@ def _json(result: Any) -> Any:
 
 
 def _write(judged: Any, folder: Path, model: str) -> None:
-    from shipid.autopilot.design.schedule_file import write_schedule
+    from shipid.autopilot.design.read_schedule import write_schedule
     from shipid.report.write_report import write_report
 
     fill(

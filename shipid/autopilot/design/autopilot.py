@@ -254,7 +254,7 @@ class Autopilot:
         path : str or Path
             The file; it is replaced in one step.
         """
-        from shipid.autopilot.design.schedule_file import write_schedule
+        from shipid.autopilot.design.read_schedule import write_schedule
 
         write_schedule(self, path)
 

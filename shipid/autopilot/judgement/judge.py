@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from shipid.autopilot.course_changes.run_course_changes import Sailed, clock_of, sail, scaled_draws
+from shipid.autopilot.course_changes.sea_filter import ABOVE, WIDTH
+from shipid.autopilot.course_changes.weather import yardstick
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.plant import linear_plant
-from shipid.autopilot.design.sea_filter import ABOVE, WIDTH
-from shipid.autopilot.judgement.course_changes import Sailed, clock_of, sail, scaled_draws
 from shipid.autopilot.judgement.judgement import LIMITS, CourseChange, Judgement, Robustness
 from shipid.autopilot.judgement.margins import Margins, disk_margins, loop_polynomials, margins_at, notched
-from shipid.autopilot.judgement.weather import yardstick
 from shipid.generation.record import make_record
 from shipid.generation.system import generate
 from shipid.parameters.draws import Drawn, draw_coefficients

@@ -7,11 +7,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from shipid.autopilot.course_changes.course_measures import CourseMeter
+from shipid.autopilot.course_changes.sea_filter import ABOVE, SeaFiltered
+from shipid.autopilot.course_changes.weather import Weather
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.control_law import Measured
-from shipid.autopilot.design.sea_filter import ABOVE, SeaFiltered
-from shipid.autopilot.judgement.course_measures import CourseMeter
-from shipid.autopilot.judgement.weather import Weather
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.generation.ensemble import make_batch, steps_of

@@ -7,8 +7,8 @@ import pytest
 
 import shipid
 from shipid.autopilot.design.control_law import Measured
+from shipid.autopilot.design.modes import CourseKeeper, RateController, place_rate
 from shipid.autopilot.errors import DesignRequestError
-from shipid.autopilot.on_board.modes import CourseKeeper, RateController, place_rate
 from shipid.generation.record import make_record
 from shipid.generation.system import generate
 from shipid.models import SteeringMachine

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.autopilot.judgement.course_changes import sail
+from shipid.autopilot.course_changes.run_course_changes import sail
+from shipid.autopilot.course_changes.weather import Weather, yardstick
 from shipid.autopilot.judgement.judge import histories
-from shipid.autopilot.judgement.weather import Weather, yardstick
 from shipid.parameters.draws import draw_coefficients
 
 
@@ -113,7 +113,7 @@ def test_the_sea_filter_spares_the_rudder_and_keeps_the_course(container):
 
 def test_the_sea_filter_is_a_notch(container):
     """In the declared loop: what passes at its frequency is nothing, and a steady rate passes whole."""
-    from shipid.autopilot.design.sea_filter import SeaFiltered
+    from shipid.autopilot.course_changes.sea_filter import SeaFiltered
 
     model = shipid.join("filter", SeaFiltered)
     linear = shipid.linearise(
