@@ -99,7 +99,7 @@ class PershitzDiscrete(PershitzCoefficients):
     y = state("m", "position to the east", nominal=100.0)
     psi = state("rad", "heading, clockwise from north", nominal="10 deg", wraps=True, latex=r"\psi")
     Omega = state("rad/m", "heading change per metre sailed", nominal=0.002, latex=r"\Omega")
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     delta_midships = constant(
         "rad",
         "rudder angle that gives the time constant while the rudder is amidships",
@@ -161,24 +161,24 @@ class PershitzDiscrete(PershitzCoefficients):
     @x.next
     def north(self):
         """Semerdjiev and Mihaylova (2000), eq. (8); its Y is our x."""
-        return self.x + self.T * self.V * np.cos(self.psi)
+        return self.x + self.T_s * self.V * np.cos(self.psi)
 
     @y.next
     def east(self):
         """Semerdjiev and Mihaylova (2000), eq. (7); its X is our y."""
-        return self.y + self.T * self.V * np.sin(self.psi)
+        return self.y + self.T_s * self.V * np.sin(self.psi)
 
     @psi.next
     def heading(self):
         """Semerdjiev and Mihaylova (2000), eq. (9)."""
-        sailed = self.T * self.V
+        sailed = self.T_s * self.V
         settling = 0.5 * sailed * self.decay * (self.Omega - self.Omega_U) * np.exp(sailed * self.decay)
         return self.psi + sailed * (self.Omega + settling)
 
     @Omega.next
     def turning(self):
         """Semerdjiev and Mihaylova (2000), eq. (10)."""
-        left = np.exp(self.T * self.V * self.decay)
+        left = np.exp(self.T_s * self.V * self.decay)
         return self.Omega * left + self.Omega_U * (1 - left)
 
 
@@ -193,7 +193,7 @@ class PershitzTrack(Component):
     y = state("m", "position to the east", nominal=100.0)
     psi = state("rad", "heading, clockwise from north", nominal="10 deg", wraps=True, latex=r"\psi")
     V_U = state("m/s", "speed on a straight course", nominal=5.0, latex="V_U")
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     Omega = given("rad/m", "heading change per metre sailed, fixed for each model of a tracker", latex=r"\Omega")
     mean_length = constant("m", "ship length the loss of speed is reckoned with", default="69 m", latex="l")
     k_v = parameter(
@@ -219,17 +219,17 @@ class PershitzTrack(Component):
     @x.next
     def north(self):
         """Semerdjiev and Mihaylova (2000), eq. (13); its Y is our x."""
-        return self.x + self.T * self.V * np.cos(self.psi)
+        return self.x + self.T_s * self.V * np.cos(self.psi)
 
     @y.next
     def east(self):
         """Semerdjiev and Mihaylova (2000), eq. (12); its X is our y."""
-        return self.y + self.T * self.V * np.sin(self.psi)
+        return self.y + self.T_s * self.V * np.sin(self.psi)
 
     @psi.next
     def heading(self):
         """Semerdjiev and Mihaylova (2000), eq. (14), or (18) with the displacement."""
-        return self.psi + self.T * self.V * self.turn()
+        return self.psi + self.T_s * self.V * self.turn()
 
     @V_U.next
     def straight_speed(self):

@@ -122,7 +122,7 @@ class ColouredWavesSeven(ColouredWaves):
     @psi_wave.next
     def heading(self):
         """Passenier (1989), eq. (5.40)."""
-        return self.psi_wave + self.T * (self.wave_noise - self.v_f)
+        return self.psi_wave + self.T_s * (self.wave_noise - self.v_f)
 
 
 yaw_filter = join("yaw-filter", AdaptiveYaw, SlowDisturbance, ColouredWaves, Heading, Compass, Gyro)

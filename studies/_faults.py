@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 
 import shipid
+from shipid.declaration.component import declared_quantities
+from shipid.declaration.vocabulary import FIELDS
 from shipid.models.nomoto import Nomoto
 from shipid.parts.planar_motion import PlanarMotion
-from shipid.trials.columns import COLUMNS
 
 SHIPS = (
     ("nomoto", "kvlcc2"), ("norrbin", "zeefakkel"), ("bech", "kvlcc2-7m"), ("de-keizer", "soesterberg"),
@@ -25,8 +26,8 @@ class Log:
     """A trial as a log would print it: SI values, the unit each header claims, and the severity's number."""
 
     def __init__(self, trial: shipid.Trial, ship: str, seed: int) -> None:
-        self.values: Table = {c: trial[c].copy() for c in trial.table.columns if c in COLUMNS}
-        self.units = {c: COLUMNS[c].display for c in self.values}
+        self.values: Table = {c: trial[c].copy() for c in trial.table.columns if c in FIELDS}
+        self.units = {c: FIELDS[c].display for c in self.values}
         self.ship = ship
         self.length = shipid.find_ship(ship).particular("L", "m")
         self.rng = np.random.default_rng(seed)
@@ -64,7 +65,7 @@ class Log:
 
     def frame(self) -> pd.DataFrame:
         """Return the table as it is printed, the claimed units in the headers."""
-        factor = {c: shipid.trials.columns.to_inside(c, COLUMNS[c].display) for c in self.values}
+        factor = {c: shipid.trials.columns.to_inside(c, FIELDS[c].display) for c in self.values}
         return pd.DataFrame({f"{c} [{self.units[c]}]": v / factor[c] for c, v in self.values.items()})
 
 
@@ -376,7 +377,7 @@ def lopsided(ship: str, share: float, noise: dict[str, float] | str, seed: int) 
     class Lopsided(Nomoto):
         """Nomoto's ship with two gains."""
 
-        @Nomoto._quantities["r"].rate
+        @declared_quantities(Nomoto)["r"].rate
         def yaw(self):
             """A gain for either side."""
             gain = self.K * (1 + 0.5 * share * np.tanh(self.delta / 0.02))

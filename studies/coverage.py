@@ -30,8 +30,8 @@ from scipy.signal import lfilter
 from threadpoolctl import threadpool_limits
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.trials.columns import COLUMNS
 
 #: Standard deviation of the sensors, SI.
 SENSORS = {"psi": np.deg2rad(0.2), "r": np.deg2rad(0.02), "u": 0.05, "v": 0.05}
@@ -123,7 +123,7 @@ def noise_on(signals: tuple[str, ...], kind: str, count: int, step: float, rng: 
 def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> dict[str, Any]:
     """Identify so many campaigns and count."""
     model, truth, tables = sailed(ship)
-    units = {n: COLUMNS[n].unit for n in tables[0].columns}
+    units = {n: FIELDS[n].unit for n in tables[0].columns}
     begin, names, inside, errors, spreads = time.perf_counter(), (), [], [], []
     for run in range(runs):
         rng = np.random.default_rng([2026, run])

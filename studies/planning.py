@@ -21,9 +21,9 @@ from _table import Row, show
 from scipy.special import polygamma
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
 from shipid.planning.plan import Leg, Plan
-from shipid.trials.columns import COLUMNS
 
 CASES = (("norrbin", "zeefakkel"), ("de-keizer", "soesterberg"), ("norrbin", "kvlcc2"))
 DETERMINANT, SPREAD = 2.0, 1.2
@@ -55,7 +55,7 @@ def sailed(plan: Plan, leg: Leg) -> shipid.Trial:
 
 
 def units_of(names: Sequence[str]) -> dict[str, str]:
-    return {n: COLUMNS[n].unit for n in names}
+    return {n: FIELDS[n].unit for n in names}
 
 
 def estimates(plan: Plan, legs: Sequence[Leg], runs: int, design: int) -> np.ndarray:

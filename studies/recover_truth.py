@@ -20,8 +20,8 @@ import pandas as pd
 from scipy.stats import chi2
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.trials.columns import COLUMNS
 from shipid.trials.manoeuvres.simulate import standard_noise
 
 #: De Keizer's container; alpha3, K_u and tau_u are assumed.
@@ -57,7 +57,7 @@ def run_all(runs: int) -> tuple[tuple[str, ...], np.ndarray, np.ndarray, np.ndar
     """Identify every run; return names, errors (runs, parameters), NEES (runs,) and the Cramer-Rao bound."""
     model, clean = clean_record()
     noise = {n: d for n, d in standard_noise().items() if n in SIGNALS}
-    units = {n: COLUMNS[n].unit for n in clean.columns}
+    units = {n: FIELDS[n].unit for n in clean.columns}
     levels = {n: (d, units[n]) for n, d in noise.items()}
     names = tuple(n for n in model.parameters if n in TRUTH)
     truth = np.array([TRUTH[n] for n in names])

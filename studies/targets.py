@@ -33,7 +33,7 @@ import numpy as np
 import pandas as pd
 
 import shipid
-from shipid.trials.columns import COLUMNS
+from shipid.declaration.vocabulary import FIELDS
 
 FORMATS = Path(__file__).parent / "formats"
 #: The same candidates for every campaign; those that read a wind take part where the log holds it.
@@ -111,7 +111,7 @@ def brought_to(trial: shipid.Trial, scale: float) -> shipid.Trial:
     """The same trial of a model so many times smaller, by Froude's law."""
     powers = {"x": -1.0, "y": -1.0, "u": -0.5, "v": -0.5, "U": -0.5, "t": -0.5, "r": 0.5, "psi": 0.0, "delta": 0.0}
     columns = {n: trial[n] * scale**p for n, p in powers.items() if trial.has(n)}
-    units = {n: COLUMNS[n].unit for n in columns}
+    units = {n: FIELDS[n].unit for n in columns}
     return shipid.Trial.from_frame(pd.DataFrame(columns), name=trial.name, units=units)
 
 

@@ -47,6 +47,7 @@ def show(model: str, as_json: bool, latex: bool) -> None:
 
     MODEL is a name (see shipid models) or path/to/file.py:Class.
     """
+    from shipid.declaration.component import SAMPLING_INTERVAL
     from shipid.declaration.units import pretty
     from shipid.generation.typesetting import typeset
     from shipid.parameters.catalogue import find_model
@@ -88,7 +89,7 @@ def show(model: str, as_json: bool, latex: bool) -> None:
         ("derived", "derived"),
         ("output", "outputs"),
     ):
-        names = [n for n in found.entries if found[n].quantity.kind == kind and n != "T"]
+        names = [n for n in found.entries if found[n].quantity.kind == kind and n != SAMPLING_INTERVAL]
         if names:
             click.echo(title)
         for n in names:

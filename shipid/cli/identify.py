@@ -149,7 +149,7 @@ _FILES = ("result.json", "ship.toml", "report.html")
 def _write(fit: Any, folder: Path) -> None:
     import json
 
-    from shipid.parameters.parameter_set import write_parameter_set
+    from shipid.parameters.parameter_file import write_parameter_set
     from shipid.report.write_report import write_report
 
     result = json.dumps(fit.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)

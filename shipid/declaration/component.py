@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import re
 import types
-from typing import Any, ClassVar
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import ClassVar
 
 from shipid.declaration.quantity import Equation, Quantity
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, nearest
 
 #: The name under which an equation reads the sampling interval.
-SAMPLING_INTERVAL = "T"
+SAMPLING_INTERVAL = "T_s"
 _RESERVED = ("t",)
 
 
@@ -26,7 +29,7 @@ class Component:
     _quantities: ClassVar[dict[str, Quantity]] = {}
     _equations: ClassVar[dict[str, Equation]] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
         quantities: dict[str, Quantity] = {}
         methods: dict[str, Equation] = {}
@@ -44,15 +47,43 @@ class Component:
         for name, quantity in quantities.items():
             _check_quantity(cls, name, quantity)
 
-    def __new__(cls, *_: Any, **__: Any) -> Any:  # noqa: D102
+    def __new__(cls, *_: object, **__: object) -> Component:  # noqa: D102
         raise DeclarationError(
             f"{cls.__name__} is a declaration and is not instantiated: pass the class to shipid.join."
         )
 
 
-def slug(cls: type[Component]) -> str:
-    """Return the name of a component as the command line writes it: DeKeizer is ``de-keizer``."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", cls.__name__).lower()
+def declared_quantities(component: type[Component]) -> Mapping[str, Quantity]:
+    """Return the quantities that a component declares, by name, in the order of declaration.
+
+    Parameters
+    ----------
+    component : type[Component]
+        The component.
+    """
+    return MappingProxyType(component._quantities)
+
+
+def declared_equations(component: type[Component]) -> Mapping[str, Equation]:
+    """Return the equations of a component by the quantity each defines.
+
+    Parameters
+    ----------
+    component : type[Component]
+        The component.
+    """
+    return MappingProxyType(component._equations)
+
+
+def slug(component: type[Component]) -> str:
+    """Return the name of a component as the command line writes it: DeKeizer is ``de-keizer``.
+
+    Parameters
+    ----------
+    component : type[Component]
+        The component.
+    """
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", component.__name__).lower()
 
 
 def _by_target(cls: type[Component], methods: dict[str, Equation]) -> dict[str, Equation]:
@@ -73,7 +104,7 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
         raise DeclarationError(f"component {cls.__name__} may not name a quantity '{name}': the name is reserved.")
     if name == SAMPLING_INTERVAL and quantity.kind != "given":
         raise DeclarationError(
-            f"component {cls.__name__} states 'T', which is the sampling interval: declare it as given('s', ...)."
+            f"component {cls.__name__} states '{SAMPLING_INTERVAL}', which is the sampling interval: declare it as given('s', ...)."
         )
     equation = cls._equations.get(name)
     if quantity.kind == "state" and equation is None:
@@ -91,11 +122,11 @@ class Scope:
 
     __slots__ = ("_component", "_lookup")
 
-    def __init__(self, component: type[Component], lookup: Any) -> None:
+    def __init__(self, component: type[Component], lookup: Callable[[str], Expression]) -> None:
         self._component = component
         self._lookup = lookup
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> Expression:
         component = self._component
         if name in component._quantities:
             return self._lookup(name)

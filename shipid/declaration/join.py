@@ -7,7 +7,7 @@ from inspect import getattr_static
 from typing import Any
 
 from shipid.declaration import units
-from shipid.declaration.component import SAMPLING_INTERVAL, Component
+from shipid.declaration.component import SAMPLING_INTERVAL, Component, declared_equations, declared_quantities
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
 from shipid.declaration.unit_check import check_units
@@ -73,7 +73,9 @@ def _entries(part: Any) -> list[Entry]:
     if isinstance(part, Model):
         return list(part.entries.values())
     if isinstance(part, type) and issubclass(part, Component):
-        return [Entry(quantity, part, part._equations.get(n)) for n, quantity in part._quantities.items()]
+        return [
+            Entry(quantity, part, declared_equations(part).get(n)) for n, quantity in declared_quantities(part).items()
+        ]
     raise DeclarationError(f"join takes component classes and models, and got {part!r}.")
 
 
@@ -141,7 +143,9 @@ def _check_connection(model: str, name: str, readers: list[Entry], source: Entry
                 f"{reader.owner.__name__} reads it in {units.pretty(reader.unit)}."
             )
     if name == SAMPLING_INTERVAL and source is not None:
-        raise DeclarationError(f"model {model}: 'T' is the sampling interval, and {_where(source)} states it.")
+        raise DeclarationError(
+            f"model {model}: '{SAMPLING_INTERVAL}' is the sampling interval, and {_where(source)} states it."
+        )
 
 
 def _input(readers: list[Entry]) -> Entry:

@@ -155,7 +155,7 @@ class Quantity:
         return self._equation("rate", function)
 
     def next(self, function: Callable[[Any], Any]) -> Equation:
-        """Decorate the method that returns a state one sampling interval ``T`` later."""
+        """Decorate the method that returns a state one sampling interval ``T_s`` later."""
         return self._equation("next", function)
 
     def equals(self, function: Callable[[Any], Any]) -> Equation:

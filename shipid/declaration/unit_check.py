@@ -41,7 +41,7 @@ def check_units(model: Model) -> None:
         return quantity(np.float64(_SOME_NUMBER), units.unit(unit))
 
     plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
-    evaluation = _Checked(model, plain | {SAMPLING_INTERVAL: value("T", "s")})
+    evaluation = _Checked(model, plain | {SAMPLING_INTERVAL: value(SAMPLING_INTERVAL, "s")})
     with np.errstate(all="ignore"):
         for entry in model.entries.values():
             if entry.equation is None:

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import functools
 import re
-from typing import Any
 
+from shipid.foundation.aliases import PintUnit
 from shipid.foundation.cache import cache_folder
 from shipid.foundation.errors import UnitError
 
@@ -20,7 +20,7 @@ _SUPERSCRIPT_RUN = re.compile(r"[⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 
 
 @functools.cache
-def registry() -> Any:
+def registry() -> PintUnit:
     """Return the one pint registry of the toolbox (built on first use: it costs 0.1-0.3 s)."""
     import pint
 
@@ -28,7 +28,7 @@ def registry() -> Any:
         # Parsing pint's definitions takes a tenth of a second, reading them parsed a hundredth.
         folder = cache_folder() / "units"
         folder.mkdir(parents=True, exist_ok=True)
-        ureg: Any = pint.UnitRegistry(cache_folder=folder)
+        ureg: PintUnit = pint.UnitRegistry(cache_folder=folder)
     except Exception:  # whatever is wrong with a cache, it is no reason to do without units
         ureg = pint.UnitRegistry()
     ureg.define("rps = revolution / second")
@@ -41,7 +41,7 @@ def _tidy(text: str) -> str:
 
 
 @functools.cache
-def unit(text: str) -> Any:
+def unit(text: str) -> PintUnit:
     """Parse a unit such as ``"deg/s"``, ``"1/s"``, ``"kn"`` or ``"1"``.
 
     Parameters
@@ -132,36 +132,6 @@ def factor(given: str, wanted: str, what: str = "the value") -> float:
             f"Write the angle, as {pretty(wanted)} or {pretty(wanted).replace('rad', 'deg')}."
         )
     return float(registry().Quantity(1.0, unit(given)).to(unit(wanted)).magnitude)
-
-
-@functools.cache
-def prime_exponents(text: str) -> tuple[float, float]:
-    """Return (a, b) such that ``L**a * (L/U)**b`` has the unit: the prime system of a coefficient.
-
-    Raises
-    ------
-    UnitError
-        If the unit is not made of lengths and times.
-    """
-    dimensions = dict(unit(text).dimensionality)
-    length, time = float(dimensions.pop("[length]", 0)), float(dimensions.pop("[time]", 0))
-    if dimensions:
-        raise UnitError(f"{pretty(text)} is not made of lengths and times, so L and U do not scale it.")
-    return length, time
-
-
-def prime_factor(text: str, length: float, speed: float) -> float:
-    """Return what one unit of the prime system is in `text`: 1/s gives U/L.
-
-    Parameters
-    ----------
-    text : str
-        A unit made of lengths and times.
-    length, speed : float
-        L in m and U in m/s.
-    """
-    a, b = prime_exponents(text)
-    return float(length**a * (length / speed) ** b)
 
 
 def split(text: str) -> tuple[float, str | None]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
+
+import platformdirs
+
+from shipid.foundation.errors import ShipidError
+from shipid.foundation.replacing import replacing
 
 
 def cache_folder() -> Path:
     """Return the folder: ``$SHIPID_CACHE``, or the user's cache folder."""
     chosen = os.environ.get("SHIPID_CACHE")
-    if chosen:
-        return Path(chosen)
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "shipid"
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "shipid"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "shipid"
+    return Path(chosen) if chosen else Path(platformdirs.user_cache_dir("shipid", appauthor=False))
 
 
 def keep(name: str, text: str) -> None:
@@ -30,13 +28,12 @@ def keep(name: str, text: str) -> None:
         Its content.
     """
     folder = cache_folder()
-    temporary = folder / f".{name}.{os.getpid()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        temporary.write_text(text, encoding="utf-8")
-        temporary.replace(folder / name)
-    except OSError:
-        temporary.unlink(missing_ok=True) if folder.is_dir() else None
+        with replacing(folder / name) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+    except (OSError, ShipidError):
+        return
 
 
 def kept(name: str) -> str | None:
@@ -46,6 +43,10 @@ def kept(name: str) -> str | None:
     ----------
     name : str
         Name of the file.
+
+    Returns
+    -------
+    str or None
     """
     try:
         return (cache_folder() / name).read_text(encoding="utf-8")

@@ -37,13 +37,18 @@ def check_place(path: Path, overwrite: bool) -> None:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[str]:
+def replacing(path: Path) -> Iterator[Path]:
     """Give a temporary name to write to; it takes the file's place at the end, or is gone if anything fails.
 
     Parameters
     ----------
     path : Path
         The file to write.
+
+    Yields
+    ------
+    Path
+        The temporary name, in the same folder; no other process has it.
 
     Raises
     ------
@@ -58,7 +63,7 @@ def replacing(path: Path) -> Iterator[str]:
         ) from None
     try:
         os.close(handle)
-        yield temporary
+        yield Path(temporary)
         mask = os.umask(0)
         os.umask(mask)
         os.chmod(temporary, 0o666 & ~mask)  # mkstemp makes files that only their owner reads
@@ -66,3 +71,17 @@ def replacing(path: Path) -> Iterator[str]:
     except BaseException:
         Path(temporary).unlink(missing_ok=True)
         raise
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file whole or not at all, in UTF-8.
+
+    Parameters
+    ----------
+    path : Path
+        The file; it is replaced in one step.
+    text : str
+        Its content.
+    """
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

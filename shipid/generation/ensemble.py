@@ -1,6 +1,6 @@
-"""Many runs of one model at once: each with its own start, inputs held for the run, coefficients and clock.
+"""Many runs of one model at once: each with its own start, inputs, coefficients and clock.
 
-A run ends in its last state; what is wanted of its course is a state of the model that measures it. So a thousand runs need
+An ensemble holds its inputs for the run, and a run ends in its last state; what is wanted of its course is a state of the model that measures it. So a thousand runs need
 no more memory than one, and the whole is one compiled function mapped over the runs.
 """
 
@@ -8,25 +8,30 @@ from __future__ import annotations
 
 import functools
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError
 from shipid.generation.compiling import compile_function
+from shipid.generation.record import Record
+from shipid.generation.simulator import Named, coefficient_vector, initial_state, input_rows
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
 
+#: Samples of all runs below which threads cost more than they bring.
+_WORTH_THREADS = 20_000
 #: Steps in one compiled block: enough for the call to cost nothing, few enough for any length to be near a multiple.
 BLOCK = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Batch:
-    """A model over many runs of one length; made by `make_batch`.
+class Ensemble:
+    """A model over many runs of one length; made by `make_ensemble`.
 
     Attributes
     ----------
@@ -34,11 +39,55 @@ class Batch:
         The equations.
     varying : tuple of str
         Inputs that have a value of their own at every step; the others are held for the whole run.
+    block : CasadiFunction
+        The compiled function of `BLOCK` steps.
     """
 
     system: System
     varying: tuple[str, ...]
-    _block: Any = field(repr=False)
+    block: CasadiFunction = field(repr=False)
+
+    def run(
+        self,
+        runs: int,
+        values: Named,
+        inputs: Named,
+        start: Named,
+        interval: np.ndarray,
+        count: int,
+        sequences: np.ndarray | None = None,
+    ) -> dict[str, np.ndarray]:
+        """Run all of them, from named numbers to named last states.
+
+        Parameters
+        ----------
+        runs : int
+            How many.
+        values, inputs, start : mapping of str to float or ndarray, shape (runs,)
+            Coefficients, held inputs and initial states, SI; one number for all runs, or one a run.
+        interval, count, sequences
+            See `__call__`.
+
+        Returns
+        -------
+        dict of str to ndarray, shape (runs,)
+            The last states by name; not finite where a run diverged.
+
+        Raises
+        ------
+        UnstatedInputError
+            If an input is not named and declares no default.
+        """
+        model = self.system.model
+        everyone = np.zeros(runs)
+        known = {n: v + everyone for n, v in values.items() if n in self.system.coefficients}
+        begin = {n: start.get(n, model[n].number("start") or 0.0) + everyone for n in model.states}
+        # A varying input is replaced by its sequence at every step: what it is held at has no influence.
+        held = {**dict.fromkeys(self.varying, 0.0), **inputs}
+        p, x0 = coefficient_vector(model, known), initial_state(model, begin)
+        p = np.broadcast_to(p.reshape(len(p), -1), (len(p), runs))
+        end = self(x0, input_rows(model, held, runs), p, interval, count, sequences)
+        return dict(zip(model.states, end))
 
     def __call__(
         self,
@@ -86,8 +135,8 @@ def steps_of(count: int) -> int:
 
 
 @functools.lru_cache(maxsize=64)
-def _mapped(batch: Batch, blocks: int, runs: int) -> Any:
-    block = batch._block
+def _mapped(ensemble: Ensemble, blocks: int, runs: int) -> CasadiFunction:
+    block = ensemble.block
     x, constant = ca.MX.sym("x", block.size1_in(0)), ca.MX.sym("c", block.size1_in(1))
     noise = ca.MX.sym("w", block.size1_in(2), blocks * BLOCK)
     end = block.fold(blocks)(x, ca.repmat(constant, 1, blocks), noise) if blocks > 1 else block(x, constant, noise)
@@ -97,7 +146,7 @@ def _mapped(batch: Batch, blocks: int, runs: int) -> Any:
 
 
 @functools.lru_cache(maxsize=32)
-def make_batch(model: Model, varying: tuple[str, ...] = (), method: str = "rk4") -> Batch:
+def make_ensemble(model: Model, varying: tuple[str, ...] = (), method: str = "rk4") -> Ensemble:
     """Generate and compile a model for many runs at once.
 
     Parameters
@@ -111,7 +160,7 @@ def make_batch(model: Model, varying: tuple[str, ...] = (), method: str = "rk4")
 
     Returns
     -------
-    Batch
+    Ensemble
 
     Raises
     ------
@@ -135,4 +184,52 @@ def make_batch(model: Model, varying: tuple[str, ...] = (), method: str = "rk4")
     x, constant = ca.MX.sym("x", one.size1_in(0)), ca.MX.sym("c", one.size1_in(1))
     noise = ca.MX.sym("w", one.size1_in(2), BLOCK)
     block = ca.Function("block", [x, constant, noise], [one.fold(BLOCK)(x, ca.repmat(constant, 1, BLOCK), noise)])
-    return Batch(system, varying, compile_function(block))
+    return Ensemble(system, varying, compile_function(block))
+
+
+def run_many(
+    record: Record,
+    x0: np.ndarray,
+    u: np.ndarray,
+    intervals: np.ndarray,
+    p: np.ndarray,
+    bias: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Run a record function many times; the machine code lets go of Python's lock, so that threads run side by side.
+
+    Parameters
+    ----------
+    record : Record
+        Made by `shipid.generation.record.make_record`.
+    x0 : ndarray, shape (runs, states)
+        Initial states.
+    u : ndarray, shape (runs, inputs, N) or (inputs, N)
+        Inputs at the samples; the same for all runs where there is one only.
+    intervals : ndarray, shape (runs, N) or (N,)
+        Time from each sample to the next, in s; the last one is not used.
+    p : ndarray, shape (runs, coefficients)
+        Parameters and constants.
+    bias : ndarray, shape (runs, inputs)
+        Added to every sample of the inputs.
+
+    Returns
+    -------
+    y : ndarray, shape (runs, outputs, N)
+        Outputs; not finite from where the model diverges.
+    dy : ndarray, shape (runs, outputs, unknowns, N)
+        Derivatives of the outputs by the unknowns.
+    """
+    runs, count = len(x0), u.shape[-1]
+    inputs = np.broadcast_to(u, (runs, *u.shape[-2:]))
+    steps = np.broadcast_to(intervals, (runs, count))
+    cores = min(os.cpu_count() or 1, runs) if runs * count >= _WORTH_THREADS else 1
+    if cores == 1:
+        found = list(map(record, x0, inputs, steps, p, bias))
+    else:
+        with ThreadPoolExecutor(cores) as pool:
+            found = list(pool.map(record, x0, inputs, steps, p, bias))
+    n_y, n_q = len(record.outputs), len(record.unknowns)
+    y, dy = np.empty((runs, n_y, count)), np.empty((runs, n_y, n_q, count))
+    for i, (one, slope) in enumerate(found):
+        y[i], dy[i] = one, slope
+    return y, dy

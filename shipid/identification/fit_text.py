@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.declaration.units import factor, pretty
-from shipid.trials.columns import COLUMNS
+from shipid.declaration.vocabulary import FIELDS
 
 if TYPE_CHECKING:
     from shipid.identification.fit import Estimate, Fit
@@ -91,6 +91,6 @@ def _error_text(signal: str, error: float) -> str:
     """An error of a signal in the unit people read it in."""
     if not np.isfinite(error):
         return f"{signal} runs away"
-    shown = COLUMNS[signal].display if signal in COLUMNS else ""
-    inside = COLUMNS[signal].unit if signal in COLUMNS else ""
+    shown = FIELDS[signal].display if signal in FIELDS else ""
+    inside = FIELDS[signal].unit if signal in FIELDS else ""
     return f"{signal} {error * (factor(inside, shown) if shown else 1.0):.3g} {pretty(shown)}"

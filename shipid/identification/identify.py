@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 import shipid
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.system import generate
 from shipid.identification.fit import Fit
@@ -30,7 +31,6 @@ from shipid.identification.uncertainty.estimates import estimates_of
 from shipid.identification.validation.predictions import compare, predictions, warm_up_samples
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
-from shipid.trials.columns import COLUMNS
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
 
@@ -183,7 +183,7 @@ def _weights(
         raise UsageError(
             f"noise levels are given, and none for {', '.join(lacking)}. Give one for every fitted signal."
         )
-    levels = [to_si(noise[s], COLUMNS[s].unit, f"noise on {s}") for s in signals]
+    levels = [to_si(noise[s], FIELDS[s].unit, f"noise on {s}") for s in signals]
     if min(levels) <= 0:
         raise UsageError("a noise level of zero or less has no weight; give a positive standard deviation.")
     return np.array(levels), False

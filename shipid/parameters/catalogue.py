@@ -16,14 +16,14 @@ import traceback
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 from shipid import parts
-from shipid.declaration.component import Component, slug
+from shipid.declaration.component import Component, declared_quantities, slug
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, nearest
-from shipid.parameters.parameter_set import ParameterSet, read_parameter_set
+from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
+from shipid.parameters.parameter_file import read_parameter_set
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
 
 _PACKAGE = "shipid.models"
@@ -123,17 +123,70 @@ def _from_file(name: str) -> Model:
         raise DeclarationError(f"say which model of {path}: {path}:NAME. {nearest('', things)}".strip())
     if attribute not in things:
         raise UnknownNameError(f"model in {path} called", attribute, things)
-    thing: Any = things[attribute]
-    if isinstance(thing, Model):
-        return thing
-    return whole_ship(thing)
+    return model_of(things[attribute])
 
 
 def whole_ship(component: type[Component]) -> Model:
     """Join a component with planar motion, unless it states the heading itself."""
-    if "psi" in component._quantities and component._quantities["psi"].kind != "given":
+    if "psi" in declared_quantities(component) and declared_quantities(component)["psi"].kind != "given":
         return join(slug(component), component)
     return join(slug(component), component, PlanarMotion)
+
+
+def model_of(model: Model | type[Component] | str) -> Model:
+    """Return the model that an argument of a verb means.
+
+    Parameters
+    ----------
+    model : Model, component class or str
+        A model; a component, which is joined with planar motion where it states no heading; or a name, see `find_model`.
+
+    Raises
+    ------
+    UsageError
+        If it is something else.
+    UnknownNameError
+        If there is no model of that name.
+    """
+    if isinstance(model, str):
+        return find_model(model)
+    if isinstance(model, Model):
+        return model
+    if _is_component(model):
+        return whole_ship(model)
+    raise UsageError(
+        f"a model is a name such as 'norrbin', a component class or what shipid.join returns, not {_kind(model)}."
+    )
+
+
+def ship_of(ship: ParameterSet | str | Path | None) -> ParameterSet:
+    """Return the parameter set that an argument of a verb means.
+
+    Parameters
+    ----------
+    ship : ParameterSet, str, Path or None
+        A set; a name or the path of a file, see `find_ship`; or None for a ship of which nothing is known.
+
+    Raises
+    ------
+    UsageError
+        If it is something else.
+    UnknownNameError
+        If there is no ship of that name.
+    """
+    if ship is None:
+        return ParameterSet("unnamed")
+    if isinstance(ship, (str, Path)):
+        return find_ship(ship)
+    if isinstance(ship, ParameterSet):
+        return ship
+    raise UsageError(
+        f"a ship is a name such as 'zeefakkel', the path of a TOML file or a ParameterSet, not {_kind(ship)}."
+    )
+
+
+def _kind(thing: object) -> str:
+    return f"the class {thing.__name__}" if isinstance(thing, type) else f"{thing!r:.60}"
 
 
 def _load(path: Path) -> ModuleType:
@@ -189,7 +242,7 @@ def find_ship(name: str | Path) -> ParameterSet:
     Parameters
     ----------
     name : str or Path
-        ``"zeefakkel"``, or the path of a TOML file (`shipid.parameters.parameter_set.read_parameter_set`).
+        ``"zeefakkel"``, or the path of a TOML file (`shipid.parameters.parameter_file.read_parameter_set`).
 
     Raises
     ------

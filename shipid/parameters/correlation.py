@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 from shipid.declaration.units import to_si
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError
 
 #: The table of a parameter set in which it stands, one inner table a model.
@@ -34,14 +33,14 @@ class Joint:
     speeds: tuple[float, float] | None = None
 
 
-def read_joint(path: Path, raw: Any) -> dict[str, Joint]:
+def read_joint(where: str, raw: Plain) -> dict[str, Joint]:
     """Return the entries of the table ``[identified.MODEL]``, by model.
 
     Parameters
     ----------
-    path : Path
+    where : str
         The file, for messages.
-    raw : Any
+    raw : Plain
         What TOML made of the table.
 
     Raises
@@ -50,11 +49,11 @@ def read_joint(path: Path, raw: Any) -> dict[str, Joint]:
         If it is no correlation matrix, or the speeds are none.
     """
     if not isinstance(raw, Mapping) or not all(isinstance(v, Mapping) for v in raw.values()):
-        raise ParameterSetError(f"{path}: '{IDENTIFIED}' holds one table for each model, as in [{IDENTIFIED}.nomoto].")
-    return {model: _one(f"{path}, [{IDENTIFIED}.{model}]", content) for model, content in raw.items()}
+        raise ParameterSetError(f"{where}: '{IDENTIFIED}' holds one table for each model, as in [{IDENTIFIED}.nomoto].")
+    return {model: _one(f"{where}, [{IDENTIFIED}.{model}]", content) for model, content in raw.items()}
 
 
-def _one(where: str, raw: Mapping[str, Any]) -> Joint:
+def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
     unknown = sorted(set(raw) - _KEYS)
     if unknown:
         raise ParameterSetError(
@@ -85,26 +84,25 @@ def _one(where: str, raw: Mapping[str, Any]) -> Joint:
     return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds)
 
 
-def _is_correlation(value: Any) -> bool:
+def _is_correlation(value: Plain) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 1
 
 
-def joint_lines(joint: Mapping[str, Joint], prefix: str = "") -> list[str]:
-    """Return the lines of TOML that `read_joint` reads.
+def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
+    """Return the table of TOML that `read_joint` reads, under its name; empty where nothing is known together.
 
     Parameters
     ----------
     joint : mapping of str to Joint
         By model.
-    prefix : str
-        Put before the name of each table, with its dot.
+
+    Returns
+    -------
+    dict of str to Plain
     """
-    lines = []
+    tables: dict[str, Plain] = {}
     for model, one in joint.items():
-        lines += ["", f"[{prefix}{IDENTIFIED}.{model if model.replace('-', '').isalnum() else repr(model)}]"]
-        lines.append(f"names = [{', '.join(repr(n) for n in one.names)}]")
-        rows = [f"  [{', '.join(f'{v:.6g}' for v in row)}]," for row in one.correlation]
-        lines += ["correlation = [", *rows, "]"]
-        if one.speeds is not None:
-            lines += [f"speeds = [{one.speeds[0]!r}, {one.speeds[1]!r}]", 'speed_unit = "m/s"']
-    return lines
+        rows = [[float(f"{v:.6g}") for v in row] for row in one.correlation]
+        speeds = {} if one.speeds is None else {"speeds": list(one.speeds), "speed_unit": "m/s"}
+        tables[model] = {"names": list(one.names), "correlation": rows, **speeds}
+    return {IDENTIFIED: tables} if tables else {}

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import factor, prime_factor
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import factor
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:

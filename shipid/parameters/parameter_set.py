@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 from shipid.declaration.component import Scope, slug
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty, split, to_si
-from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, nearest
-from shipid.parameters.correlation import IDENTIFIED, Joint, joint_lines, read_joint
+from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
+from shipid.parameters.correlation import Joint
 
-_VALUE_KEYS = {"value", "unit", "source", "std", "speed", "speed_unit", "note"}
-_HEAD_KEYS = {"name", "title", "notes", "schema"}
 PARTICULARS = "particulars"
 
 
@@ -50,7 +45,16 @@ class Value:
     note: str = ""
 
     def at(self, speed: float | None, wanted: str, where: str) -> float:
-        """Return the value in `wanted` units at a speed in m/s, linear between the entries of a table.
+        """Return the value in a wanted unit, linear between the entries of a table.
+
+        Parameters
+        ----------
+        speed : float or None
+            In m/s; needed for a table against speed.
+        wanted : str
+            The unit of the result.
+        where : str
+            Whose value it is, for messages.
 
         Raises
         ------
@@ -102,7 +106,7 @@ class ParameterSet:
     def __hash__(self) -> int:
         return hash((self.name, self.title, tuple(self.sections)))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[type[ParameterSet], tuple[object, ...]]:
         sections = {s: dict(v) for s, v in self.sections.items()}
         return ParameterSet, (self.name, self.title, self.notes, sections, dict(self.joint))
 
@@ -116,7 +120,15 @@ class ParameterSet:
         return tuple(s for s in self.sections if s != PARTICULARS)
 
     def find(self, model: Model, name: str) -> Value | None:
-        """Return what the set says of a quantity of a model, or None."""
+        """Return what the set says of a quantity of a model, or None.
+
+        Parameters
+        ----------
+        model : Model
+            The model; its own section goes before those of its components, and these before the particulars.
+        name : str
+            The quantity.
+        """
         for section in (model.name, *(slug(c) for c in model.components), PARTICULARS):
             value = self.sections.get(section, {}).get(name)
             if value is not None:
@@ -124,7 +136,15 @@ class ParameterSet:
         return None
 
     def particular(self, name: str, unit: str) -> float | None:
-        """Return a particular such as ``L`` in SI, or None."""
+        """Return a particular such as ``L``, or None.
+
+        Parameters
+        ----------
+        name : str
+            The particular.
+        unit : str
+            The unit of the result.
+        """
         value = self.sections.get(PARTICULARS, {}).get(name)
         return None if value is None else value.at(None, unit, f"ship {self.name}")
 
@@ -221,144 +241,15 @@ def _instead(model: Model, name: str, known: Mapping[str, float], path: tuple[st
     return float(equation.function(Scope(model[name].owner, lookup)))
 
 
-def read_parameter_set(path: str | Path) -> ParameterSet:
-    """Read a parameter set from a TOML file.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file. Top level: ``name``, ``title``, ``notes``; tables: ``particulars`` and one for each model or
-        component, each quantity as ``{value, unit, source}`` with optional ``std``, ``note``, or a table against
-        speed, ``{speed = [..], speed_unit, value = [..], unit, source}``.
-
-    Raises
-    ------
-    ParameterSetError
-        If the file cannot be read, or a number has no unit or no source; the message names file, table and entry.
-    """
-    path = Path(path)
-    try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ParameterSetError(f"the parameter set {path} cannot be read: {error.strerror}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ParameterSetError(f"the parameter set {path} is not valid TOML: {error}.") from None
-    return parse_parameter_set(raw, path)
-
-
-def parse_parameter_set(raw: dict[str, Any], path: Path) -> ParameterSet:
-    """Return a parameter set from what TOML made of it; the path is for messages, and names a set without a name.
-
-    Raises
-    ------
-    ParameterSetError
-        As `read_parameter_set`.
-    """
-    joint = read_joint(path, raw.pop(IDENTIFIED, {}))
-    head = {k: raw.pop(k) for k in list(raw) if k in _HEAD_KEYS}
-    for key, text in head.items():
-        if key != "schema" and not isinstance(text, str):
-            raise ParameterSetError(f"{path}: '{key}' is {text!r}, and has to be text in quotes.")
-    sections: dict[str, dict[str, Value]] = {}
-    for section, content in raw.items():
-        if not isinstance(content, dict):
-            raise ParameterSetError(f"{path}: '{section}' stands outside a table. {nearest(section, _HEAD_KEYS)}")
-        sections[section] = {n: _value(path, section, n, v) for n, v in content.items()}
-    name = head.get("name", path.stem)
-    return ParameterSet(name, head.get("title", ""), head.get("notes", ""), sections, joint)
-
-
-def _value(path: Path, section: str, name: str, raw: Any) -> Value:
-    where = f"{path}, [{section}] {name}"
-    if isinstance(raw, str):
-        raise ParameterSetError(f"{where} is text; write {{ value = 1.2, unit = '...', source = '...' }}.")
-    if not isinstance(raw, dict):
-        raise ParameterSetError(
-            f"{where} is the bare number {raw} with no unit and no source; write "
-            f"{{ value = {raw}, unit = '...', source = '...' }}."
-        )
-    for key in raw:
-        if key not in _VALUE_KEYS:
-            raise ParameterSetError(f"{where} has an entry '{key}' it does not know. {nearest(key, _VALUE_KEYS)}")
-    for key in ("value", "unit", "source"):
-        if key not in raw:
-            raise ParameterSetError(f"{where} has no {key}.")
-    if not str(raw["source"]).strip():
-        raise ParameterSetError(f"{where} has an empty source. Say where it comes from; 'assumed' is a source.")
-    table = isinstance(raw["value"], list)
-    numbers = raw["value"] if table else [raw["value"]]
-    if not numbers or not all(_is_finite(n) for n in numbers):
-        raise ParameterSetError(f"{where} is {raw['value']}, which is not a finite number.")
-    std = raw.get("std")
-    if std is not None and not (_is_finite(std) and std >= 0):
-        raise ParameterSetError(f"{where} has the standard deviation {std!r}, which is not a number of zero or more.")
-    speed = tuple(raw.get("speed", ()))
-    if not all(_is_finite(v) for v in speed):
-        raise ParameterSetError(f"{where} has a speed that is not a finite number: {list(speed)}.")
-    if table and (len(speed) != len(numbers) or list(speed) != sorted(set(speed))):
-        raise ParameterSetError(f"{where} needs one speed for each of its {len(numbers)} values, rising.")
-    value: float | tuple[float, ...] = tuple(float(n) for n in numbers) if table else float(raw["value"])
-    return Value(
-        name,
-        value,
-        str(raw["unit"]),
-        str(raw["source"]),
-        std=None if std is None else float(std),
-        speed=speed,
-        speed_unit=raw.get("speed_unit", "m/s"),
-        note=raw.get("note", ""),
-    )
-
-
-def _is_finite(number: Any) -> bool:
-    return isinstance(number, (int, float)) and not isinstance(number, bool) and abs(number) < float("inf")
-
-
-def write_parameter_set(parameters: ParameterSet, path: str | Path) -> None:
-    """Write a parameter set as TOML, in the form `read_parameter_set` reads.
-
-    Parameters
-    ----------
-    parameters : ParameterSet
-        What to write.
-    path : str or Path
-        The file; it is replaced in one step.
-    """
-    import os
-
-    path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    temporary.write_text("\n".join(parameter_lines(parameters)) + "\n", encoding="utf-8")
-    temporary.replace(path)
-
-
-def parameter_lines(parameters: ParameterSet, prefix: str = "") -> list[str]:
-    """Return a parameter set as lines of TOML; the prefix stands before the name of each table, with its dot."""
-    import json
-
-    def text(value: str) -> str:
-        return json.dumps(value, ensure_ascii=False)
-
-    lines = [f"name = {text(parameters.name)}"]
-    lines += [f"{k} = {text(v)}" for k, v in (("title", parameters.title), ("notes", parameters.notes)) if v]
-    for section, values in parameters.sections.items():
-        lines += ["", f"[{prefix}{section if section.replace('-', '').isalnum() else text(section)}]"]
-        for v in values.values():
-            numbers = list(v.value) if isinstance(v.value, tuple) else v.value
-            parts = [f"value = {numbers}", f"unit = {text(v.unit)}"]
-            if v.std is not None:
-                parts.append(f"std = {v.std}")
-            if v.speed:
-                parts += [f"speed = {list(v.speed)}", f"speed_unit = {text(v.speed_unit)}"]
-            parts.append(f"source = {text(v.source)}")
-            if v.note:
-                parts.append(f"note = {text(v.note)}")
-            lines.append(f"{v.name} = {{ {', '.join(parts)} }}")
-    return lines + joint_lines(parameters.joint, prefix)
-
-
 def parse_value(model: Model, assignment: str) -> tuple[str, float]:
-    """Read ``"n3=0.4 s^2/deg^2"`` for a model: the name and its SI number.
+    """Return the name and the SI number of a text such as ``"n3=0.4 s^2/deg^2"``.
+
+    Parameters
+    ----------
+    model : Model
+        The model that declares the quantity.
+    assignment : str
+        The text.
 
     Raises
     ------
@@ -381,7 +272,17 @@ def parse_value(model: Model, assignment: str) -> tuple[str, float]:
 
 
 def missing_values(model: Model, values: Mapping[str, float], ship: str) -> ParameterSetError | None:
-    """Return the error that names what a model still lacks, or None when it lacks nothing."""
+    """Return the error that names what a model still lacks, or None when it lacks nothing.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    values : mapping of str to float
+        What is known, SI.
+    ship : str
+        Whose values they are, for the message.
+    """
     lacking = [n for n in model.parameters + model.constants if n not in values]
     if not lacking:
         return None

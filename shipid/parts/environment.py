@@ -151,7 +151,7 @@ class ColouredWaves(Component):
     """
 
     v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.12 deg/s")
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     wave_noise = given(
         "rad/s", "white noise that drives the waves, per sample", default=0.0, noise="0.45 deg/s", latex="w"
     )
@@ -162,7 +162,7 @@ class ColouredWaves(Component):
     @v_f.next
     def colouring(self):
         """Passenier (1989), eq. (5.29) with a_f = 1 - T/tau_f and b_f = T/tau_f."""
-        return self.v_f + self.T / self.wave_time * (self.wave_noise - self.v_f)
+        return self.v_f + self.T_s / self.wave_time * (self.wave_noise - self.v_f)
 
     @r_wave.equals
     def rate(self):

@@ -30,7 +30,7 @@ class _AfterApproach(Component):
     """A helmsman who holds the rudder amidships on a straight approach first."""
 
     psi = given("rad", "heading")
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     helm_course = constant("rad", "heading of the approach")
     helm_start = constant("s", "length of the approach")
     helm_rudder = constant("rad", "rudder angle of the manoeuvre, positive to starboard")
@@ -39,11 +39,11 @@ class _AfterApproach(Component):
     @helm_clock.next
     def tick(self) -> Any:
         """The clock."""
-        return self.helm_clock + self.T
+        return self.helm_clock + self.T_s
 
     def begun(self) -> Any:
         """Whether the approach is over (half an interval of slack for the rounding of the clock)."""
-        return self.helm_clock >= self.helm_start - 0.5 * self.T
+        return self.helm_clock >= self.helm_start - 0.5 * self.T_s
 
 
 class ZigzagHelm(_AfterApproach):
@@ -106,7 +106,7 @@ class RateHelm(Component):
     """Reversed spiral: the rudder that keeps a rate of turn is sought by a proportional and integral law."""
 
     r = given("rad/s", "rate of turn, positive to starboard")
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     helm_schedule = given("rad/s", "rate of turn to keep")
     helm_limit = constant("rad", "largest rudder angle the law asks for")
     helm_gain = constant("s", "rudder per error in the rate of turn")
@@ -121,7 +121,7 @@ class RateHelm(Component):
     @helm_integral.next
     def integrate(self) -> Any:
         """Euler's rule, on the samples."""
-        return self.helm_integral + self.T * self.error()
+        return self.helm_integral + self.T_s * self.error()
 
     @delta_order.equals
     def order(self) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
-from shipid.trials.columns import COLUMNS
+from shipid.declaration.vocabulary import FIELDS
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class Plan:
                 "per_parameter_over_draws": self.det_gain_over_draws,
             },
             "parameters": {n: f.to_dict() for n, f in self.parameters.items()},
-            "noise": {s: {"std": v, "unit": COLUMNS[s].unit} for s, v in self.noise.items()},
+            "noise": {s: {"std": v, "unit": FIELDS[s].unit} for s, v in self.noise.items()},
             "sampling_s": self.sampling,
             "independent_s": self.independent,
             "draws": self.draws,

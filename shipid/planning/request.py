@@ -10,7 +10,8 @@ import numpy as np
 
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
 from shipid.generation.system import generate
 from shipid.identification.problem.trial_data import SIGNALS, TRACK, unknown_biases

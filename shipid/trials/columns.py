@@ -1,67 +1,14 @@
-"""The columns of a trial: canonical names, SI units, meanings, and headers such as ``psi [deg]``.
-
-The vocabulary is the field's (ITTC 7.5-04-02-01): positions north and east, heading clockwise from north,
-rate of turn and rudder angle positive to starboard.
-"""
+"""The columns of a trial: headers such as ``psi [deg]``, the spellings of units that loggers write, the unit inside."""
 
 from __future__ import annotations
 
 import functools
 import re
-from dataclasses import dataclass
 
 from shipid.declaration import units
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnitError
 from shipid.trials.errors import ColumnUnitError, NoUnitError
-
-
-@dataclass(frozen=True)
-class Column:
-    """One column of the vocabulary.
-
-    Attributes
-    ----------
-    name : str
-        The canonical name, as a table spells it.
-    unit : str
-        The unit inside a trial.
-    display : str
-        The unit a reader expects to see.
-    meaning : str
-        What it is, with its sign convention.
-    """
-
-    name: str
-    unit: str
-    display: str
-    meaning: str
-
-
-COLUMNS: dict[str, Column] = {
-    c.name: c
-    for c in (
-        Column("t", "s", "s", "time, on the record's own clock"),
-        Column("x", "m", "m", "position, north"),
-        Column("y", "m", "m", "position, east"),
-        Column("psi", "rad", "deg", "heading, clockwise from north, unwrapped"),
-        Column("r", "rad/s", "deg/s", "rate of turn, positive to starboard"),
-        Column("u", "m/s", "m/s", "forward speed, along the ship"),
-        Column("v", "m/s", "m/s", "sideways speed, positive to starboard"),
-        Column("U", "m/s", "m/s", "speed over all"),
-        Column("delta", "rad", "deg", "rudder angle, positive turns to starboard"),
-        Column("delta_order", "rad", "deg", "ordered rudder angle, positive turns to starboard"),
-        Column("n", "rps", "rpm", "propeller revolutions, per second inside"),
-        Column("phi", "rad", "deg", "roll angle, positive to starboard"),
-        Column("p", "rad/s", "deg/s", "roll rate, positive to starboard"),
-        Column("wind_speed", "m/s", "m/s", "true wind speed"),
-        Column("wind_direction", "rad", "deg", "true wind, the direction it blows TO, clockwise from north"),
-        Column("wind_speed_relative", "m/s", "m/s", "relative wind speed"),
-        Column("wind_direction_relative", "rad", "deg", "relative wind, the direction it blows TO, from the bow"),
-        Column("thrust", "N", "kN", "propeller thrust"),
-        Column("torque", "N*m", "kN*m", "propeller torque"),
-        Column("beta", "rad", "deg", "drift angle, positive when the flow comes from port: atan2(-v, u)"),
-    )
-}
 
 # What loggers write and pint does not know, or reads as something else (Nm).
 _SPELLINGS = (
@@ -119,8 +66,8 @@ def inside_unit(name: str, unit: str) -> str:
     ColumnUnitError
         If the unit of a column outside the vocabulary cannot be read.
     """
-    if name in COLUMNS:
-        return COLUMNS[name].unit
+    if name in FIELDS:
+        return FIELDS[name].unit
     try:
         base = units.registry().Quantity(1.0, units.unit(spelt(unit))).to_base_units().units
     except UnitError as error:
@@ -154,20 +101,15 @@ def to_inside(name: str, unit: str, where: str = "") -> float:
         ) from None
 
 
-def display_unit(name: str, inside: str) -> str:
-    """Return the unit a column is shown in: the vocabulary's, or for other columns the one inside."""
-    return COLUMNS[name].display if name in COLUMNS else inside
-
-
 def example_unit(name: str) -> str:
     """Return a unit to show in a message about a column."""
-    return COLUMNS[name].display if name in COLUMNS else "unit"
+    return FIELDS[name].display if name in FIELDS else "unit"
 
 
 def no_unit(name: str, where: str) -> NoUnitError:
     """Return the error for a column that says no unit."""
-    if name in COLUMNS:
-        column = COLUMNS[name]
+    if name in FIELDS:
+        column = FIELDS[name]
         choices = [header(name, choice) for choice in dict.fromkeys((column.display, column.unit))]
         remedy = f"Write {' or '.join(repr(c) for c in choices)} in the header"
     else:

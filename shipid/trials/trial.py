@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration import units as border
+from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.errors import nearest
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
@@ -27,7 +28,7 @@ class Trial:
         The file's stem; a window adds ``@A:B``.
     table : pandas.DataFrame
         Column ``t`` (s, strictly increasing) and further float64 columns by canonical name, in the units of
-        `shipid.trials.columns.COLUMNS`; heading unwrapped; every sample finite.
+        `shipid.trials.FIELDS`; heading unwrapped; every sample finite.
     source : Source
         Where it came from and what was done to it.
     ship : str or None
@@ -94,7 +95,7 @@ class Trial:
             f"  {len(self)} samples, {t[0]:g} to {t[-1]:g} s, every {self.sampling:.4g} s",
         ]
         for column in self.table.columns[1:]:
-            shown = columns.display_unit(column, self.unit(column))
+            shown = display_unit(column, self.unit(column))
             values = self[column] / self._factor(column, shown)
             lines.append(f"  {column:<12s} {values.min():11.4g} to {values.max():.4g} {border.pretty(shown)}")
         lines += [f"  note: {note}" for note in self.source.notes]
@@ -130,7 +131,7 @@ class Trial:
             A column of this trial.
         """
         self[name]
-        return columns.COLUMNS[name].unit if name in columns.COLUMNS else self.units[name]
+        return FIELDS[name].unit if name in FIELDS else self.units[name]
 
     def window(self, start: float | None, end: float | None) -> Trial:
         """Return a stretch of the trial; the clock keeps running as it was.
@@ -195,7 +196,7 @@ class Trial:
         result = {}
         for name in self.table.columns:
             inside = self.unit(name)
-            shown = chosen.get(name, inside if units == "SI" else columns.display_unit(name, inside))
+            shown = chosen.get(name, inside if units == "SI" else display_unit(name, inside))
             result[columns.header(name, shown)] = self[name] / self._factor(name, shown)
         return pd.DataFrame(result)
 
@@ -210,7 +211,7 @@ class Trial:
         }
 
     def _factor(self, name: str, shown: str) -> float:
-        if name in columns.COLUMNS:
+        if name in FIELDS:
             return columns.to_inside(name, shown)
         return border.factor(columns.spelt(shown), self.units[name], f"column '{name}'")
 

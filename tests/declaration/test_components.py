@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid import Component, constant, derived, given, join, output, parameter, state
-from shipid.declaration.component import slug
+from shipid.declaration.component import declared_equations, declared_quantities, slug
 from shipid.declaration.model import Evaluation
 from shipid.declaration.quantity import Quantity
 from shipid.foundation.errors import DeclarationError
@@ -55,17 +55,17 @@ POINT = {"r": 0.02, "delta": 0.2, "K": 0.1, "tau": 20.0, "n3": 300.0}
 
 
 def test_quantities_and_equations_are_collected_in_order() -> None:
-    assert tuple(Turning._quantities) == ("r", "delta", "K", "tau")
-    assert [q.kind for q in Turning._quantities.values()] == ["state", "given", "parameter", "parameter"]
-    assert Turning._quantities["K"].name == "K"
-    equation = Turning._equations["r"]
+    assert tuple(declared_quantities(Turning)) == ("r", "delta", "K", "tau")
+    assert [q.kind for q in declared_quantities(Turning).values()] == ["state", "given", "parameter", "parameter"]
+    assert declared_quantities(Turning)["K"].name == "K"
+    equation = declared_equations(Turning)["r"]
     assert (equation.name, equation.kind, equation.source) == ("yaw", "rate", "Nomoto (1957).")
     assert equation.place.startswith(__file__)
 
 
 def test_a_subclass_inherits_and_adds() -> None:
-    assert tuple(Cubic._quantities) == ("r", "delta", "K", "tau", "n3")
-    assert tuple(Turning._quantities) == ("r", "delta", "K", "tau")
+    assert tuple(declared_quantities(Cubic)) == ("r", "delta", "K", "tau", "n3")
+    assert tuple(declared_quantities(Turning)) == ("r", "delta", "K", "tau")
 
 
 def test_a_helper_may_be_replaced() -> None:
@@ -75,8 +75,8 @@ def test_a_helper_may_be_replaced() -> None:
 
 def test_a_method_of_the_same_name_replaces_the_equation() -> None:
     assert rate(Reversed, **POINT) == pytest.approx(-0.04 / 20)
-    assert Reversed._equations["r"].source == "Nobody (1900)."
-    assert Turning._equations["r"].source == "Nomoto (1957)."
+    assert declared_equations(Reversed)["r"].source == "Nobody (1900)."
+    assert declared_equations(Turning)["r"].source == "Nomoto (1957)."
 
 
 def test_a_quantity_may_be_declared_again() -> None:
@@ -85,7 +85,7 @@ def test_a_quantity_may_be_declared_again() -> None:
 
         tau = parameter("s", "time constant of a heavier ship", start=200.0, low=10.0, high=1000.0)
 
-    assert Heavier._quantities["tau"].start == 200.0
+    assert declared_quantities(Heavier)["tau"].start == 200.0
     assert rate(Heavier, **POINT | {"r": 0.0}) == pytest.approx(0.1 * 0.2 / 20)
 
 
@@ -103,14 +103,14 @@ def test_properties_and_constants_of_the_class_are_seen_by_equations() -> None:
         @x.rate
         def change(self):
             """Anon (2000)."""
-            return np.maximum(self.twice, self.LEAST) / self.T
+            return np.maximum(self.twice, self.LEAST) / self.T_s
 
-        T = given("s", "sampling interval")
+        T_s = given("s", "sampling interval")
 
     model = join("alone", WithProperty)
     assert model.inputs == ()  # the sampling interval is no input
-    assert Evaluation(model, {"x": 3.0, "T": 2.0}).right_hand_sides("rate")["x"] == 3.0
-    assert Evaluation(model, {"x": 0.1, "T": 2.0}).right_hand_sides("rate")["x"] == 0.25
+    assert Evaluation(model, {"x": 3.0, "T_s": 2.0}).right_hand_sides("rate")["x"] == 3.0
+    assert Evaluation(model, {"x": 0.1, "T_s": 2.0}).right_hand_sides("rate")["x"] == 0.25
 
 
 def test_the_name_on_the_command_line() -> None:
@@ -184,7 +184,7 @@ def _underscore() -> None:
 
 def _own_interval() -> None:
     class Bad(Component):
-        T = parameter("s", "time constant", start=1.0)
+        T_s = parameter("s", "time constant", start=1.0)
 
 
 def _no_meaning() -> None:
@@ -203,7 +203,7 @@ def _no_meaning() -> None:
         (_twice, r"Bad defines 'x' twice: in 'one' \(.*:\d+\) and in 'other' \(.*:\d+\)"),
         (_reserved, r"may not name a quantity 't': the name is reserved"),
         (_underscore, r"may not name a quantity '_hidden'"),
-        (_own_interval, r"'T', which is the sampling interval: declare it as given"),
+        (_own_interval, r"'T_s', which is the sampling interval: declare it as given"),
         (_no_meaning, r"'x' of Bad says no meaning"),
     ],
 )
@@ -213,9 +213,29 @@ def test_a_component_that_is_not_well_formed_says_why(build: Callable[[], None],
 
 
 def test_a_declaration_is_data() -> None:
-    quantity = Turning._quantities["K"]
+    quantity = declared_quantities(Turning)["K"]
     with pytest.raises(AttributeError):
         quantity.start = 3.0
     with pytest.raises(AttributeError):
-        Turning._equations["r"].kind = "next"
+        declared_equations(Turning)["r"].kind = "next"
     assert isinstance(quantity, Quantity)
+
+
+def test_a_time_constant_may_be_called_T() -> None:
+    class FirstOrder(Component):
+        """Nomoto's first order, in the symbols of its author."""
+
+        r = state("rad/s", "rate of turn, positive to starboard")
+        delta = given("rad", "rudder angle, positive turns to starboard")
+        K = parameter("1/s", "yaw gain", start=0.5, prime=True)
+        T = parameter("s", "yaw time constant", start=1.0, prime=True)
+
+        @r.rate
+        def yaw(self):
+            """Nomoto (1957)."""
+            return (self.K * self.delta - self.r) / self.T
+
+    model = join("first order", FirstOrder)
+    assert model.parameters == ("K", "T")
+    rates = Evaluation(model, {"r": 0.1, "delta": 0.5, "K": 0.4, "T": 5.0}).right_hand_sides("rate")
+    assert rates["r"] == (0.4 * 0.5 - 0.1) / 5.0

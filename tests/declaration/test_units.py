@@ -70,22 +70,6 @@ def test_units_that_need_a_factor(text: str) -> None:
     assert not units.is_coherent_si(text)
 
 
-@pytest.mark.parametrize(
-    ("text", "exponents"),
-    [("1/s", (0, -1)), ("s", (0, 1)), ("m", (1, 0)), ("s^2/rad^2", (0, 2)), ("m/s", (1, -1)), ("1", (0, 0))],
-)
-def test_the_prime_system(text: str, exponents: tuple[float, float]) -> None:
-    assert units.prime_exponents(text) == exponents
-
-
-def test_the_prime_system_scales_with_length_and_speed() -> None:
-    assert units.prime_factor("1/s", 45.0, 5.0) == pytest.approx(5.0 / 45.0)
-    assert units.prime_factor("s^2/rad^2", 45.0, 5.0) == pytest.approx(81.0)
-    assert units.prime_factor("m/rad", 45.0, 5.0) == pytest.approx(45.0)
-    with pytest.raises(UnitError, match="kg is not made of lengths and times"):
-        units.prime_exponents("kg")
-
-
 @given_values(
     st.floats(-1e6, 1e6, allow_subnormal=False), st.sampled_from(["deg", "rad", "kn", "m/s", "km", "s^2/deg^2"])
 )

@@ -183,15 +183,3 @@ def test_four_processes_race_for_one_library(tmp_path: Path, fresh: Path) -> Non
     assert all(float(p[1]) == pytest.approx(np.sin(3) + 1, rel=1e-15) for p in printed)
     assert len(libraries(fresh)) == 1
     assert [p.suffix for p in fresh.iterdir()] == [".so"]
-
-
-def test_where_the_cache_lies(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv("SHIPID_CACHE")
-    monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert compiling.cache_folder() == tmp_path / "shipid"
-    monkeypatch.setattr(sys, "platform", "darwin")
-    assert compiling.cache_folder() == Path.home() / "Library" / "Caches" / "shipid"
-    monkeypatch.setattr(sys, "platform", "win32")
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "local"))
-    assert compiling.cache_folder() == tmp_path / "local" / "shipid"

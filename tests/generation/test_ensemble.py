@@ -7,14 +7,14 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import UnknownNameError
-from shipid.generation.ensemble import BLOCK, make_batch, steps_of
+from shipid.generation.ensemble import BLOCK, make_ensemble, steps_of
 from shipid.generation.record import make_record
 
 
 def test_runs_equal_records():
     """Different starts, inputs, coefficients and clocks, an input that varies: the last state of each run is its record's."""
     model = shipid.find_model("de-keizer")
-    batch = make_batch(model, ("delta",))
+    batch = make_ensemble(model, ("delta",))
     system, rng = batch.system, np.random.default_rng(2)
     runs, count = 5, 3 * BLOCK
     ship = shipid.find_ship("soesterberg").values(model, speed=9.5)
@@ -40,4 +40,4 @@ def test_lengths_are_whole_blocks():
 
 def test_an_unknown_input():
     with pytest.raises(UnknownNameError, match="input of model de-keizer called 'sail'"):
-        make_batch(shipid.find_model("de-keizer"), ("sail",))
+        make_ensemble(shipid.find_model("de-keizer"), ("sail",))

@@ -196,7 +196,7 @@ def test_sampled_models_are_exact(name: str, plain: Any, run_record: Any) -> Non
     point, rows = dict(values), []
     for _ in t:
         rows.append([point.get(s, 0.0) for s in model.states])
-        point |= plain(model, dict.fromkeys(model.states, 0.0) | point | {"T": 3.0}, "next")
+        point |= plain(model, dict.fromkeys(model.states, 0.0) | point | {"T_s": 3.0}, "next")
     np.testing.assert_allclose(got, np.array(rows).T, rtol=1e-12)
 
 
@@ -210,7 +210,7 @@ def test_a_helmsman_and_a_ship(plain: Any, run_record: Any) -> None:
     t = np.arange(0, 400, 0.5)
     got = run_record(model, (*model.states, "delta_order"), values | start, {}, t, hold="zero")
 
-    ship = {n: values.get(n, 0.0) for n in model.inputs} | values | {"T": 0.5}
+    ship = {n: values.get(n, 0.0) for n in model.inputs} | values | {"T_s": 0.5}
     continuous = tuple(s for s in model.states if model[s].equation.kind == "rate")
 
     def rates(point: dict[str, float], ahead: float, slope: dict[str, float]) -> dict[str, float]:

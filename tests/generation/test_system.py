@@ -32,8 +32,8 @@ def test_expressions_equal_the_equations_over_floats(pair: Any, plain: Any, rng:
     compared = 0
     for _ in range(20):
         point = pair.random(rng)
-        rates = plain(pair.model, point | {"T": T}, "rate")
-        others = plain(pair.model, point | {"T": T}, "next", "equals")
+        rates = plain(pair.model, point | {"T_s": T}, "rate")
+        others = plain(pair.model, point | {"T_s": T}, "next", "equals")
         wanted = [rates.get(s, 0.0) for s in system.states] + [others[n] for n in (*named, *shown)]
         got = np.asarray(function(*arguments(system, point), T)).ravel()
         np.testing.assert_allclose(got, np.array(wanted, dtype=float), rtol=1e-12, atol=0)
@@ -54,10 +54,10 @@ def differentiate(plain: Any, model: Any, point: dict[str, float], by: str, kind
     """Complex step, exact to rounding; five-point differences where an equation takes a size or a sign."""
     if not model.name.startswith(("pershitz", "cross-flow")) or "track" in model.name:
         size = 1e-30
-        sides = plain(model, point | {"T": T, by: point[by] + 1j * size}, *kinds)
+        sides = plain(model, point | {"T_s": T, by: point[by] + 1j * size}, *kinds)
         return {n: np.imag(v) / size for n, v in sides.items()}
     size = 1e-3 * abs(point[by])
-    sides = {k: plain(model, point | {"T": T, by: point[by] + k * size}, *kinds) for k in (-2, -1, 1, 2)}
+    sides = {k: plain(model, point | {"T_s": T, by: point[by] + k * size}, *kinds) for k in (-2, -1, 1, 2)}
     return {n: (8 * (sides[1][n] - sides[-1][n]) - sides[2][n] + sides[-2][n]) / (12 * size) for n in sides[1]}
 
 

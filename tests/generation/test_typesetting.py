@@ -46,7 +46,7 @@ def test_the_print_evaluates_to_the_generated_function(one: Any, plain: Any, rng
     expression that SymPy has reordered; a difference of large terms multiplies it.
     """
     system = generate(one.model)
-    names = [*one.model.entries, "T"]
+    names = [*one.model.entries, "T_s"]
     moves = dict(zip(system.states, ca.vertsplit(system.rates))) | {
         system.states[i]: e for i, e in system.nexts.items()
     }
@@ -60,7 +60,7 @@ def test_the_print_evaluates_to_the_generated_function(one: Any, plain: Any, rng
         point = one.random(rng)
         at = [system.vector(n, point) for n in (system.states, system.inputs, system.coefficients)]
         generated, quantities = (np.asarray(v).ravel() for v in everything(*at, T))
-        known = point | {"T": T} | dict(zip(one.model.derived, quantities))
+        known = point | {"T_s": T} | dict(zip(one.model.derived, quantities))
         for printed, expression, value in zip(equations, expressions, generated):
             numbers = {s: sympy.Float(float(known[s.name]), 30) for s in expression.free_symbols}
             if not np.isfinite(value):

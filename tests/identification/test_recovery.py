@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.trials.columns import COLUMNS
+from shipid.declaration.vocabulary import FIELDS
 
 #: Model, ship, manoeuvres: what together determine all coefficients the model estimates by itself.
 CASES = [
@@ -82,7 +82,7 @@ def test_a_rudder_bias_is_found_in_each_trial(sail, truth_of):
     for i, bias in enumerate((1.5, -2.0)):
         frame = sail("norrbin", "zeefakkel", seed=i).table.copy()
         frame["delta"] -= np.deg2rad(bias)
-        units = {n: COLUMNS[n].unit for n in frame.columns}
+        units = {n: FIELDS[n].unit for n in frame.columns}
         trials.append(shipid.Trial.from_frame(frame, name=f"t{i}", units=units))
     fit = shipid.identify("norrbin", trials, ship="zeefakkel")
     assert [np.rad2deg(c.bias) for c in fit.fitted] == pytest.approx([1.5, -2.0], abs=0.05)

@@ -155,7 +155,7 @@ def test_the_spiral_of_an_unstable_ship_is_three_degrees_wide(evaluate: Evaluate
 
 def tracked(model: str, **changed: float) -> dict[str, float]:
     ship = find_ship("semerdjiev")
-    start = {"cruise": 30.0, "psi": 0.0, "x": 0.0, "y": 0.0, "T": 3.0}
+    start = {"cruise": 30.0, "psi": 0.0, "x": 0.0, "y": 0.0, "T_s": 3.0}
     return ship.values(find_model(model)) | start | changed
 
 
@@ -312,7 +312,7 @@ def test_the_coloured_waves_need_one_state_for_rate_and_heading(evaluate: Evalua
     noise = np.random.default_rng(2).normal(0, 0.002, 60)
     v_f = psi_v = 0.0
     for w in noise:
-        sides = evaluate(declared.ColouredWaves, {"v_f": v_f, "wave_noise": w, "T": 0.4})
+        sides = evaluate(declared.ColouredWaves, {"v_f": v_f, "wave_noise": w, "T_s": 0.4})
         assert sides["psi_wave"] == pytest.approx(psi_v, abs=1e-15)
         psi_v += 0.4 * sides["r_wave"]
         v_f = sides["v_f"]

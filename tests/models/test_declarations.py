@@ -11,7 +11,8 @@ import pytest
 
 from shipid import Component, find_model, find_ship, join
 from shipid.declaration import units
-from shipid.declaration.component import slug
+from shipid.declaration.component import declared_equations, declared_quantities, slug
+from shipid.declaration.scale import Scale, prime_exponents
 from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values
@@ -44,7 +45,7 @@ def test_the_named_models_are_there() -> None:
 
 @pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
 def test_every_equation_cites_its_source(component: type[Component]) -> None:
-    for equation in component._equations.values():
+    for equation in declared_equations(component).values():
         assert re.search(r"\b(19|20)\d\d\b", equation.source), f"{equation.name} ({equation.place}) cites no source"
     assert (component.__doc__ or "").strip()
 
@@ -58,7 +59,7 @@ def test_every_file_names_its_family_and_stays_one_idea(module: object) -> None:
 
 @pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
 def test_every_parameter_has_a_start_inside_its_bounds(component: type[Component]) -> None:
-    if not component._equations:
+    if not declared_equations(component):
         return
     model = join("alone", component)
     for name in model.parameters:
@@ -73,18 +74,18 @@ def test_every_parameter_says_how_it_scales(component: type[Component]) -> None:
 
     What is not of the hull and the water stays in seconds, and is named with its reason in `IN_SECONDS`.
     """
-    for name, quantity in component._quantities.items():
+    for name, quantity in declared_quantities(component).items():
         if quantity.kind != "parameter":
             continue
         dimensionless = units.same_dimension(quantity.unit, "1")
         if quantity.prime:
-            units.prime_exponents(quantity.unit)
+            prime_exponents(quantity.unit)
         elif (component.__name__, name) in IN_SECONDS:
             assert quantity.unit == "s" and not quantity.dimensional
         else:
             assert dimensionless, f"{name} [{quantity.unit}] declares no prime"
         if quantity.dimensional:
-            assert dimensionless and units.prime_exponents(quantity.dimensional) != (0.0, 0.0), name
+            assert dimensionless and prime_exponents(quantity.dimensional) != (0.0, 0.0), name
 
 
 @pytest.mark.parametrize("name", SHIP_MODELS)
@@ -92,7 +93,7 @@ def test_every_model_steers_the_heading(name: str) -> None:
     model = find_model(name)
     assert {"x", "y", "psi"} <= set(model.states)
     assert model["psi"].quantity.wraps
-    assert model.is_sampled == ("T" in {q for c in model.components for q in c._quantities})
+    assert model.is_sampled == ("T_s" in {q for c in model.components for q in declared_quantities(c)})
 
 
 def test_every_yaw_model_takes_a_disturbance() -> None:
@@ -162,9 +163,8 @@ def test_every_section_of_a_ship_determines_its_model(name: str, section: str) -
     length = ship.particular("L", "m")
     for parameter in model.parameters:
         entry = model[parameter]
-        scale = units.prime_factor(entry.unit, length, speed) if entry.quantity.prime else 1.0
-        low, high = entry.number("low"), entry.number("high")
-        assert low * scale <= values[parameter] <= high * scale, parameter
+        low, high = Scale(length, speed).bounds_of(entry)
+        assert low <= values[parameter] <= high, parameter
 
 
 @pytest.mark.parametrize("name", SHIPS)
@@ -215,7 +215,7 @@ def test_the_two_sizes_of_the_kvlcc2_are_one_hull() -> None:
         ship = find_ship(name)
         length, speed = ship.particular("L", "m"), ship.particular("speed", "m/s")
         values = ship.values(model, speed)
-        primed.append([values[p] / units.prime_factor(model[p].unit, length, speed) for p in model.parameters])
+        primed.append([values[p] / Scale(length, speed).factor(model[p].unit) for p in model.parameters])
     assert primed[0] == pytest.approx(primed[1], rel=1e-3)
     assert primed[0] == pytest.approx([0.470, 0.04, 4.4], rel=1e-3)
 
@@ -239,7 +239,7 @@ def test_every_ship_turns_to_the_side_of_its_rudder(
     """Ten degrees of rudder for twenty ship lengths: to the right side, and not faster than a ship can turn."""
     ship, model = find_ship(name), find_model(section)
     length, speed = ship.particular("L", "m"), ship.particular("speed", "m/s")
-    values = ship.values(model, speed) | {"delta": side * math.radians(10), "T": length / speed / 10}
+    values = ship.values(model, speed) | {"delta": side * math.radians(10), "T_s": length / speed / 10}
     values |= {n: speed for n in ("u", "cruise") if n in model.inputs}
     start = {"u": speed} if "u" in model.states else {}
     pace = length / speed

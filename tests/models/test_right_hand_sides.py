@@ -11,6 +11,7 @@ import pytest
 
 import shipid.models as declared
 from shipid import Component
+from shipid.declaration.component import declared_equations, declared_quantities
 from shipid.declaration.model import Evaluation, reads_of
 from shipid.parameters.catalogue import known_models, modules
 
@@ -21,7 +22,7 @@ Case = Callable[[Numbers], Numbers]
 SHIP: Numbers = {
     "x": 120.0, "y": -35.0, "psi": 0.83, "u": 6.7, "v": -0.41, "r": 0.0117, "w": 2.3e-4, "delta": -0.21, "L": 161.0,
     "cruise": 8.9, "current_north": 0.37, "current_east": -0.22, "r_disturbance": 1.7e-5, "u_disturbance": -2.1e-3,
-    "T": 3.0,
+    "T_s": 3.0,
 }  # fmt: skip
 
 
@@ -309,7 +310,7 @@ def waves(n: Numbers) -> Numbers:
 
 
 def coloured_waves(n: Numbers) -> Numbers:
-    n |= {"v_f": 0.002, "wave_noise": -0.0035, "T": 0.4, "wave_time": 3.0}
+    n |= {"v_f": 0.002, "wave_noise": -0.0035, "T_s": 0.4, "wave_time": 3.0}
     b = 0.4 / 3.0
     return {"v_f": (1 - b) * 0.002 - b * 0.0035, "r_wave": -0.0035 - 0.002, "psi_wave": 0.4 / b * 0.002}
 
@@ -338,7 +339,7 @@ def position_sensor(n: Numbers) -> Numbers:
 
 
 def adaptive_yaw(n: Numbers) -> Numbers:
-    n |= {"a": 0.95, "b1": 0.61, "v_f": 0.002, "wave_noise": -0.0035, "T": 0.4, "wave_time": 3.0}
+    n |= {"a": 0.95, "b1": 0.61, "v_f": 0.002, "wave_noise": -0.0035, "T_s": 0.4, "wave_time": 3.0}
     r = 0.95 * (6.7 / 161) ** 2 * n["delta"] - 0.61 * 6.7 / 161 * n["r"] + n["r_disturbance"]
     waves = {"v_f": 0.002 + 0.4 / 3 * (-0.0035 - 0.002), "r_wave": -0.0055}
     kept = {"r_disturbance": 0.0, "psi": n["r"], "way": 6.7, "K": 0.95 / 0.61, "tau": 1 / 0.61}
@@ -406,7 +407,7 @@ def test_component_agrees_with_the_formulas_by_hand(name: str, evaluate: Callabl
     values = dict(SHIP)
     wanted = PARTS[name](values)
     part = getattr(declared, name)
-    inside = {n: v for n, v in values.items() if n not in wanted or part._quantities[n].kind == "state"}
+    inside = {n: v for n, v in values.items() if n not in wanted or declared_quantities(part)[n].kind == "state"}
     _agree(evaluate(part, inside), wanted)
 
 
@@ -414,7 +415,7 @@ def test_no_model_and_no_component_is_left_out() -> None:
     assert known_models().keys() == MODELS.keys()
     classes = {c for m in modules() for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)}
     joined = {c for m in known_models().values() for c in m.components}
-    stating = {c for c in classes - joined if any(e.kind != "instead" for e in c._equations.values())}
+    stating = {c for c in classes - joined if any(e.kind != "instead" for e in declared_equations(c).values())}
     assert {c.__name__ for c in stating} <= PARTS.keys()
 
 

@@ -10,12 +10,12 @@ import pandas as pd
 import pytest
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.uncertainty.information import covariance_from, eliminate, gather, sail_of
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.planning.request import TimeTooShortError, brief
 from shipid.planning.selection import Table, choose, value_of
-from shipid.trials.columns import COLUMNS
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
@@ -60,7 +60,7 @@ def test_information_is_that_of_identification(model, ship, text):
     y, _ = question.record(x0, inputs, np.diff(t, append=t[-1]), p)
     delta = inputs[find_model(model).inputs.index("delta")]
     columns = {"t": t, "delta": delta, **dict(zip(question.signals, y))}
-    units = {n: COLUMNS[n].unit for n in columns}
+    units = {n: FIELDS[n].unit for n in columns}
     trial = shipid.Trial.from_frame(pd.DataFrame(columns), name="clean", units=units)
     noise = {n: (s, units[n]) for n, s in zip(question.signals, question.sigma)}
     fit = shipid.identify(model, [trial], ship=ship, noise=noise, signals=question.signals, starts=1)

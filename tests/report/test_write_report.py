@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
 from shipid.identification.uncertainty.posterior import Posterior
 from shipid.report import write_report as report
 from shipid.report.write_report import render, write_report
-from shipid.trials.columns import COLUMNS
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = ROOT.parent / "shared" / "data" / "kvlcc2-marin"
@@ -278,7 +278,7 @@ def test_what_was_tried_and_found_is_on_the_page(fit, text):
 def test_findings_and_a_posterior_on_the_page(fit):
     table = fit.fitted[0].trial.table.copy()
     table["delta"] *= -1
-    units = {n: COLUMNS[n].unit for n in table.columns}
+    units = {n: FIELDS[n].unit for n in table.columns}
     trial = shipid.Trial.from_frame(table, name="<mirrored>", units=units)
     wrong = dataclasses.replace(fit, fitted=(dataclasses.replace(fit.fitted[0], trial=trial),))
     k, n = len(fit.estimated), 4

@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shipid.declaration import units
+from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError
 
@@ -25,13 +26,13 @@ def test_header_is_split_into_name_and_unit(text, name, unit):
     assert columns.split_header(text) == (name, unit)
 
 
-@given(st.sampled_from(sorted(columns.COLUMNS)))
+@given(st.sampled_from(sorted(FIELDS)))
 def test_header_round_trip(name):
-    column = columns.COLUMNS[name]
+    column = FIELDS[name]
     assert columns.split_header(columns.header(name, column.display)) == (name, column.display)
 
 
-@pytest.mark.parametrize("column", columns.COLUMNS.values(), ids=lambda c: c.name)
+@pytest.mark.parametrize("column", FIELDS.values(), ids=lambda c: c.name)
 def test_vocabulary_units_are_units_and_fit_their_display(column):
     assert columns.to_inside(column.name, column.unit) == pytest.approx(1.0)
     assert columns.to_inside(column.name, column.display) > 0

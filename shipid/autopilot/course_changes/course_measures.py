@@ -23,7 +23,7 @@ class CourseMeter(Component):
     y = given("m", "position to the east")
     current_north = given("m/s", "current, its part that flows to the north", default=0.0)
     current_east = given("m/s", "current, its part that flows to the east", default=0.0)
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     meter_side = constant("1", "side of the course change: 1 to starboard, -1 to port", default=1.0)
     meter_band = constant("rad", "heading error within which the ship counts as settled", default="0.5 deg")
     meter_from = constant("s", "time from which errors and activity are summed", default="0 s")
@@ -58,12 +58,12 @@ class CourseMeter(Component):
 
     def summed(self, total: Any, rate: Any) -> Any:
         """A sum, with this sample where it counts."""
-        return total + np.where(self.counts(), rate, 0.0 * rate) * self.T
+        return total + np.where(self.counts(), rate, 0.0 * rate) * self.T_s
 
     @clock.next
     def tick(self) -> Any:
         """The clock."""
-        return self.clock + self.T
+        return self.clock + self.T_s
 
     @overshoot.next
     def beyond(self) -> Any:

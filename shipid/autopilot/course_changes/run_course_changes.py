@@ -14,7 +14,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.control_law import Measured
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
-from shipid.generation.ensemble import make_batch, steps_of
+from shipid.generation.ensemble import make_ensemble, steps_of
 from shipid.parameters.draws import Drawn
 
 #: Length of a run in L/u, and the clock: a fiftieth of L/u, and short enough for the servo and the fastest pole of the ship.
@@ -139,7 +139,7 @@ def sail(
     parts: list[type[Component]] = [CourseMeter, *(weather.components(pilot.model) if weather else ())]
     model = pilot.loop(*parts, measured=SeaFiltered if filtered else Measured)
     varying = ("wave_noise",) if "wave_noise" in model.inputs else ()
-    batch = make_batch(model, varying)
+    batch = make_ensemble(model, varying)
     system, runs = batch.system, speeds.size
     intervals, count = clock_of(pilot, model, speeds, lengths)
     sides = np.where(changes < 0, -1.0, 1.0)

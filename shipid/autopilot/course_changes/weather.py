@@ -14,7 +14,7 @@ import numpy as np
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor
+from shipid.declaration.scale import prime_factor
 from shipid.parts.environment import Waves, Wind
 
 #: From this length on the weather is that of the sea.

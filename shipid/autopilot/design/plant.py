@@ -15,7 +15,8 @@ import numpy as np
 
 from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
 from shipid.declaration.model import Model
-from shipid.declaration.units import factor, prime_factor
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import factor
 from shipid.foundation.errors import ParameterSetError
 from shipid.generation.system import System, generate
 from shipid.parameters.parameter_set import ParameterSet, missing_values

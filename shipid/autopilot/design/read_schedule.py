@@ -5,13 +5,11 @@ What a target machine is given can be edited by hand; what is read is therefore 
 
 from __future__ import annotations
 
-import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
+import tomli_w
 
 import shipid
 from shipid.autopilot.design.autopilot import Autopilot
@@ -19,11 +17,14 @@ from shipid.autopilot.design.design_autopilot import DESIGNS
 from shipid.autopilot.design.plant import check_steerable
 from shipid.autopilot.design.schedule import GAINS, Schedule
 from shipid.autopilot.errors import ScheduleError
+from shipid.declaration.tables import Table, read_table
 from shipid.declaration.units import factor
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnitError, nearest
-from shipid.foundation.replacing import replacing
+from shipid.foundation.replacing import write_text
 from shipid.parameters.catalogue import find_model, known_component
-from shipid.parameters.parameter_set import ParameterSet, parameter_lines, parse_parameter_set
+from shipid.parameters.parameter_file import parameter_table, parse_parameter_set
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
 
 #: Limits of the steering machine, and the unit each is written in.
@@ -32,6 +33,10 @@ _REQUESTS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight
 _KEYS = {"kind", "written_by", "model", "actuator", "design", "request", "service_speed", "rudder_limit", "limits",
          "schedule", "ship", "condition", "warnings"}  # fmt: skip
 _KIND = "shipid autopilot schedule"
+_LAW = """\
+# delta_order = Kp (psi_order - psi) - Kd r + Ki integral(psi_order - psi), within the rudder limit; the gains are
+# straight between two speeds and stay as they are beyond the ends. Rudder and rate of turn positive to starboard.
+"""
 
 
 def write_schedule(pilot: Autopilot, path: str | Path, source: str | None = None) -> None:
@@ -46,53 +51,48 @@ def write_schedule(pilot: Autopilot, path: str | Path, source: str | None = None
     source : str, optional
         How the model is found again: a name, or ``path/to/file.py:Class``; the model's name when not given.
     """
-    with replacing(Path(path)) as temporary:
-        Path(temporary).write_text("\n".join(schedule_lines(pilot, source)) + "\n", encoding="utf-8")
+    write_text(Path(path), _LAW + tomli_w.dumps(schedule_table(pilot, source)))
 
 
-def schedule_lines(pilot: Autopilot, source: str | None = None) -> list[str]:
-    """Return the lines of the file.
+def schedule_table(pilot: Autopilot, source: str | None = None) -> dict[str, Plain]:
+    """Return the table that TOML writes.
 
     Parameters
     ----------
     pilot, source
         As for `write_schedule`.
+
+    Returns
+    -------
+    dict of str to Plain
     """
 
-    def numbers(values: Any) -> str:
-        return "[" + ", ".join(f"{float(v):.15g}" for v in values) + "]"
+    def with_unit(value: Plain, unit: str) -> dict[str, Plain]:
+        return {"value": value, "unit": unit}
 
-    lines = [
-        f'kind = "{_KIND}"',
-        f'written_by = "shipid {shipid.__version__}"',
-        f"model = {json.dumps(source or pilot.model.name, ensure_ascii=False)}",
-        f"actuator = {json.dumps('' if pilot.actuator is DirectRudder else pilot.actuator.__name__)}",
-        f'design = "{pilot.design}"',
-        f"warnings = {json.dumps(list(pilot.warnings), ensure_ascii=False)}",
-        "",
-        "# delta_order = Kp (psi_order - psi) - Kd r + Ki integral(psi_order - psi), within the rudder limit; the gains are",
-        "# straight between two speeds and stay as they are beyond the ends. Rudder and rate of turn positive to starboard.",
-        f"service_speed = {{ value = {pilot.service_speed:.15g}, unit = 'm/s' }}",
-        f"rudder_limit = {{ value = {np.rad2deg(pilot.rudder_limit):.12g}, unit = 'deg' }}",
-        "",
-        "[request]",
-        *(f"{n} = {{ value = {v:.15g}, unit = '{_REQUESTS[n]}' }}" for n, v in pilot.request.items()),
-        "",
-        "[limits]",
-        *(f"{n} = {{ value = {v:.15g}, unit = '{_LIMITS[n]}' }}" for n, v in pilot.limits.items()),
-        "",
-        "[schedule]",
-        f"u = {{ value = {numbers(pilot.speeds)}, unit = 'm/s' }}",
-    ]
-    for name, table in pilot.schedule.gains.items():
-        rows = numbers(table[0]) if len(table) == 1 else "[" + ", ".join(numbers(row) for row in table) + "]"
-        lines.append(f"{name} = {{ value = {rows}, unit = '{GAINS[name][0]}' }}")
-    for ship in pilot.ships:
-        prefix = "condition.ship." if ship is not pilot.ships[0] else "ship."
-        if ship is not pilot.ships[0]:
-            lines += ["", "[[condition]]", ""]
-        lines += ["", f"[{prefix[:-1]}]", *parameter_lines(ship, prefix)]
-    return lines
+    def numbers(values: np.ndarray) -> list[float]:
+        return [float(f"{float(v):.15g}") for v in values]
+
+    gains = {
+        name: with_unit(numbers(table[0]) if len(table) == 1 else [numbers(row) for row in table], GAINS[name][0])
+        for name, table in pilot.schedule.gains.items()
+    }
+    others = [{"ship": parameter_table(ship)} for ship in pilot.ships[1:]]
+    return {
+        "kind": _KIND,
+        "written_by": f"shipid {shipid.__version__}",
+        "model": source or pilot.model.name,
+        "actuator": "" if pilot.actuator is DirectRudder else pilot.actuator.__name__,
+        "design": pilot.design,
+        "warnings": list(pilot.warnings),
+        "service_speed": with_unit(pilot.service_speed, "m/s"),
+        "rudder_limit": with_unit(float(f"{np.rad2deg(pilot.rudder_limit):.12g}"), "deg"),
+        "request": {n: with_unit(v, _REQUESTS[n]) for n, v in pilot.request.items()},
+        "limits": {n: with_unit(v, _LIMITS[n]) for n, v in pilot.limits.items()},
+        "schedule": {"u": with_unit(numbers(pilot.speeds), "m/s"), **gains},
+        "ship": parameter_table(pilot.ships[0]),
+        **({"condition": others} if others else {}),
+    }
 
 
 def read_schedule(path: str | Path) -> Autopilot:
@@ -113,12 +113,7 @@ def read_schedule(path: str | Path) -> Autopilot:
         If it is no schedule, or says nonsense; the message names file and entry.
     """
     path = Path(path)
-    try:
-        raw = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ScheduleError(f"the schedule {path} cannot be read: {error.strerror}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ScheduleError(f"the schedule {path} is not valid TOML: {error}.") from None
+    raw = read_table(path, "schedule", ScheduleError).content
     if raw.get("kind") != _KIND:
         raise ScheduleError(f"{path} is no schedule of an autopilot: its first line is not kind = '{_KIND}'.")
     for key in raw:
@@ -170,7 +165,7 @@ def _check_sense(path: Path, pilot: Autopilot) -> None:
                 )
 
 
-def _schedule(path: Path, raw: Any, conditions: int) -> Schedule:
+def _schedule(path: Path, raw: Plain, conditions: int) -> Schedule:
     where = f"{path}, [schedule]"
     if not isinstance(raw, Mapping) or "u" not in raw or not {"Kp", "Kd"} <= set(raw):
         raise ScheduleError(f"{where} has to hold u, Kp and Kd.")
@@ -195,7 +190,7 @@ def _schedule(path: Path, raw: Any, conditions: int) -> Schedule:
     return Schedule(speeds, gains)
 
 
-def _row(where: str, raw: Any, unit: str) -> np.ndarray:
+def _row(where: str, raw: Plain, unit: str) -> np.ndarray:
     if not isinstance(raw, Mapping) or set(raw) != {"value", "unit"}:
         raise ScheduleError(f"{where} has to be written {{ value = [..], unit = '{unit}' }}.")
     try:
@@ -207,7 +202,7 @@ def _row(where: str, raw: Any, unit: str) -> np.ndarray:
     return np.asarray(values * _factor(where, raw["unit"], unit))
 
 
-def _number(path: Path, name: str, raw: Any, unit: str) -> float:
+def _number(path: Path, name: str, raw: Plain, unit: str) -> float:
     where = f"{path}, '{name}'"
     good = isinstance(raw, Mapping) and set(raw) == {"value", "unit"}
     if (
@@ -220,14 +215,14 @@ def _number(path: Path, name: str, raw: Any, unit: str) -> float:
     return float(raw["value"]) * _factor(where, raw["unit"], unit)
 
 
-def _factor(where: str, given: Any, wanted: str) -> float:
+def _factor(where: str, given: Plain, wanted: str) -> float:
     try:
         return factor(str(given), wanted, where)
     except UnitError as error:
         raise ScheduleError(str(error)) from None
 
 
-def _table(path: Path, section: str, raw: Any, units: Mapping[str, str]) -> dict[str, float]:
+def _table(path: Path, section: str, raw: Plain, units: Mapping[str, str]) -> dict[str, float]:
     if not isinstance(raw, Mapping):
         raise ScheduleError(f"{path}: '{section}' is no table.")
     for name in raw:
@@ -238,11 +233,11 @@ def _table(path: Path, section: str, raw: Any, units: Mapping[str, str]) -> dict
     return {n: _number(path, f"{section}.{n}", v, units[n]) for n, v in raw.items()}
 
 
-def _ships(path: Path, raw: Mapping[str, Any]) -> tuple[ParameterSet, ...]:
+def _ships(path: Path, raw: Mapping[str, Plain]) -> tuple[ParameterSet, ...]:
     tables = [raw["ship"], *(c.get("ship") for c in raw.get("condition", []))]
     try:
         if not all(isinstance(t, dict) for t in tables):
             raise ParameterSetError(f"{path}: 'ship' is no table.")
-        return tuple(parse_parameter_set(dict(t), path) for t in tables)
+        return tuple(parse_parameter_set(Table(t, str(path), ParameterSetError), path.stem) for t in tables)
     except ParameterSetError as error:
         raise ScheduleError(f"the ship in {error}") from None

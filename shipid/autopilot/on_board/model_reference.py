@@ -78,7 +78,7 @@ class IndirectAdaptation(Estimates):
 class ReferenceModel(Estimates):
     """The ship the gains are for, which follows the estimated one slowly, and the rudder that makes up the difference."""
 
-    T = given("s", "sampling interval")
+    T_s = given("s", "sampling interval")
     rudder_wanted = given("rad", "rudder the law asks for before the limit")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")
     adapting = given("1", "1 while the reference follows the estimates", default=1.0)
@@ -94,7 +94,7 @@ class ReferenceModel(Estimates):
 
     def share(self) -> Any:
         """Share taken over in a sample: the whole difference at most."""
-        return self.adapting * np.minimum(self.K_R * self.T, 1.0)
+        return self.adapting * np.minimum(self.K_R * self.T_s, 1.0)
 
     @a_ref.next
     def follow_acceleration(self) -> Any:

@@ -7,7 +7,8 @@ from collections.abc import Collection, Mapping
 import numpy as np
 
 from shipid.declaration.model import Entry, Model
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import to_si
 from shipid.estimation.errors import NoiseLevelError
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.parameters.parameter_set import ParameterSet

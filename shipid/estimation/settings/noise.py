@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor, to_si, unit
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import to_si, unit
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
 from shipid.foundation.errors import UnitError, UnknownNameError
 

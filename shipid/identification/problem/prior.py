@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor
+from shipid.declaration.scale import prime_factor
 from shipid.identification.problem.output_error import Prior
 from shipid.identification.problem.trial_data import Sailed
 

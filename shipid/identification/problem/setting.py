@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.problem.scale import own_unit_time, speed_of

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import prime_factor, to_si
+from shipid.declaration.scale import prime_factor
+from shipid.declaration.units import to_si
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
 from shipid.estimation.records.arrangement import Arrangement, arrange, column_of
 from shipid.estimation.records.vectors import columns_of

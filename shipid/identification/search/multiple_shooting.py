@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from shipid.generation.ensemble import run_many
 from shipid.generation.record import Record, make_record
-from shipid.generation.runs import run_many
 from shipid.identification.problem.output_error import RUNAWAY, Problem
 from shipid.identification.problem.trial_data import Sailed
 from shipid.identification.search.least_squares import Box, Solution, bounds_of

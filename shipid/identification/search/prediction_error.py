@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from shipid.declaration.units import prime_factor
+from shipid.declaration.scale import prime_factor
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.likelihood import Likelihood
 from shipid.generation.reduction import reduced

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shipid.declaration.units import prime_factor
+from shipid.declaration.scale import prime_factor
 from shipid.foundation.errors import ShipidError
 from shipid.generation.system import generate
 from shipid.identification.problem.prior import scales_of

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.units import prime_factor
+from shipid.declaration.scale import prime_factor
 from shipid.identification.problem.scale import unit_time_of
 from shipid.identification.search.least_squares import Box, box_of
 from shipid.identification.uncertainty.covariance import covariance_of

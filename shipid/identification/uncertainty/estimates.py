@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Entry, Model, reads_of
-from shipid.declaration.units import prime_exponents, prime_factor
+from shipid.declaration.scale import prime_exponents, prime_factor
 from shipid.generation.system import generate
 from shipid.identification.fit import Estimate
 from shipid.identification.search.least_squares import Box

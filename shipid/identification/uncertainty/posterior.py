@@ -15,8 +15,8 @@ import numpy as np
 
 from shipid.declaration.units import pretty
 from shipid.foundation.errors import UsageError
+from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
-from shipid.generation.runs import run_many
 from shipid.identification.errors import PosteriorError
 from shipid.identification.problem.losses import bends
 from shipid.identification.problem.output_error import Problem

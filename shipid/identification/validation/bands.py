@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ShipidError
 from shipid.generation.record import make_record
 from shipid.identification.problem.scale import unit_time_of
 from shipid.identification.problem.trial_data import Sailed, prepare
 from shipid.identification.uncertainty.draws import Draws, band_of, draws_of
 from shipid.identification.validation.closed_loop import helmsman_of, zigzag_simulator
-from shipid.trials.columns import COLUMNS
 from shipid.trials.measuring.measure import detect, measure
 from shipid.trials.measuring.measures import TurningCircle, ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
@@ -253,7 +253,7 @@ def _circle(fit: Fit, runs: _Runs, measured: TurningCircle) -> dict[str, Foresee
     def read(y: np.ndarray) -> dict[str, float | None]:
         if not np.isfinite(y).all():
             return {}
-        signals = {n: row[::every] for n, row in zip(runs.outputs, y) if n in COLUMNS}
+        signals = {n: row[::every] for n, row in zip(runs.outputs, y) if n in FIELDS}
         try:
             found = measure(
                 Trial(trial.name, pd.DataFrame({**kept, **signals})), measured.kind, execute=measured.execute

@@ -12,12 +12,12 @@ from markupsafe import Markup
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import factor, pretty
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ShipidError
 from shipid.identification.fit import Comparison
 from shipid.identification.validation.bands import TURN, Manoeuvre
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
 from shipid.report.typography.numbers import fixed, number
-from shipid.trials.columns import COLUMNS
 from shipid.trials.measuring.measure import detect, measure
 from shipid.trials.measuring.measures import TurningCircle
 from shipid.trials.measuring.track import track
@@ -101,9 +101,9 @@ def label_of(model: Model, name: str) -> str:
 
 def shown_unit(model: Model, name: str) -> tuple[str, float]:
     """Return the unit a signal is shown in, and the factor from SI to it."""
-    if name in COLUMNS:
-        unit = COLUMNS[name].display
-        return pretty(unit), factor(COLUMNS[name].unit, unit)
+    if name in FIELDS:
+        unit = FIELDS[name].display
+        return pretty(unit), factor(FIELDS[name].unit, unit)
     return pretty(model[name].unit), 1.0
 
 
@@ -382,7 +382,7 @@ def _predicted_turn(comparison: Comparison, count: int, length: str | None) -> d
     if count < len(trial):
         return {}
     kept = {n: trial[n] for n in ("t", "delta", "delta_order") if trial.has(n)}
-    table = pd.DataFrame({**kept, **{n: p for n, p in comparison.predicted.items() if n in COLUMNS}})
+    table = pd.DataFrame({**kept, **{n: p for n, p in comparison.predicted.items() if n in FIELDS}})
     try:
         return {
             n: v for n, v, _, _ in measure(Trial(trial.name, table), TurningCircle.kind, length=length).quantities()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, TextInColumnError, TrialError, UnknownColumnError
 from shipid.trials.logs import reading, text
@@ -174,14 +175,14 @@ def _named(
     guessed = []
     for index, (header, unit) in enumerate(split):
         name = header
-        if name not in columns.COLUMNS or (name == "n" and "N" in plain):
+        if name not in FIELDS or (name == "n" and "N" in plain):
             alias = known.get(name.lower())
             name = alias if alias and alias not in plain else name
         if not name or name in found:
             continue
         if name != header:
             guessed.append(f"{name} is '{header}'")
-        if not unit and name not in columns.COLUMNS:
+        if not unit and name not in FIELDS:
             continue
         found[name], stated[name] = index, unit or columns.example_unit(name)
         if not unit:
@@ -247,14 +248,14 @@ def _to_si(record: Record, fmt: TrialFormat | None) -> None:
         try:
             factor = columns.to_inside(name, unit)
         except ColumnUnitError:
-            if name in columns.COLUMNS:
+            if name in FIELDS:
                 record.no_unit.append(name)
                 record.stated[name] = columns.example_unit(name)
                 factor = columns.to_inside(name, record.stated[name])
             else:
                 del record.values[name]
                 continue
-        if name not in columns.COLUMNS:
+        if name not in FIELDS:
             record.extra[name] = columns.inside_unit(name, unit)
         if fmt is not None and name in fmt.columns:
             factor *= fmt.columns[name].sign * fmt.columns[name].scale

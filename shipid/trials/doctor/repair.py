@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import OverwriteError
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.trials import columns
 from shipid.trials.doctor.check_trial import examine
 from shipid.trials.doctor.findings import Finding
 from shipid.trials.doctor.record import from_trial, read_record
@@ -74,10 +74,10 @@ def fix_trial(
     remaining = [f for f in patient.findings if f.fix is None]
     if "psi" in patient.values:
         patient["psi"] = np.unwrap(patient["psi"])
-    order = ["t", *(c for c in columns.COLUMNS if c in patient.values and c != "t")]
+    order = ["t", *(c for c in FIELDS if c in patient.values and c != "t")]
     order += [c for c in patient.values if c not in order]
     table = pd.DataFrame({c: np.ascontiguousarray(patient[c], dtype=float) for c in order})
-    units = {c: record.extra[c] for c in order if c not in columns.COLUMNS}
+    units = {c: record.extra[c] for c in order if c not in FIELDS}
     fixed = Trial(record.name, table, Source(path=record.path), record.ship, units)
     lines = ["Simulated; repaired by shipid check --fix"] if record.simulated else ["Repaired by shipid check --fix"]
     lines[0] += f" from {Path(record.path).name if record.path else record.name}"

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.ndimage import median_filter
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError
 from shipid.trials import checks, columns
 from shipid.trials.errors import HeaderError, TextInColumnError, UnknownColumnError
@@ -164,7 +165,7 @@ def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> di
         if fmt is not None and column in fmt.columns:
             factor *= fmt.columns[column].sign * fmt.columns[column].scale
         inside[column] = values * factor
-        if column not in columns.COLUMNS:
+        if column not in FIELDS:
             extra[column] = columns.inside_unit(column, raw.stated[column])
     if fmt is not None and fmt.interval is not None:
         inside = {"t": np.arange(len(values)) * fmt.interval, **{k: v for k, v in inside.items() if k != "t"}}
@@ -176,7 +177,7 @@ def assemble(raw: Raw, name: str, source: Source, fmt: TrialFormat | None) -> di
     elif "psi" in inside:
         inside["psi"] = np.unwrap(inside["psi"])
     _remark(inside, raw.notes)
-    order = ["t", *(c for c in columns.COLUMNS if c in inside and c != "t"), *extra]
+    order = ["t", *(c for c in FIELDS if c in inside and c != "t"), *extra]
     table = pd.DataFrame({c: np.ascontiguousarray(inside[c], dtype=float) for c in order})
     source = replace(source, notes=(*source.notes, *raw.notes))
     return {"name": name, "table": table, "source": source, "ship": fmt.ship if fmt else None, "units": extra}

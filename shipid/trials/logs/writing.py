@@ -64,7 +64,7 @@ def write_trial(
     return path
 
 
-def _parquet(frame: pd.DataFrame, temporary: str, comment: str) -> None:
+def _parquet(frame: pd.DataFrame, temporary: Path, comment: str) -> None:
     try:
         import pyarrow
         import pyarrow.parquet

@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 
 import shipid
-from shipid.declaration.component import Component
+from shipid.declaration.component import Component, declared_quantities
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
 from shipid.generation.record import make_record
 from shipid.parameters.catalogue import find_ship
@@ -21,7 +22,6 @@ from shipid.parts import sensors
 from shipid.parts.environment import Wind
 from shipid.parts.helm import DirectRudder
 from shipid.parts.steering_machine import SteeringMachine
-from shipid.trials.columns import COLUMNS
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -47,7 +47,7 @@ def standard_noise() -> dict[str, float]:
     found: dict[str, float] = {}
     for thing in vars(sensors).values():
         if isinstance(thing, type) and issubclass(thing, Component):
-            for q in thing._quantities.values():
+            for q in declared_quantities(thing).values():
                 if q.kind == "output" and q.measures and q.noise:
                     found[q.measures] = to_si(q.noise, q.unit, f"noise of {q.name}")
     return found
@@ -81,10 +81,10 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
     else:
         pairs = text
     for name in pairs:
-        if name not in COLUMNS:
-            raise UnknownNameError("column to put noise on called", name, COLUMNS)
+        if name not in FIELDS:
+            raise UnknownNameError("column to put noise on called", name, FIELDS)
     deviations = {
-        n: to_si(v, COLUMNS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
+        n: to_si(v, FIELDS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
     }
     for name, deviation in deviations.items():
         if not 0 <= deviation < np.inf:
@@ -300,7 +300,7 @@ def _story(
     wind: tuple[str | float, str | float] | None,
     seed: int,
 ) -> str:
-    noise = ", ".join(f"{n} {d:.4g} {COLUMNS[n].unit}" for n, d in deviations.items()) or "none"
+    noise = ", ".join(f"{n} {d:.4g} {FIELDS[n].unit}" for n, d in deviations.items()) or "none"
     flows = "".join(f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None)
     return (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "

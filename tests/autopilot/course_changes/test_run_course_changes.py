@@ -60,11 +60,11 @@ def test_reversals_are_counted():
 
 def test_waves_have_the_size_asked_for():
     """The heading by waves of a ship at rest: root mean square as asked, over 64 runs."""
-    from shipid.generation.ensemble import make_batch, steps_of
+    from shipid.generation.ensemble import make_ensemble, steps_of
     from shipid.models import Waves
 
     model = shipid.join("waves", Waves)
-    batch = make_batch(model, ("wave_noise",))
+    batch = make_ensemble(model, ("wave_noise",))
     weather = Weather(0.0, 0.6, np.deg2rad(0.5), 0.0)
     interval, count = np.full(64, 0.2), steps_of(2000)
     held = np.zeros((len(model.inputs), 64))

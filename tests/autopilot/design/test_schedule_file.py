@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import re
+import tomllib
 
 import pytest
 
@@ -15,7 +17,23 @@ from shipid.foundation.errors import UnknownNameError
 def text(integral, tmp_path_factory):
     path = tmp_path_factory.mktemp("s") / "schedule.toml"
     integral.write(path)
-    return path.read_text()
+    return by_hand(tomllib.loads(path.read_text()))
+
+
+def by_hand(table, name=""):
+    """The same schedule as a person writes it: one line a value."""
+    lines, tables = [], []
+    for key, value in table.items():
+        if isinstance(value, dict) and "value" not in value:
+            tables.append((f"{name}{key}", value))
+        elif isinstance(value, dict):
+            inside = ", ".join(f"{k} = {json.dumps(v)}" for k, v in value.items())
+            lines.append(f"{key} = {{ {inside} }}")
+        else:
+            lines.append(f"{key} = {json.dumps(value)}")
+    for inner, value in tables:
+        lines += ["", f"[{inner}]", by_hand(value, f"{inner}.")]
+    return "\n".join(lines)
 
 
 def test_round_trip(integral, uncertain_pilot, tmp_path):

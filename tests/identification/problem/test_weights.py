@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.problem.output_error import make_problem
 from shipid.identification.problem.trial_data import prepare
 from shipid.identification.problem.weights import _lasting, enough_of, weigh_again
 from shipid.identification.search.least_squares import Solution
-from shipid.trials.columns import COLUMNS
 
 SIGNALS = ("psi", "r")
 
@@ -57,9 +57,9 @@ def test_samples_that_repeat_each_other_are_left_out_and_their_times_kept(proble
 def test_a_disturbed_signal_loses_weight_and_the_others_keep_theirs(sail):
     """Heading with a slow drift of five degrees on it: it gets the weight of that, the rate keeps the structure's."""
     frame = sail("nomoto", "zeefakkel", "zigzag:20/20", seed=2, name="t").table.copy()
-    clean = shipid.Trial.from_frame(frame, name="clean", units={n: COLUMNS[n].unit for n in frame})
+    clean = shipid.Trial.from_frame(frame, name="clean", units={n: FIELDS[n].unit for n in frame})
     frame["psi"] += np.deg2rad(5) * np.sin(2 * np.pi * frame["t"] / 40.0)
-    drifting = shipid.Trial.from_frame(frame, name="drifting", units={n: COLUMNS[n].unit for n in frame})
+    drifting = shipid.Trial.from_frame(frame, name="drifting", units={n: FIELDS[n].unit for n in frame})
     weight = {}
     for trial in (clean, drifting):
         fit = shipid.identify("nomoto", [trial], ship="zeefakkel", purpose="prediction", starts=2)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.validation.compare_models import MEASURES, Rank, Ranking, _tied, compare_models
-from shipid.trials.columns import COLUMNS
 
 
 @pytest.fixture(scope="module")
@@ -143,7 +143,7 @@ def test_a_shared_rudder_bias_survives_the_pooling(sail):
     for i in range(2):
         frame = sail("norrbin", "zeefakkel", seed=i).table.copy()
         frame["delta"] -= np.deg2rad(1.5)
-        units = {n: COLUMNS[n].unit for n in frame.columns}
+        units = {n: FIELDS[n].unit for n in frame.columns}
         trials.append(shipid.Trial.from_frame(frame, name=f"t{i}", units=units))
     fit = shipid.identify("norrbin", trials, ship="zeefakkel", purpose="prediction", starts=2)
     assert [np.rad2deg(c.bias) for c in fit.fitted] == pytest.approx([1.5, 1.5], abs=0.1)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.validation.predictions import warm_up_samples
-from shipid.trials.columns import COLUMNS
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 FORMATS = Path(__file__).resolve().parents[3] / "studies" / "formats"
@@ -46,7 +46,7 @@ def test_what_comes_after_the_first_seconds_does_not_touch_the_prediction(fit, s
 def test_refitting_the_bias_is_reported_apart(fit, sail):
     frame = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2).table.copy()
     frame["delta"] -= np.deg2rad(1.0)
-    units = {n: COLUMNS[n].unit for n in frame.columns}
+    units = {n: FIELDS[n].unit for n in frame.columns}
     biased = shipid.Trial.from_frame(frame, name="biased", units=units)
     compared = fit.validate([biased]).validation[0]
     assert np.rad2deg(compared.refitted_bias) == pytest.approx(1.0, abs=0.05)

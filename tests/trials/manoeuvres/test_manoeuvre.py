@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from shipid.declaration.component import declared_quantities
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre, parse_manoeuvre, plan
 
@@ -19,7 +20,7 @@ def test_the_examples_are_read_and_planned(kind: str) -> None:
     made = plan(manoeuvre, **ARGUMENTS)
     assert made.duration > 20.0
     assert plan(manoeuvre, **ARGUMENTS, duration=77.0).duration == 77.0
-    assert bool(made.schedule) == ("helm_schedule" in made.helm._quantities)
+    assert bool(made.schedule) == ("helm_schedule" in declared_quantities(made.helm))
 
 
 def test_angles_are_degrees_and_rates_are_not() -> None:

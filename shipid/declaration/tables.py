@@ -1,0 +1,212 @@
+"""Tables of TOML files, checked: known keys, kinds of values, numbers with units. Every complaint names file and entry."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from shipid.declaration.units import to_si
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import ShipidError, UnitError, nearest
+
+_KINDS = {str: "text in quotes", int: "a whole number", float: "a number", bool: "true or false", list: "a list"}
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of a TOML file while it is read.
+
+    Attributes
+    ----------
+    content : Mapping of str to Plain
+        What TOML made of it.
+    where : str
+        File and table, at the beginning of every message.
+    error : type of ShipidError
+        The class of every complaint.
+    """
+
+    content: Mapping[str, Plain]
+    where: str
+    error: type[ShipidError]
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.content
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.content)
+
+    def fail(self, message: str) -> ShipidError:
+        """Return the error that says what is wrong in this table.
+
+        Parameters
+        ----------
+        message : str
+            What is wrong, and what to do.
+        """
+        return self.error(f"{self.where}: {message}".strip())
+
+    def check_keys(self, known: Iterable[str], required: Iterable[str] = ()) -> None:
+        """Refuse a key that is not known, and the lack of one that is required.
+
+        Parameters
+        ----------
+        known, required : iterable of str
+            Keys.
+
+        Raises
+        ------
+        ShipidError
+            Of the class of this table; the message offers the nearest keys.
+        """
+        known, required = list(known), list(required)
+        for key in self.content:
+            if key not in known:
+                raise self.fail(f"there is no entry '{key}'. {nearest(key, known)}")
+        for key in required:
+            if key not in self.content:
+                raise self.fail(f"'{key}' is missing.")
+
+    def value(self, key: str, kind: type, default: Plain = None) -> Plain:
+        """Return a value of one kind, or the default where the key is absent.
+
+        Parameters
+        ----------
+        key : str
+            Its name.
+        kind : {str, int, float, bool, list}
+            What it has to be; a whole number is a float as well, and a float has to be finite.
+        default : Plain
+            For an absent key.
+
+        Raises
+        ------
+        ShipidError
+            If it is something else.
+        """
+        if key not in self.content:
+            return default
+        value = self.content[key]
+        accepted = (int, float) if kind is float else kind
+        wrong = not isinstance(value, accepted) or (isinstance(value, bool) and kind is not bool)
+        if wrong or (kind is float and not is_finite(value)):
+            raise self.fail(f"'{key}' is {value!r}, and has to be {_KINDS[kind]}.")
+        return float(value) if kind is float else value
+
+    def choice(self, key: str, choices: Iterable[str], default: str | None = None) -> str | None:
+        """Return one of several words, or the default where the key is absent.
+
+        Parameters
+        ----------
+        key : str
+            Its name.
+        choices : iterable of str
+            The words.
+        default : str, optional
+            For an absent key.
+
+        Raises
+        ------
+        ShipidError
+            If it is none of them.
+        """
+        choices = list(choices)
+        value = self.value(key, str, default)
+        if value is not None and value not in choices:
+            raise self.fail(f"'{key}' is '{value}'. Write one of {', '.join(choices)}.")
+        return None if value is None else str(value)
+
+    def table(self, key: str) -> Table:
+        """Return a table inside this one, empty where the key is absent.
+
+        Parameters
+        ----------
+        key : str
+            Its name.
+
+        Raises
+        ------
+        ShipidError
+            If there is something else under the key.
+        """
+        inside = self.content.get(key, {})
+        if not isinstance(inside, Mapping):
+            raise self.fail(f"'{key}' is {inside!r}, and has to be a table.")
+        return Table(inside, f"{self.where}, [{key}]", self.error)
+
+    def quantity(self, key: str, unit: str, default: float | None = None) -> float | None:
+        """Return a value with its unit in SI: written ``"0.1 s"`` or ``{ value = 0.1, unit = "s" }``.
+
+        Parameters
+        ----------
+        key : str
+            Its name.
+        unit : str
+            The SI unit wanted.
+        default : float, optional
+            For an absent key, SI.
+
+        Raises
+        ------
+        ShipidError
+            If it has no unit, another unit, or is not a finite number.
+        """
+        if key not in self.content:
+            return default
+        raw = self.content[key]
+        where = f"{self.where}: '{key}'"
+        form = f"'1.0 {unit}' or {{ value = 1.0, unit = '{unit}' }}"
+        if isinstance(raw, Mapping):
+            if not {"value", "unit"} <= set(raw) or not is_finite(raw["value"]):
+                raise self.error(f"{where} is {dict(raw)!r}. Write {form}, with a finite number.")
+            raw = (float(raw["value"]), str(raw["unit"]))
+        elif isinstance(raw, bool) or not isinstance(raw, (str, int, float)):
+            raise self.error(f"{where} is {raw!r}. Write {form}.")
+        try:
+            return to_si(raw, unit, where)
+        except UnitError as error:
+            raise self.error(str(error)) from None
+
+
+def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
+    """Read a TOML file.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    what : str
+        What it is, for messages: ``"parameter set"``.
+    error : type of ShipidError
+        The class of every complaint about it.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    ShipidError
+        Of the class `error`, if the file cannot be read or is not valid TOML.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as failed:
+        raise error(f"the {what} {path} cannot be read: {failed.strerror}.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as failed:
+        raise error(f"the {what} {path} is not valid TOML: {failed}.") from None
+    return Table(content, str(path), error)
+
+
+def is_finite(number: Plain) -> bool:
+    """Whether a value is a finite number (a truth value is none).
+
+    Parameters
+    ----------
+    number : Plain
+        What TOML or JSON holds.
+    """
+    return isinstance(number, (int, float)) and not isinstance(number, bool) and math.isfinite(number)

@@ -1,0 +1,183 @@
+"""The vocabulary of the toolbox: every field of a trial once, with its unit, the unit it is shown in, its label and sign.
+
+The names are the field's (ITTC 7.5-04-02-01): positions north and east, heading clockwise from north, rate of turn and
+rudder angle positive to starboard. A new signal is one line here.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeVar
+
+import numpy as np
+
+from shipid.declaration.units import factor, pretty
+
+Number = TypeVar("Number", float, np.ndarray)
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field of the vocabulary.
+
+    Attributes
+    ----------
+    name : str
+        The canonical name, as a table spells it.
+    unit : str
+        The unit inside the toolbox.
+    display : str
+        The unit a reader expects to see.
+    label : str
+        What a figure or a table calls it.
+    meaning : str
+        What it is, with its sign convention.
+    missing : str
+        What it means where a record does not hold it.
+    wraps : bool
+        Whether it is an angle that comes back to itself after a turn.
+    """
+
+    name: str
+    unit: str
+    display: str
+    label: str
+    meaning: str
+    missing: str = "not measured"
+    wraps: bool = False
+
+
+_NO_CURRENT = "no current is assumed by models that declare a default of zero"
+_REFUSED = "refused by a model that reads it"
+
+_FIELDS = (
+    Field("t", "s", "s", "Time", "time, on the record's own clock", "refused: a record has a clock"),
+    Field("x", "m", "m", "Position north", "position, north"),
+    Field("y", "m", "m", "Position east", "position, east"),
+    Field("psi", "rad", "deg", "Heading", "heading, clockwise from north, unwrapped", wraps=True),
+    Field("r", "rad/s", "deg/s", "Rate of turn", "rate of turn, positive to starboard"),
+    Field("u", "m/s", "m/s", "Forward speed", "forward speed, along the ship"),
+    Field("v", "m/s", "m/s", "Sway speed", "sideways speed, positive to starboard"),
+    Field("U", "m/s", "m/s", "Speed over all", "speed over all"),
+    Field("delta", "rad", "deg", "Rudder angle", "rudder angle, positive turns to starboard", _REFUSED),
+    Field("delta_order", "rad", "deg", "Rudder order", "ordered rudder angle, positive turns to starboard", _REFUSED),
+    Field("n", "rps", "rpm", "Revolutions", "propeller revolutions, per second inside", _REFUSED),
+    Field("phi", "rad", "deg", "Roll angle", "roll angle, positive to starboard"),
+    Field("p", "rad/s", "deg/s", "Roll rate", "roll rate, positive to starboard"),
+    Field("wind_speed", "m/s", "m/s", "Wind speed", "true wind speed", _REFUSED),
+    Field(
+        "wind_direction", "rad", "deg", "Wind direction",
+        "true wind, the direction it blows TO, clockwise from north", _REFUSED, wraps=True,
+    ),
+    Field("wind_speed_relative", "m/s", "m/s", "Relative wind speed", "relative wind speed"),
+    Field(
+        "wind_direction_relative", "rad", "deg", "Relative wind direction",
+        "relative wind, the direction it blows TO, from the bow", wraps=True,
+    ),
+    Field("thrust", "N", "kN", "Thrust", "propeller thrust"),
+    Field("torque", "N*m", "kN*m", "Torque", "propeller torque"),
+    Field("beta", "rad", "deg", "Drift angle", "drift angle, positive when the flow comes from port: atan2(-v, u)"),
+    Field("cruise", "m/s", "m/s", "Speed before the manoeuvre", "speed before the manoeuvre", "mean speed before the first execute"),
+    Field("current_north", "m/s", "m/s", "Current to the north", "current, its part that flows TO the north", _NO_CURRENT),
+    Field("current_east", "m/s", "m/s", "Current to the east", "current, its part that flows TO the east", _NO_CURRENT),
+)  # fmt: skip
+
+#: By name.
+FIELDS: Mapping[str, Field] = MappingProxyType({f.name: f for f in _FIELDS})
+
+#: How quantities outside the vocabulary are shown, by the unit they have inside.
+_SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm"}
+
+
+def label(name: str, meaning: str = "") -> str:
+    """Return what a figure or a table calls a quantity.
+
+    Parameters
+    ----------
+    name : str
+        Of the field, or of a quantity of a model.
+    meaning : str
+        The declared meaning of a quantity outside the vocabulary; its first words are the label.
+    """
+    if name in FIELDS:
+        return FIELDS[name].label
+    first = meaning.split(",")[0].split(":")[0].strip()
+    return first[:1].upper() + first[1:] if first else name
+
+
+def display_unit(name: str, inside: str) -> str:
+    """Return the unit a quantity is shown in.
+
+    Parameters
+    ----------
+    name : str
+        Of the quantity.
+    inside : str
+        The unit it has inside the toolbox.
+    """
+    if name in FIELDS:
+        return FIELDS[name].display
+    return _SHOWN.get(inside, inside)
+
+
+@functools.cache
+def display_factor(name: str, inside: str) -> float:
+    """Return the factor from the unit inside to the one a quantity is shown in.
+
+    Parameters
+    ----------
+    name : str
+        Of the quantity.
+    inside : str
+        The unit it has inside the toolbox.
+    """
+    return factor(FIELDS[name].unit if name in FIELDS else inside, display_unit(name, inside))
+
+
+def to_display(value: Number, name: str, inside: str = "") -> Number:
+    """Return a number, or an array of them, in the unit a reader expects.
+
+    Parameters
+    ----------
+    value : float or ndarray
+        In the unit inside.
+    name : str
+        Of the quantity.
+    inside : str
+        The unit inside, for a quantity outside the vocabulary; for a field it is known.
+    """
+    return value * display_factor(name, FIELDS[name].unit if name in FIELDS else inside)
+
+
+def shown(value: float, name: str, inside: str = "", digits: int = 4) -> str:
+    """Return a number with its unit as a reader expects it: ``"10.2 deg"``.
+
+    Parameters
+    ----------
+    value : float
+        In the unit inside.
+    name : str
+        Of the quantity.
+    inside : str
+        The unit inside, for a quantity outside the vocabulary.
+    digits : int
+        Significant digits.
+    """
+    unit = pretty(display_unit(name, inside))
+    return f"{to_display(value, name, inside):.{digits}g}" + ("" if unit == "1" else f" {unit}")
+
+
+def angle(value: float, digits: int = 4) -> str:
+    """Return an angle in the unit angles are shown in: ``"10.2 deg"``.
+
+    Parameters
+    ----------
+    value : float
+        In rad.
+    digits : int
+        Significant digits.
+    """
+    return shown(value, "", "rad", digits)

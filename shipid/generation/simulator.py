@@ -1,0 +1,262 @@
+"""A model run along a clock: named values in, named columns out.
+
+This is the only place that lays out initial states, inputs and coefficients in the order of generated functions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.foundation.errors import UsageError
+from shipid.generation.record import Record, make_record
+from shipid.generation.system import generate
+
+#: Numbers by name: one for the whole run, or an array with one number a sample (inputs) or a run (everything).
+Named = Mapping[str, "float | np.ndarray"]
+
+
+class UnstatedInputError(UsageError):
+    """A model reads an input that nothing states and that declares no default."""
+
+
+def unstated_input(model: Model, name: str, where: str = "") -> UnstatedInputError:
+    """Return the error that every command gives for an input that nothing states.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    name : str
+        The input.
+    where : str
+        What should have stated it, as in ``"trial zigzag"``; nothing by default.
+
+    Returns
+    -------
+    UnstatedInputError
+    """
+    by = f" that {where} does not record" if where else " that nothing states"
+    return UnstatedInputError(
+        f"model {model.name} reads '{name}' ({model[name].quantity.meaning}),{by} and that declares no default. "
+        "shipid does not take it as zero: record it, state it, or choose a model that does not read it."
+    )
+
+
+def initial_state(model: Model, start: Named | None = None) -> np.ndarray:
+    """Return initial states in the order of the model.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    start : mapping of str to float or ndarray, optional
+        By state, SI; a state that is not named takes its declared start, or zero. Names that are no states are passed over.
+
+    Returns
+    -------
+    ndarray, shape (states,) or (states, runs)
+        One column a run where a value is an array.
+    """
+    given = start or {}
+    rows = [given.get(name, model[name].number("start") or 0.0) for name in model.states]
+    return np.stack(np.broadcast_arrays(*(np.asarray(r, dtype=float) for r in rows))) if rows else np.zeros(0)
+
+
+def input_rows(
+    model: Model, given: Named, count: int, where: str = "", needed: Sequence[str] | None = None
+) -> np.ndarray:
+    """Return inputs in the order of the model.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    given : mapping of str to float or ndarray, shape (count,)
+        By input, SI. Names that are no inputs are passed over.
+    count : int
+        Samples, or runs.
+    where : str
+        What should have stated them, for the message.
+    needed : sequence of str, optional
+        Inputs that have an influence on what is wanted; one that has none may stay unstated. All by default.
+
+    Returns
+    -------
+    ndarray, shape (inputs, count)
+
+    Raises
+    ------
+    UnstatedInputError
+        If an input is not given and declares no default.
+    """
+    rows = np.zeros((len(model.inputs), count))
+    for i, name in enumerate(model.inputs):
+        value = given.get(name, model[name].number("default"))
+        if value is not None:
+            rows[i] = value
+        elif needed is None or name in needed:
+            raise unstated_input(model, name, where)
+    return rows
+
+
+def coefficient_vector(model: Model, values: Named) -> np.ndarray:
+    """Return parameters and constants in the order of the generated functions.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    values : mapping of str to float or ndarray, shape (runs,)
+        By name, SI; a constant that is not named takes its declared default.
+
+    Returns
+    -------
+    ndarray, shape (coefficients,) or (coefficients, runs)
+
+    Raises
+    ------
+    DeclarationError
+        If one has no value.
+    """
+    system = generate(model)
+    if not any(np.ndim(values[n]) for n in system.coefficients if n in values):
+        return system.vector(system.coefficients, {n: float(values[n]) for n in system.coefficients if n in values})
+    known = {n: np.asarray(values[n], dtype=float) for n in system.coefficients if n in values}
+    alone = system.vector(system.coefficients, {n: float(v.flat[0]) for n, v in known.items()})
+    return np.stack(np.broadcast_arrays(*(known.get(n, alone[i]) for i, n in enumerate(system.coefficients))))
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A run of a model; N samples.
+
+    Attributes
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    columns : mapping of str to ndarray, shape (N,)
+        Outputs by name, SI; not finite from where the model diverges.
+    slopes : ndarray, shape (outputs, unknowns, N)
+        Derivatives of the outputs by the unknowns of the simulator, in their order.
+    """
+
+    t: np.ndarray
+    columns: Mapping[str, np.ndarray]
+    slopes: np.ndarray
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return an output, SI, shape (N,)."""
+        return self.columns[name]
+
+    @property
+    def finite(self) -> np.ndarray:
+        """Whether every output of a sample is finite, shape (N,)."""
+        return np.isfinite(np.stack(list(self.columns.values()))).all(axis=0)
+
+
+@dataclass(frozen=True, eq=False)
+class Simulator:
+    """A model, compiled to run along any clock; made by `make_simulator`.
+
+    Attributes
+    ----------
+    model : Model
+        What runs.
+    record : Record
+        The generated function over a whole record.
+    """
+
+    model: Model
+    record: Record
+
+    def __call__(
+        self,
+        t: np.ndarray,
+        values: Named,
+        inputs: Named | None = None,
+        start: Named | None = None,
+        biases: Named | None = None,
+        where: str = "",
+    ) -> Simulation:
+        """Run the model.
+
+        Parameters
+        ----------
+        t : ndarray, shape (N,)
+            Times in s, rising.
+        values : mapping of str to float
+            Parameters and constants, SI.
+        inputs : mapping of str to float or ndarray, shape (N,)
+            Inputs, SI; an input that is not named takes its declared default.
+        start : mapping of str to float, optional
+            Initial states, SI; a state that is not named takes its declared start, or zero.
+        biases : mapping of str to float, optional
+            Added to inputs, SI.
+        where : str
+            What should have stated the inputs, for messages.
+
+        Returns
+        -------
+        Simulation
+
+        Raises
+        ------
+        UnstatedInputError
+            If an input that has an influence on the outputs is not named and declares no default.
+        DeclarationError
+            If a coefficient has no value.
+        """
+        system = self.record.system
+        needed = system.inputs_behind(self.record.outputs)
+        rows = input_rows(self.model, inputs or {}, t.size, where, needed)
+        shift = None if not biases else np.array([float(biases.get(n, 0.0)) for n in self.model.inputs])
+        y, slopes = self.record(
+            initial_state(self.model, start),
+            rows,
+            np.diff(t, append=t[-1]),
+            coefficient_vector(self.model, values),
+            shift,
+        )
+        return Simulation(t, dict(zip(self.record.outputs, y)), slopes)
+
+
+def make_simulator(
+    model: Model,
+    outputs: Sequence[str],
+    *,
+    coefficients: Sequence[str] = (),
+    initial: Sequence[str] = (),
+    biases: Sequence[str] = (),
+    method: str = "rk4",
+    hold: str = "linear",
+    substeps: int = 1,
+    compiled: bool = True,
+) -> Simulator:
+    """Generate and compile a model that runs along a clock.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    outputs : sequence of str
+        Quantities to return at every sample.
+    coefficients, initial, biases : sequence of str
+        What to differentiate by: coefficients, initial values of states, constant biases of inputs.
+    method, hold, substeps
+        See `shipid.generation.step.make_step`.
+    compiled : bool
+        Whether to compile.
+
+    Returns
+    -------
+    Simulator
+        Generated once for each choice, and kept.
+    """
+    record = make_record(
+        model, tuple(outputs), tuple(coefficients), tuple(initial), tuple(biases), method, hold, substeps, compiled
+    )
+    return Simulator(model, record)

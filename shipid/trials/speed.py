@@ -1,0 +1,86 @@
+"""The speed before the manoeuvre (U0, in the models ``cruise``): one number a trial, found by one rule."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+#: A rudder this far from where it lay at first has been put over: more than a helmsman needs to keep a course in calm water.
+PUT_OVER = np.deg2rad(3.0)
+#: Below this share of the usual speed of the record, a ship is still gathering speed.
+GATHERING = 0.9
+#: Samples that are averaged at least, where neither the length of the ship nor an approach says how many.
+_LEAST = 10
+
+
+@dataclass(frozen=True)
+class SpeedBefore:
+    """The speed before the manoeuvre.
+
+    Attributes
+    ----------
+    value : float
+        In m/s.
+    std : float
+        Standard error of that mean by the noise from sample to sample, in m/s.
+    samples : int
+        How many were averaged.
+    source : {"approach", "first samples", "usual speed"}
+        Where it comes from: the samples before the first execute; those of the first L/U, where the record begins with the
+        execute; the median of the record, where the ship is still gathering speed.
+    """
+
+    value: float
+    std: float
+    samples: int
+    source: Literal["approach", "first samples", "usual speed"]
+
+
+def speed_before(
+    t: np.ndarray, speed: np.ndarray, rudder: np.ndarray | None = None, unit_time: float | None = None
+) -> SpeedBefore | None:
+    """Return the speed before the manoeuvre: the mean measured forward speed from the start to the first execute.
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    speed : ndarray, shape (N,)
+        Measured forward speed in m/s; NaN where a sample is missing.
+    rudder : ndarray, shape (N,), optional
+        Rudder angle in rad. The first execute is where it leaves its first position by more than `PUT_OVER`.
+    unit_time : float, optional
+        L/U in s. A record that begins with the execute is averaged over the first L/U.
+
+    Returns
+    -------
+    SpeedBefore or None
+        None where no sample of the speed is there.
+    """
+    there = np.isfinite(speed)
+    if not there.any():
+        return None
+    first = _LEAST
+    if unit_time is not None and np.isfinite(unit_time):
+        first = max(1, int(np.searchsorted(t, t[0] + unit_time)))
+    first = min(first, t.size)
+    execute = 0
+    if rudder is not None and np.isfinite(rudder).any():
+        lain = np.nanmedian(rudder[: min(first, _LEAST)]) if np.isfinite(rudder[: min(first, _LEAST)]).any() else 0.0
+        over = np.abs(rudder - lain) > PUT_OVER
+        execute = int(np.argmax(over)) if over.any() else 0
+    approach = execute > first // 2
+    taken = speed[: execute if approach else first]
+    taken = taken[np.isfinite(taken)]
+    if not taken.size:
+        taken = speed[there][:1]
+    usual = float(np.median(speed[there]))
+    value = float(np.mean(taken))
+    if value < GATHERING * usual:
+        return SpeedBefore(usual, 0.0, int(there.sum()), "usual speed")
+    # The noise from sample to sample, not the drift of the speed itself.
+    noise = float(np.std(np.diff(taken)) / np.sqrt(2)) if taken.size > 2 else 0.0
+    std = noise / float(np.sqrt(taken.size))
+    return SpeedBefore(value, std, int(taken.size), "approach" if approach else "first samples")

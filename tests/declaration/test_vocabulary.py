@@ -1,0 +1,35 @@
+"""The vocabulary: every field consistent in itself, and numbers shown as a reader expects them."""
+
+import math
+
+import numpy as np
+import pytest
+
+from shipid.declaration import units
+from shipid.declaration.vocabulary import FIELDS, angle, display_unit, label, shown, to_display
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_a_field_says_everything_in_units_that_fit(name: str) -> None:
+    field = FIELDS[name]
+    assert field.name == name
+    assert units.factor(field.display, field.unit) > 0
+    assert field.label[:1].isupper() and field.meaning and field.missing
+
+
+def test_angles_are_shown_in_degrees_whatever_they_belong_to() -> None:
+    assert display_unit("psi", "rad") == "deg"
+    assert display_unit("my angle", "rad") == "deg"
+    assert display_unit("my gain", "1/s") == "1/s"
+    assert to_display(math.pi, "psi") == pytest.approx(180.0)
+    assert np.allclose(to_display(np.array([0.0, 0.1]), "my rate", "rad/s"), np.rad2deg([0.0, 0.1]))
+    assert shown(math.radians(10.25), "delta") == "10.25 deg"
+    assert shown(0.5, "my gain", "1/s") == "0.5 1/s"
+    assert shown(0.5, "my number", "1") == "0.5"
+    assert angle(math.radians(3.0)) == "3 deg"
+
+
+def test_a_label_outside_the_vocabulary_is_the_beginning_of_the_meaning() -> None:
+    assert label("r") == "Rate of turn"
+    assert label("gamma", "sway speed per rate of turn, positive") == "Sway speed per rate of turn"
+    assert label("gamma") == "gamma"

@@ -1,0 +1,58 @@
+"""The speed before the manoeuvre: mean to the first execute, over the first L/U, or the usual speed of a ship that gathers way."""
+
+import numpy as np
+import pytest
+
+from shipid.trials.speed import speed_before
+
+T = np.arange(0.0, 100.0, 0.5)
+
+
+def rudder_from(begin: float, angle: float = np.deg2rad(20.0)) -> np.ndarray:
+    return np.where(begin <= T, angle, 0.01)
+
+
+def losing(begin: float) -> np.ndarray:
+    """5 m/s before the execute, two thirds of it after."""
+    return np.where(begin > T, 5.0, 5.0 - 1.6 * (1 - np.exp(-(T - begin) / 5.0)))
+
+
+def test_the_mean_from_the_start_to_the_first_execute() -> None:
+    rng = np.random.default_rng(1)
+    noise = 0.1 * rng.standard_normal(T.size)
+    found = speed_before(T, losing(30.0) + noise, rudder_from(30.0), unit_time=8.0)
+    assert found.source == "approach" and found.samples == 60
+    assert found.value == pytest.approx(5.0 + noise[:60].mean(), abs=1e-12)
+    assert found.std == pytest.approx(0.1 / np.sqrt(60), rel=0.3)
+
+
+def test_a_record_that_begins_with_the_execute_is_averaged_over_one_length() -> None:
+    found = speed_before(T, losing(0.0) + 0.0 * T, np.full(T.size, np.deg2rad(20.0)), unit_time=8.0)
+    assert found.source == "first samples" and found.samples == 16
+    assert found.value == pytest.approx(losing(0.0)[:16].mean())
+
+
+def test_without_a_rudder_or_a_length_the_first_samples_count() -> None:
+    found = speed_before(T, np.arange(T.size, 0.0, -1.0) + 1000.0)
+    assert found.source == "first samples" and found.samples == 10
+    assert found.value == pytest.approx(1000.0 + np.mean([200 - k for k in range(10)]))
+
+
+def test_missing_samples_are_left_out() -> None:
+    speed = losing(30.0)
+    speed[:20:2] = np.nan
+    speed[70:90] = np.nan
+    found = speed_before(T, speed, rudder_from(30.0), unit_time=8.0)
+    assert found.value == pytest.approx(5.0) and found.samples == 50
+    assert speed_before(T, np.full(T.size, np.nan), rudder_from(30.0)) is None
+
+
+def test_a_ship_that_gathers_way_has_no_approach() -> None:
+    found = speed_before(T, 5.0 * (1 - np.exp(-T / 10.0)), rudder_from(20.0), unit_time=8.0)
+    assert found.source == "usual speed"
+    assert found.value == pytest.approx(np.median(5.0 * (1 - np.exp(-T / 10.0))))
+
+
+def test_a_helmsman_who_keeps_the_course_has_not_executed() -> None:
+    keeping = np.deg2rad(1.0) * np.sin(T)
+    assert speed_before(T, losing(30.0), np.where(T < 30.0, keeping, 0.35), 8.0).samples == 60
