@@ -55,6 +55,10 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
         Number of draws.
     seed : int
         Of the draws, which are the same each time by default.
+
+    Returns
+    -------
+    Drawn
     """
     import numpy as np
 
