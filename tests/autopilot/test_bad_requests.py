@@ -7,6 +7,7 @@ import pytest
 
 import shipid
 from shipid import Component, derived, given, join, parameter, state
+from shipid.autopilot.design.closed_loop import poles_at
 from shipid.autopilot.errors import DesignRequestError, NoStraightCourseError, NotSteerableError, UnstableDesignError
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError
 from shipid.models import PlanarMotion, SteeringMachine
@@ -187,7 +188,7 @@ def test_named_warnings(model, chosen, options, words):
 def test_a_rudder_that_works_the_other_way(sized):
     pilot = shipid.design_autopilot("de-keizer", sized("soesterberg", "de-keizer", K=-1.6))
     assert "reversed rudder" in pilot.warnings[0] and (pilot.schedule.gains["Kp"] < 0).all()
-    assert pilot.poles(9.5).real.max() < 0
+    assert poles_at(pilot, 9.5).real.max() < 0
 
 
 def test_the_rudder_rate_a_request_needs():

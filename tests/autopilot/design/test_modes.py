@@ -1,4 +1,4 @@
-"""Rate of turn held, and a course kept with a dead band."""
+"""A rate of turn held, as a mode of the same design."""
 
 from __future__ import annotations
 
@@ -6,87 +6,84 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.autopilot.design.control_law import Measured
-from shipid.autopilot.design.modes import CourseKeeper, RateController, place_rate
+from shipid.autopilot.course_changes.run_course_changes import run_course_changes
+from shipid.autopilot.course_changes.turn_order import RADIUS
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, to_control
+from shipid.autopilot.design.control_law import RateController
 from shipid.autopilot.errors import DesignRequestError
-from shipid.generation.record import make_record
+from shipid.foundation.errors import UnknownNameError
+from shipid.generation.simulator import make_simulator
 from shipid.generation.system import generate
-from shipid.models import SteeringMachine
-from shipid.parts.helm import DirectRudder
 
-SHIP, U = shipid.find_ship("soesterberg"), 9.5
+U = 9.5
 
 
-def test_the_poles_of_the_rate_loop(container):
+@pytest.fixture(scope="module")
+def turning():
+    return shipid.design_autopilot("de-keizer", "soesterberg", mode="rate", omega_n=0.05, damping=0.8, speeds=[U])
+
+
+def test_the_poles_of_the_rate_loop(turning):
     """Two poles placed; against the eigenvalues of the declared loop with a rudder at once."""
-    plant = container.plants(np.array([U])).at(0)
-    gain, integral = place_rate(plant, 0.05, 0.8)
-    model = shipid.join("rate", container.model, DirectRudder, Measured, RateController)
-    known = SHIP.values(model, speed=U) | SHIP.values(container.model, speed=U)
-    known |= {"rate_gain": gain, "rate_integral": integral, "u": U, "cruise": U, "rudder_limit": 0.26, "log_scale": 1.0}
-    poles = shipid.linearise(model, known, ["r", "heading_lost"], ["r_order"]).poles
+    at_once = shipid.design_autopilot(
+        "de-keizer", "soesterberg", mode="rate", omega_n=0.05, damping=0.8, speeds=[U], actuator=None
+    )
+    model = closed_loop(at_once)
+    known = coefficients_of(at_once, model, U) | {"u": U, "cruise": U}
+    poles = shipid.linearise(model, known, ["r", "rate_integral"], ["r_order"]).poles
     np.testing.assert_allclose(sorted(poles.imag), [-0.03, 0.03], rtol=1e-10)
     np.testing.assert_allclose(poles.real, -0.04, rtol=1e-10)
-    with pytest.raises(DesignRequestError, match="are none"):
-        place_rate(plant, 0.0, 0.8)
+    np.testing.assert_allclose(sorted(turning.poles[0][0].imag), [-0.03, 0.03], rtol=1e-10)
 
 
-def test_a_rate_is_held(container):
-    """Behind the steering machine, with the speed lost in the turn: 0.4 deg/s kept to a thousandth after a while."""
-    gain, integral = place_rate(container.plants(np.array([U])).at(0), 0.05, 0.8)
-    model = shipid.join("rate", container.model, SteeringMachine, Measured, RateController)
-    known = container.values(model, U) | {"rate_gain": gain, "rate_integral": integral, "rudder_limit": np.deg2rad(20)}
-    record = make_record(model, ("r", "delta"), hold="zero")
-    given = {"cruise": U, "r_order": np.deg2rad(0.4)}
-    inputs = np.array([[given.get(n, 0.0)] for n in record.system.inputs])
-    start = np.array([U if s == "u" else 0.0 for s in record.system.states])
-    p = record.system.vector(record.system.coefficients, known)
-    (r, delta), _ = record(start, np.broadcast_to(inputs, (len(inputs), 2000)), np.full(2000, 0.4), p)
-    assert r[-1] == pytest.approx(np.deg2rad(0.4), rel=1e-3)
-    assert np.abs(delta).max() <= np.deg2rad(20) + 1e-9
+def test_a_rate_is_held(turning):
+    """Behind the steering machine, with the speed lost in the turn: 0.3 deg/s kept to a thousandth after a while."""
+    model = closed_loop(turning)
+    run = make_simulator(model, ("r", "delta"), hold="zero")(
+        0.4 * np.arange(2000), coefficients_of(turning, model, U), {"cruise": U, "r_order": np.deg2rad(0.3)}, {"u": U}
+    )
+    assert run["r"][-1] == pytest.approx(np.deg2rad(0.3), rel=1e-3)
+    assert np.abs(run["delta"]).max() <= turning.rudder_limit + 1e-9
+    assert to_control(turning, U)(1e-7j)[1, 0] == pytest.approx(1.0, abs=1e-4)
 
 
 def test_the_integral_of_the_rate_stands_at_the_limit():
-    """Gain 30 s, limit 0.3 rad: an error of 0.009 rad/s is summed, one of 0.011 asks for more than the limit and is not."""
+    """Kd = 30 s, limit 0.3 rad: an error of 0.009 rad/s is summed, one of 0.011 asks for more than the limit and is not."""
     system = generate(shipid.join("rate", RateController))
-    known = {"rate_gain": 30.0, "rate_integral": 1.0, "rudder_limit": 0.3, "r_seen": 0.002}
+    known = {"gain_Kd": 30.0, "gain_Kp": 1.0, "rudder_limit": 0.3, "r_seen": 0.002}
     for side in (1, -1):
         for error, summed in ((0.009, 0.009), (0.011, 0.0)):
-            at = known | {"r_order": 0.002 + side * error, "heading_lost": 0.0}
+            at = known | {"r_order": 0.002 + side * error, "rate_integral": 0.0}
             x, u, p = (system.vector(n, at) for n in (system.states, system.inputs, system.coefficients))
             assert float(system.right_hand_side(x, u, p)) == pytest.approx(side * summed)
 
 
-def test_the_dead_band():
-    """Within the band the heading asks for no rudder, beyond it for the part beyond; the setting for the sea widens it."""
-    model = shipid.join("keep", CourseKeeper)
-    system = generate(model)
-    function = system.function(["rudder_wanted"])
-    p = system.vector(system.coefficients, {"dead_band": 0.02})
-
-    def rudder(error: float, rate: float, sea: float) -> float:
-        known = {"psi_order": error, "psi_seen": 0.0, "r_seen": rate, "gain_Kp": 1.5, "gain_Kd": 20.0, "sea_state": sea}
-        return float(function([], [known[n] for n in system.inputs], p))
-
-    assert rudder(0.01, 0.0, 1.0) == 0.0 and rudder(-0.02, 0.0, 1.0) == 0.0
-    assert rudder(0.05, 0.0, 1.0) == pytest.approx(1.5 * 0.03) and rudder(-0.05, 0.0, 1.0) == pytest.approx(-1.5 * 0.03)
-    assert rudder(0.05, 0.0, 2.0) == pytest.approx(1.5 * 0.01) and rudder(0.05, 0.0, 0.0) == pytest.approx(1.5 * 0.05)
-    assert rudder(0.01, 0.001, 1.0) == pytest.approx(-0.02)
+def test_a_turn_ends_on_its_course(turning):
+    """The rate is ordered until its integral is the course change: the heading ends there, no sooner than the radius allows."""
+    for change in np.deg2rad([40.0, -40.0]):
+        found = run_course_changes(turning, [U], [change], lengths=60.0)
+        assert np.isfinite(found.settling[0])
+        assert found.settling[0] > 0.9 * abs(change) * RADIUS * turning.length / U
 
 
-def test_the_keeper_takes_the_controllers_place(container):
-    """Joined into the loop, it settles within the band, where the controller goes to the course itself."""
-    gains = container.schedule.component
-    ends = []
-    for sea in (0.0, 1.0):
-        model = shipid.join("keeping", container.model, SteeringMachine, Measured, CourseKeeper, gains)
-        record = make_record(model, ("psi",), hold="zero")
-        known = container.values(model, U)
-        given = {"cruise": U, "psi_order": 0.1, "sea_state": sea}
-        inputs = np.array([[given.get(n, 0.0)] for n in record.system.inputs])
-        start = np.array([U if s == "u" else 0.0 for s in record.system.states])
-        p = record.system.vector(record.system.coefficients, known)
-        (psi,), _ = record(start, np.broadcast_to(inputs, (len(inputs), 2000)), np.full(2000, 0.4), p)
-        ends.append(psi[-1])
-    assert ends[0] == pytest.approx(0.1, abs=1e-6)
-    assert ends[1] == pytest.approx(0.1 - np.deg2rad(1.0), abs=1e-3)
+def test_a_rate_design_is_judged_and_read_again(turning, tmp_path):
+    judged = shipid.judge(turning, samples=0)
+    course = shipid.judge(
+        shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.05, damping=0.8, speeds=[U]), samples=0
+    )
+    assert [m.disk for m in judged.margins[0]] == [m.disk for m in course.margins[0]]
+    assert any(w.startswith("rate of turn: the heading is not fed back") for w in judged.warnings)
+    assert judged.to_dict()["mode"] == "rate" and "soesterberg (de-keizer), rate, pole" in repr(turning)
+    shipid.write_schedule(turning, tmp_path / "s.toml")
+    text = (tmp_path / "s.toml").read_text()
+    assert "delta_order = Kd (r_order - r) + Kp integral(r_order - r)" in text
+    assert shipid.read_schedule(tmp_path / "s.toml").mode == "rate"
+    (tmp_path / "s.toml").write_text(text.replace('mode = "rate"\n', ""))
+    assert shipid.read_schedule(tmp_path / "s.toml").mode == "course"
+
+
+def test_modes_that_are_none():
+    with pytest.raises(UnknownNameError, match="no mode 'track'"):
+        shipid.design_autopilot("de-keizer", "soesterberg", mode="track")
+    with pytest.raises(DesignRequestError, match="has an integral of its own"):
+        shipid.design_autopilot("de-keizer", "soesterberg", mode="rate", design="pid")
