@@ -126,14 +126,13 @@ def _design(
     rudder_weight: float | None,
     rudder_limit: str,
 ) -> Autopilot:
-    from shipid.autopilot.design.design_autopilot import design_autopilot
+    from shipid.autopilot.design.design_autopilot import INTEGRAL, RUDDER_WEIGHT, design_autopilot
     from shipid.foundation.errors import UsageError
     from shipid.parameters.catalogue import find_model, find_ship
 
     for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
         if value is not None and design != its:
             raise UsageError(f"{name} belongs to --design {its}; leave it out, or ask for that design.")
-    chosen = {"integral": integral, "rudder_weight": rudder_weight}
     return design_autopilot(
         find_model(model),
         [find_ship(s) for s in ships],
@@ -143,7 +142,8 @@ def _design(
         omega_n=_frequency(omega_n),
         damping=zeta,
         rudder_limit=rudder_limit,
-        **{n: v for n, v in chosen.items() if v is not None},
+        integral=INTEGRAL if integral is None else integral,
+        rudder_weight=RUDDER_WEIGHT if rudder_weight is None else rudder_weight,
     )
 
 

@@ -51,20 +51,26 @@ class CourseMeasures(Component):
     off_least = state("m", "farthest across the new course to its left", start=1e9)
 
     def error(self) -> Expression:
-        """Heading less heading ordered."""
+        """Return heading less heading ordered."""
         return self.psi - self.psi_order
 
     def counts(self) -> Expression:
-        """Whether this sample is summed."""
+        """Return whether this sample is summed."""
         return self.clock >= self.measured_from
 
     def across(self) -> Expression:
-        """Position across the new course, the drift of the current taken out; positive to its right."""
+        """Return the position across the new course, the drift of the current taken out; positive to its right."""
         north, east = self.x - self.current_north * self.clock, self.y - self.current_east * self.clock
         return east * np.cos(self.psi_order) - north * np.sin(self.psi_order)
 
     def summed(self, total: Expression, rate: Expression) -> Expression:
-        """A sum, with this sample where it counts."""
+        """Return a sum with this sample in it, where it counts.
+
+        Parameters
+        ----------
+        total, rate : Expression
+            The sum so far, and what is summed.
+        """
         return total + np.where(self.counts(), rate, 0.0 * rate) * self.T_s
 
     @clock.next
@@ -109,7 +115,7 @@ class CourseMeasures(Component):
         return self.delta + 0.0 * self.delta_before
 
     def turned(self) -> Expression:
-        """Whether the rudder has come back from its extreme by the least swing."""
+        """Return whether the rudder has come back from its extreme by the least swing."""
         return self.moving * (self.delta_extreme - self.delta) > self.least_swing
 
     @delta_extreme.next

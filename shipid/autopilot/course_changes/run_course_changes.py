@@ -128,8 +128,8 @@ def run_course_changes(
     varying = ("wave_noise",) if "wave_noise" in model.inputs else ()
     intervals, count = clock_of(pilot, model, speeds, lengths)
     begin = measured_from * np.array([1 / pilot.pace(float(v)) for v in speeds])
-    own = settings_of(changes, begin) | ordered_rate(pilot, speeds)
-    inputs = {
+    own: dict[str, float | np.ndarray] = {**settings_of(changes, begin), **ordered_rate(pilot, speeds)}
+    inputs: dict[str, float | np.ndarray] = {
         **CALM,
         "u": speeds,
         "cruise": speeds,

@@ -27,7 +27,13 @@ class SeaFiltered(Measured):
     r_band = state("rad", "rate of turn in the band of the waves, integrated", nominal=0.01)
 
     def band(self, shown: Expression, swing: Expression, moving: Expression) -> Expression:
-        """Rate of a band pass: ``s / (s^2 + 2 zeta omega s + omega^2)`` of what is shown."""
+        """Return the rate of a band pass, ``s / (s^2 + 2 zeta omega s + omega^2)``.
+
+        Parameters
+        ----------
+        shown, swing, moving : Expression
+            What is filtered, and the two states of the filter.
+        """
         return shown - 2 * self.sea_width * self.sea_frequency * moving - self.sea_frequency**2 * swing
 
     @psi_swing.rate
@@ -51,9 +57,9 @@ class SeaFiltered(Measured):
         return self.band(self.r + self.r_wave, self.r_swing, self.r_band)
 
     def heading(self) -> Expression:
-        """A notch: 1 less the band, van Amerongen (1982), the filter of an autopilot at the frequency of encounter."""
+        """Return the heading through a notch: 1 less the band, van Amerongen (1982), at the frequency of encounter."""
         return self.psi + self.psi_wave - 2 * self.sea_depth * self.sea_width * self.sea_frequency * self.psi_band
 
     def rate(self) -> Expression:
-        """The same notch for the rate of turn."""
+        """Return the rate of turn through the same notch."""
         return self.r + self.r_wave - 2 * self.sea_depth * self.sea_width * self.sea_frequency * self.r_band

@@ -87,7 +87,7 @@ class IntegralCourseController(CourseController):
         return np.where(np.logical_and(inside, follows), error, 0.0 * error)
 
     def law(self) -> Expression:
-        """Passenier (1989), eq. (3.45), with the integral of the error."""
+        """Return the rudder of Passenier (1989), eq. (3.45), with the integral of the error."""
         error = self.psi_order - self.psi_seen
         return self.gain_Kp * error - self.gain_Kd * self.r_seen + self.gain_Ki * self.psi_integral
 

@@ -28,8 +28,9 @@ from shipid.parts.steering_machine import SteeringMachine
 
 DESIGNS: tuple[Design, ...] = get_args(Design)
 MODES: tuple[Mode, ...] = get_args(Mode)
-#: The third pole, that of the integral, over the natural frequency: slow beside the course change, quick beside the weather.
-INTEGRAL = 0.15
+#: The third pole, that of the integral, over the natural frequency: slow beside the course change, quick beside the weather;
+#: and the weight of the rudder squared against the heading error squared.
+INTEGRAL, RUDDER_WEIGHT = 0.15, 1.0
 #: How far a pole between two speeds of the schedule may lie from the one asked for there, over its size.
 TOLERANCE = 0.05
 #: Where between two speeds the poles are compared with those asked for.
@@ -49,7 +50,7 @@ def design_autopilot(
     omega_n: str | float | None = None,
     damping: float | None = None,
     integral: float = INTEGRAL,
-    rudder_weight: float = 1.0,
+    rudder_weight: float = RUDDER_WEIGHT,
     rudder_limit: str | float = "15 deg",
 ) -> Autopilot:
     """Design a gain-scheduled autopilot from a declared ship, linearised exactly at each speed.
@@ -98,6 +99,8 @@ def design_autopilot(
         If the request leaves the loop unstable.
     DesignRequestError, UnknownNameError
         If the request is none.
+    UnstatedInputError
+        If the model reads an input that a straight course does not state and that declares no default.
     """
     if design not in DESIGNS:
         raise UnknownNameError("design", design, DESIGNS)
@@ -109,7 +112,7 @@ def design_autopilot(
         )
     whole = model_of(model)
     check_steerable(whole)
-    given = list(ship) if isinstance(ship, (list, tuple)) else [ship]
+    given = list(ship) if isinstance(ship, Sequence) and not isinstance(ship, str) else [ship]
     if not given:
         raise DesignRequestError("an autopilot needs a ship: give one, or one for each load condition.")
     ships = tuple(ship_of(s) for s in given)

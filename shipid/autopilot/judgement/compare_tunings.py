@@ -100,8 +100,12 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
         The tunings; each is judged on the ship of its own file.
     names : tuple of str
         What they are called.
+
+    Returns
+    -------
+    TuningComparison
     """
-    rows = []
+    rows: list[ComparedRow] = []
     for what, unit, read, sense in _QUANTITIES:
         a, b = plain(read(first)), plain(read(second))
         better = None
@@ -150,7 +154,7 @@ def _change(name: str, degrees: float, calm: bool = True) -> Callable[[Judgement
         values = [getattr(s, name) for s in runs]
         if not values or any(v is None for v in values):
             return None
-        return max(abs(v) for v in values)
+        return float(max(abs(v) for v in values))
 
     return change
 

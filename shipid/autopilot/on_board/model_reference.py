@@ -93,7 +93,7 @@ class ReferenceModel(Estimates):
     rudder_extra = derived("rad", "rudder that compensates the difference", latex=r"\Delta\delta")
 
     def share(self) -> Expression:
-        """Share taken over in a sample: the whole difference at most."""
+        """Return the share taken over in a sample: the whole difference at most."""
         return self.adapting * np.minimum(self.K_R * self.T_s, 1.0)
 
     @a_ref.next
@@ -117,7 +117,7 @@ class ReferenceModel(Estimates):
         return self.b1_ref + 0.0
 
     def rudder_ordered(self) -> Expression:
-        """The rudder of the reference: that of the law within its limit."""
+        """Return the rudder of the reference: that of the law within its limit."""
         return np.minimum(np.maximum(self.rudder_wanted, -self.rudder_limit), self.rudder_limit)
 
     @rudder_extra.equals
@@ -134,7 +134,7 @@ class CompensatedCourseController(CourseController):
     rudder_extra = given("rad", "rudder that compensates the difference to the reference")
 
     def limited(self) -> Expression:
-        """Passenier (1989), eq. (5.88) and fig. 5.14: the limiter is the reference's, and the difference comes on top."""
+        """Return the rudder of Passenier (1989), eq. (5.88) and fig. 5.14: the limiter is the reference's, the difference is added."""
         within = np.minimum(np.maximum(self.rudder_wanted, -self.rudder_limit), self.rudder_limit)
         return within - self.rudder_extra
 

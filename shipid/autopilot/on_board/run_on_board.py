@@ -48,8 +48,6 @@ ADAPTATIONS: tuple[Adaptation, ...] = get_args(Adaptation)
 VOYAGE = (0.0, 10.0, -10.0, 60.0, -60.0)
 #: Before the voyage, in L/u: the filter converges while the instruments are fed back, and is fed back for the second half.
 _APPROACH = 40.0
-#: The filter's parameters adapt while the ship turns: so long after an order, in L/u.
-_TURNING = 10.0
 #: The reference follows the estimates in so many L/u.
 _FOLLOWING = 15.0
 #: Where the weather comes from, and the direction it goes to from the first course, in rad.
@@ -194,7 +192,6 @@ def _filter_of(pilot: Autopilot, model: Model, weather: Weather) -> ExtendedKalm
         start={n: v for n, v in {"a": a, "b1": b1}.items() if n in model.parameters},
         noise={n: v for n, v in noise.items() if n in model.inputs},
         gate=None,
-        switchable=True,
     )
 
 
@@ -268,10 +265,6 @@ def _run(voyage: _Voyage, loop: SampledLoop, feedback: Feedback, in_weather: boo
     t = voyage.interval * np.arange(count)
     begin = approach + each * np.arange(voyage.changes.size)
     psi_order = np.concatenate([np.zeros(approach), np.repeat(np.cumsum(voyage.changes), each)])
-    since = np.concatenate([np.full(approach, np.inf), np.tile(voyage.interval * np.arange(each), voyage.changes.size)])
-    turning = np.concatenate([np.zeros(approach), np.repeat(voyage.changes != 0, each)]) * (
-        since < _TURNING / voyage.pilot.pace(voyage.speed)
-    )
     by_filter = (t >= t[approach // 2]) * float(feedback == "filter")
     rng = np.random.default_rng([voyage.seed, 11])
     inputs: dict[str, float | np.ndarray] = {
@@ -281,7 +274,7 @@ def _run(voyage: _Voyage, loop: SampledLoop, feedback: Feedback, in_weather: boo
         "psi_order": psi_order,
         "loading": 0.0,
         "filtered": by_filter,
-        "adapting": turning,
+        "adapting": 1.0,
         "compensating": by_filter,
         **{f"{n}_noise": s * rng.standard_normal(count) for n, s in _sensor_levels(voyage.kalman).items()},
         "wave_noise": 0.0,
