@@ -270,7 +270,9 @@ class OnlineFilter:
         brief = self.design.layout.brief
         x, variance = (self.stepper.out[brief[n]].astype(float) for n in ("x", "var"))
         std = np.sqrt(np.maximum(variance, 0.0))
-        return OnlineEstimate(self._reader.clock.last or 0.0, x, std, taken, rejected, refused, self._lagged(), self.design)
+        return OnlineEstimate(
+            self._reader.clock.last or 0.0, x, std, taken, rejected, refused, self._lagged(), self.design
+        )
 
     def _lagged(self) -> tuple[float, np.ndarray, np.ndarray] | None:
         if self.lag is None:
