@@ -83,7 +83,9 @@ def render(result: Any) -> str:
 
         return _page("filter.html", recursive_view(result))
     if isinstance(result, Autopilot):
-        result = result.judgement
+        from shipid.report.views.tuning import design_view
+
+        return _page("tuning.html", design_view(result))
     if isinstance(result, Judgement):
         from shipid.report.views.tuning import tuning_view
 

@@ -7,8 +7,10 @@ import pytest
 
 import shipid
 from shipid import Component, derived, given, join, parameter, state
+from shipid.autopilot.design.closed_loop import poles_at
 from shipid.autopilot.errors import DesignRequestError, NoStraightCourseError, NotSteerableError, UnstableDesignError
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError
+from shipid.generation.simulator import UnstatedInputError
 from shipid.models import PlanarMotion, SteeringMachine
 from shipid.parameters.parameter_set import ParameterSet, Value
 
@@ -92,6 +94,24 @@ def test_a_model_without_heading_rudder_or_rate():
         shipid.design_autopilot(join("steered", shipid.find_model("nomoto"), SteeringMachine), "soesterberg")
     with pytest.raises(NotSteerableError, match="no rate of turn 'r'"):
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
+
+
+class Propelled(Yaw):
+    """Yaw by a rudder in the wash of a propeller whose revolutions nothing states."""
+
+    n = given("1/s", "propeller revolutions")
+    n0 = shipid.constant("1/s", "revolutions at which the coefficient holds", default=1.0)
+
+    def yaw(self):
+        """A test."""
+        return self.a * self.delta * self.n / self.n0 - self.b * self.r + self.c
+
+
+def test_an_input_that_nothing_states():
+    """It is refused, and not taken as zero."""
+    made = ParameterSet("s", sections={**ship(**GOOD).sections, "propelled": ship(**GOOD).sections["yaw"]})
+    with pytest.raises(UnstatedInputError, match="model propelled reads 'n' "):
+        shipid.design_autopilot(join("propelled", Propelled, PlanarMotion), made)
 
 
 def test_an_uncontrollable_ship():
@@ -187,7 +207,7 @@ def test_named_warnings(model, chosen, options, words):
 def test_a_rudder_that_works_the_other_way(sized):
     pilot = shipid.design_autopilot("de-keizer", sized("soesterberg", "de-keizer", K=-1.6))
     assert "reversed rudder" in pilot.warnings[0] and (pilot.schedule.gains["Kp"] < 0).all()
-    assert pilot.poles(9.5).real.max() < 0
+    assert poles_at(pilot, 9.5).real.max() < 0
 
 
 def test_the_rudder_rate_a_request_needs():

@@ -1,9 +1,8 @@
-"""The Kalman filter in the loop: the generated filter step as what stands between the instruments and the autopilot."""
+"""The Kalman filter in the loop: the generated step of the filter between the instruments and the autopilot."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -12,7 +11,9 @@ from shipid.autopilot.on_board.sampled_loop import Estimator
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.first_estimate import carried_vector
 from shipid.estimation.recursion.layout import total
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import UsageError
+from shipid.generation.simulator import input_rows
 
 
 def estimator_of(
@@ -42,7 +43,9 @@ def estimator_of(
     Raises
     ------
     UsageError
-        If an estimate is none of the filter's states and parameters.
+        If an estimate is none of the filter's states and parameters, or the loop does not show what the filter reads.
+    UnstatedInputError
+        If nothing says where an input of the filter starts.
     """
     design, given = kalman.design, kalman.design.instruments.inputs
     model, layout = design.model, design.layout
@@ -56,14 +59,17 @@ def estimator_of(
             )
     logs = {n for n, s in kalman.parameters.items() if s != n}
     step, constants = design.step(), ca.DM(design.constants)
-    defaults = {n: model[n].number("default") or 0.0 for n in model.inputs}
-    first = np.array([given.get(n, sample.get(n, defaults[n])) for n in model.inputs])
+    # Before the first sample the rudder is amidships.
+    first = input_rows(model, {"delta": 0.0, **sample, **given}, 1)[:, 0]
 
     # Noise is what a filter does not know, even where the loop has it under the same name.
-    unknown = {s.name for s in design.sources if s.place == "input" and s.name not in shown}
+    noises = [s.name for s in design.sources if s.place == "input" and s.name not in shown]
+    stated = {**{n: model[n].number("default") or 0.0 for n in noises}, **given}
 
-    def advance(carried: Any, seen: Mapping[str, Any], interval: Any) -> tuple[Any, dict[str, Any]]:
-        def value(name: str, otherwise: float | None = None) -> Any:
+    def advance(
+        carried: Expression, seen: Mapping[str, Expression], interval: Expression
+    ) -> tuple[Expression, dict[str, Expression]]:
+        def value(name: str, otherwise: float | None = None) -> Expression:
             label = shown.get(name, name)
             if label in seen:
                 return seen[label]
@@ -72,7 +78,7 @@ def estimator_of(
             return otherwise
 
         control = ca.SX.zeros(total(layout.control))
-        inputs = [given.get(n, defaults[n] if n in unknown else value(n, defaults[n])) for n in model.inputs]
+        inputs = [stated[n] if n in stated else value(n, model[n].number("default")) for n in model.inputs]
         control[layout.control["u"]] = ca.vertcat(*inputs)
         control[layout.control["T"]] = interval
         control[layout.control["z"]] = ca.vertcat(*(value(n) for n in kalman.measured))
