@@ -53,7 +53,7 @@ from shipid.parameters.parameter_set import ParameterSet, missing_values
 
 @dataclass(frozen=True)
 class FilterSettings:
-    """What a user says of a filter; `shipid.estimation.kalman.ExtendedKalmanFilter` explains each of them.
+    """The settings of a filter; `shipid.estimation.kalman.ExtendedKalmanFilter` explains each of them.
 
     Attributes
     ----------

@@ -1,7 +1,7 @@
 """From a record to the rows of a filter: inputs, intervals, what each sensor shows and when it is there.
 
 A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; what becomes of time stamps that
-cannot be right is told in `shipid.estimation.records.clock`.
+cannot be right is explained in `shipid.estimation.records.clock`.
 """
 
 from __future__ import annotations
@@ -62,8 +62,8 @@ class Arrangement:
     @property
     def sample(self) -> np.ndarray:
         """The sample that each row belongs to, among those used, shape (N,): rows that bridge a gap belong to the one that ends it."""
-        found: np.ndarray = np.searchsorted(np.flatnonzero(self.shown), np.arange(self.t.size))
-        return np.minimum(found, np.count_nonzero(self.shown) - 1)
+        found = np.searchsorted(np.flatnonzero(self.shown), np.arange(self.t.size))
+        return np.asarray(np.minimum(found, np.count_nonzero(self.shown) - 1))
 
     @property
     def back(self) -> int:

@@ -1,4 +1,4 @@
-"""Whether innovations are what the filter says they are: white, and as large as expected."""
+"""Consistency of a filter: whether its innovations are white."""
 
 from __future__ import annotations
 

@@ -104,4 +104,4 @@ def _each(values: np.ndarray, arranged: Arrangement, what: str) -> np.ndarray:
         return np.broadcast_to(values, arranged.forward.sum())
     if values.shape != arranged.forward.shape:
         raise UsageError(f"{what}: {values.size} of them, and the record has {arranged.forward.size} samples.")
-    return values[arranged.forward]
+    return np.asarray(values[arranged.forward])

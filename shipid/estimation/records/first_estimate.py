@@ -14,7 +14,7 @@ from shipid.estimation.settings.initial import state_spreads
 
 
 def first_sample(design: FilterDesign, record: FilterRecord) -> dict[str, float]:
-    """Return the first finite value of each column, and what it says of measured quantities.
+    """Return the first finite value of each column, under the names of the measured quantities as well.
 
     Parameters
     ----------

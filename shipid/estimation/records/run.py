@@ -21,7 +21,7 @@ from shipid.foundation.statistics import interval_95
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What a filter says of an estimate among plain values.
+#: What is reported of an estimate as plain values.
 _REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
 
 
@@ -62,7 +62,7 @@ class Innovations:
     @property
     def normalised(self) -> np.ndarray:
         """The innovations that were taken in, in standard deviations."""
-        return self.values[self.taken] / np.sqrt(self.variances[self.taken])
+        return np.asarray(self.values[self.taken] / np.sqrt(self.variances[self.taken]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,12 +103,12 @@ class FilterRun:
         name : str
             A key of `StepLayout.full`.
         """
-        return self.out[self.arranged.shown][:, self.design.layout.full[name]]
+        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.full[name]])
 
     @property
     def t(self) -> np.ndarray:
         """Times of the samples in s, shape (N,)."""
-        return self.arranged.t[self.arranged.shown]
+        return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
     def x(self) -> np.ndarray:
@@ -118,7 +118,7 @@ class FilterRun:
     @property
     def std(self) -> np.ndarray:
         """Their standard deviations, shape (N, states)."""
-        return np.sqrt(np.maximum(self.rows("var"), 0.0))
+        return np.asarray(np.sqrt(np.maximum(self.rows("var"), 0.0)))
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -181,7 +181,7 @@ class FilterRun:
     def nis(self) -> np.ndarray:
         """Sum of the squared normalised innovations taken in at each sample, shape (N,)."""
         fate = self.rows("fate") == TAKEN
-        return np.where(fate, self.rows("e") ** 2 / self.rows("S"), 0.0).sum(axis=1)
+        return np.asarray(np.where(fate, self.rows("e") ** 2 / self.rows("S"), 0.0).sum(axis=1))
 
     @functools.cached_property
     def parameters(self) -> dict[str, Estimate]:
@@ -228,7 +228,7 @@ class FilterRun:
             "record": self.record,
             "samples": int(self.t.size),
             "parameters": {
-                n: {key: told for key, told in p.to_dict().items() if key in _REPORTED}
+                n: {key: value for key, value in p.to_dict().items() if key in _REPORTED}
                 for n, p in self.parameters.items()
             },
             "states": {

@@ -43,4 +43,4 @@ def deviations_of(packed: np.ndarray, n: int) -> np.ndarray:
     n : int
         Size of the covariances.
     """
-    return np.sqrt(np.maximum(packed[..., diagonal_of(n)], 0.0))
+    return np.asarray(np.sqrt(np.maximum(packed[..., diagonal_of(n)], 0.0)))

@@ -1,4 +1,4 @@
-"""Where a filter starts: the first estimate of each state, and how sure it is."""
+"""Where a filter starts: the first estimate of each state, and its standard deviation."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ def parameter_starts(
     Raises
     ------
     NoiseLevelError
-        If nothing says where a parameter starts, or how sure that is.
+        If neither start nor standard deviation of a parameter follow from what is given.
     """
     result = {}
     for name in names:
@@ -141,7 +141,7 @@ def _usual_size(entry: Entry, scale: Scale) -> float:
     if not np.isfinite(size):
         # It would never move: what is certain to be zero is not estimated.
         raise NoiseLevelError(
-            f"the estimate of '{entry.name}' starts at zero, and nothing says how sure that is: give "
+            f"the estimate of '{entry.name}' starts at zero, and nothing gives its standard deviation: give "
             f"initial={{'{entry.name}': ...}}, its first standard deviation."
         )
     return size

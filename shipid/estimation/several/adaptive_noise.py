@@ -176,7 +176,7 @@ class AdaptiveFilter:
     def _mixture(
         self, outs: Sequence[Expression], after: Expression, ahead: Expression, places: Places, evidence: Expression
     ) -> Expression:
-        """What the mixture of all filters tells: means and variances, before a sample (`ahead`) and after it."""
+        """The outputs of the mixture of all filters: means and variances, before a sample (`ahead`) and after it."""
         joined = sum(after[j] * out for j, out in enumerate(outs))
         predicted = sum(ahead[j] * out for j, out in enumerate(outs))
         off = [out - joined for out in outs]

@@ -1,9 +1,8 @@
 """Filters in a row, each at its own rate: what one estimates is an input of those after it.
 
-One filter for everything carries the covariance of everything with everything. Where one part hardly tells another anything
-(the position of a ship says little of her yaw), two small filters do nearly as well: n (n + 1) / 2 elements each, after
-Passenier (1989), sections 5.2 and 5.4. What an earlier filter knows of the error of its estimate is lost on the way, unless
-it is passed on as noise of the input.
+One filter of all states carries the covariance of each with each. Where two parts are hardly correlated (the position of a
+ship and her yaw), two small filters do nearly as well: n (n + 1) / 2 elements each, after Passenier (1989), sections 5.2 and
+5.4. The covariance of what an earlier filter estimates is lost on the way, unless it is passed on as noise of the input.
 """
 
 from __future__ import annotations

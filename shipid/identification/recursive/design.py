@@ -39,7 +39,7 @@ from shipid.parameters.parameter_set import ParameterSet, missing_values
 
 @dataclass(frozen=True)
 class RecursiveSettings:
-    """What a user says of a recursion; `shipid.identification.recursive.identifier.RecursiveIdentifier` explains each of them.
+    """The settings of a recursion; `shipid.identification.recursive.identifier.RecursiveIdentifier` explains each of them.
 
     Attributes
     ----------
@@ -348,7 +348,7 @@ def _method(given: RecursiveSettings) -> Method:
         )
     if given.forgetting != 1 and not method.forgets:
         raise ForgettingError(
-            f"method {given.method} takes no forgetting factor: parameters that wander are let do so by noise, as in "
+            f"method {given.method} takes no forgetting factor: parameters that change with time are given noise, as in "
             "noise={'a': '0.001'}."
         )
     return method
@@ -360,7 +360,7 @@ def _noise(
     """Variances that a sample, and a second, add to the measured state and to the parameters."""
     order = [regression.output, *regression.names]
     noise = dict(given.noise or {})
-    if method.believes_noise:
+    if method.uses_noise_level:
         declared = {n: regression.model[n].quantity.noise for n in order}
         noise = {n: q for n, q in declared.items() if q} | noise
     own = {n: n for n in regression.names}

@@ -38,8 +38,8 @@ class RecursiveIdentifier:
         The one measured state (or the output of a sensor that measures it), with the standard deviation of a sample:
         ``{"r": "0.02 deg/s"}``. With None the level comes from the record (`shipid.identification.recursive.noise_level`).
     noise : mapping of str to str, optional
-        What lets parameters wander, and what drives the measured state: per sample or per root second, as for a filter. What
-        the declaration says holds where nothing is given, for the methods that believe noise levels.
+        Random walk of the parameters, and noise that drives the measured state: per sample or per root second, as for a
+        filter. Where nothing is given the declared noise holds, for the methods that use noise levels.
     initial : mapping of str to str, optional
         Standard deviations of the first estimates, with units.
     start : mapping of str to str, optional
@@ -65,8 +65,8 @@ class RecursiveIdentifier:
 
     Notes
     -----
-    A first uncertainty is best about as large as the distance to the truth may be. Much larger, the extended Kalman filter
-    loses its way now and then; least squares and MRAS do not mind (``studies/passenier_ch4.py`` counts both).
+    A first standard deviation is best about as large as the distance to the truth may be. Where it is much larger, the
+    extended Kalman filter diverges now and then; least squares and MRAS do not (``studies/passenier_ch4.py`` counts both).
     """
 
     def __init__(

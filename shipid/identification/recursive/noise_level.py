@@ -1,4 +1,4 @@
-"""How noisy the measured state is: as the user says, or from the record alone."""
+"""The noise level of the measured state: as given, or from the record alone."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def noise_of(samples: np.ndarray) -> float:
         )
     third = np.diff(samples, 3)
     # 0.6745 is the median of the size of a standard normal number.
-    level = float(np.median(np.abs(third))) / (0.6744897501960817 * np.sqrt(20.0))
+    level = float(np.median(np.abs(third)) / (0.6744897501960817 * np.sqrt(20.0)))
     return max(level, 1e-6 * float(np.ptp(samples)))
 
 

@@ -29,7 +29,7 @@ class RecursiveEstimate:
     t : float
         Time of the sample in s.
     y : float
-        The measured state as the recursion remembers it, SI.
+        The measured state as the recursion estimates it, SI.
     theta : ndarray, shape (parameters,)
         Estimates, SI.
     covariance : ndarray, shape (parameters, parameters)
@@ -162,7 +162,7 @@ class OnlineIdentifier:
         design, layout, z = self.design, self.design.layout, self._stepper.z
         covariance = unpacked(z[layout.carried["joint"]][None, :], layout.n + 1)[0, 1:, 1:]
         count = float(z[layout.carried["count"]][0])
-        if not design.method.believes_noise and count >= FEW * layout.n:
+        if not design.method.uses_noise_level and count >= FEW * layout.n:
             covariance = covariance * (float(z[layout.carried["nis"]][0]) / count)
         theta = np.array(z[layout.carried["theta"]])
         return RecursiveEstimate(self.t or 0.0, float(z[layout.carried["y"]][0]), theta, covariance, refused, design)

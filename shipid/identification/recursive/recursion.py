@@ -17,8 +17,8 @@ from shipid.identification.recursive.regression import StateRegression
 #: The pole of the model that is run stays within this: a time constant of ten thousand samples.
 LARGEST_POLE = 0.9999
 #: Samples of least squares before instruments take over, and of instruments before their model follows the estimate; times the
-#: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a ship that runs
-#: straight tells nothing, for however long.
+#: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a straight course
+#: holds no information, however long it is.
 WARM_UP, SETTLING, KNOWN = 20, 80, 1e-3
 #: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
 AUXILIARY_SHARE = 0.02
@@ -102,7 +102,7 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
     p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
     # A density enters half before and half after the transition, as in the filter (trapezoidal rule).
     half, added = q_density * T / 2, q_density * T / 2 + q_sample * (T > 0)
-    # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
+    # Where nothing else is known of it, the state starts at its first sample, which then gives no innovation.
     begins = settles * there * (old["age"] == 0)
     there = there - begins
 
@@ -113,28 +113,28 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
     joint = covariance_form.symmetric(transition @ before_step @ transition.T + ca.diag(added))
     spread = joint[0, 0] + r
 
-    believed = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
+    weights = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
     y_aux, theta_aux, direction = old["y_aux"], old["theta_aux"], psi
     phase, waited = old["phase"], old["waited"] + there
     if method.instruments:
-        known = ca.mmax(ca.diag(believed) / first) < KNOWN
+        known = ca.mmax(ca.diag(weights) / first) < KNOWN
         begin = (phase == 0) * (waited > WARM_UP * n) * known
         follow = (phase == 1) * (waited > SETTLING * n) * known
         phase, waited = phase + begin + follow, ca.if_else(begin, 0.0, waited)
         # What least squares learned to get the auxiliary model started is biased: its weight is given back.
-        believed = ca.if_else(begin, ca.diag(first), believed)
+        weights = ca.if_else(begin, ca.diag(first), weights)
         y_aux, theta_aux, direction = _instruments(regression, phase, old, psi, u1, p, T)
-    along = believed @ direction
-    # (4.126): what the output is unsure of before the sample, apart from its parameters.
-    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.remembers == "weighted" else half[0] + added[0]
+    along = weights @ direction
+    # (4.126): variance of the predicted output, apart from that by its parameters.
+    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.previous_output == "weighted" else half[0] + added[0]
     quadratic = ca.dot(psi, along)
     memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
     gain, correction = _gains(method, joint, r, own, quadratic, along, memory)
     gain, correction = gain * there, correction * there
     theta = old["theta"] + correction * e
     y = ahead + gain * e
-    updated = believed - correction @ (psi.T @ believed)
-    updated = ca.if_else(there, updated / memory, believed) + ca.diag(added[1:])
+    updated = weights - correction @ (psi.T @ weights)
+    updated = ca.if_else(there, updated / memory, weights) + ca.diag(added[1:])
     if not method.instruments:
         updated = covariance_form.symmetric(updated)
     if method.projects:
@@ -194,11 +194,11 @@ def _gains(
     `own` is the variance of the predicted output apart from its parameters, `quadratic` what those add, `along` the
     covariance of parameters and predicted output.
     """
-    if method.remembers == "optimal":
+    if method.previous_output == "optimal":
         both = joint[:, 0] / (joint[0, 0] + r)  # (4.115)
         return both[0], both[1:]
-    unsure = own + quadratic
-    gain = {"measured": 1.0, "predicted": 0.0, "weighted": unsure / (unsure + r)}[method.remembers]
+    variance = own + quadratic
+    gain = {"measured": 1.0, "predicted": 0.0, "weighted": variance / (variance + r)}[method.previous_output]
     # (4.74) leaves out the uncertainty of the output, (4.130) counts it.
     return ca.SX(gain), along / (memory * (r if method.separate else own + r) + quadratic)
 

@@ -1,4 +1,4 @@
-"""What a recursion made of a record: parameters along it, how sure they are, and whether they can be believed."""
+"""The result of a recursion over a record: parameters along it, their standard deviations, and whether it diverged."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 _LARGE, _UNEXPLAINED = 1.4, 0.1
 #: Intervals widened by less than this are those of white innovations, but for chance.
 _WORTH_SAYING = 1.25
-#: What a recursion says of an estimate among plain values.
+#: What is reported of an estimate as plain values.
 _REPORTED = ("value", "unit", "std", "ci95", "identifiable", "why", "follows", "meaning")
 
 
@@ -56,7 +56,7 @@ class RecursiveIdentification:
     out: np.ndarray
 
     def _rows(self, name: str) -> np.ndarray:
-        return self.out[self.arranged.shown][:, self.design.layout.outputs[name]]
+        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.outputs[name]])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,7 +66,7 @@ class RecursiveIdentification:
     @property
     def t(self) -> np.ndarray:
         """Times of the samples in s, shape (N,)."""
-        return self.arranged.t[self.arranged.shown]
+        return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
     def theta(self) -> np.ndarray:
@@ -75,14 +75,14 @@ class RecursiveIdentification:
 
     @property
     def y(self) -> np.ndarray:
-        """The measured state as the recursion remembers it after each sample, SI, shape (N,)."""
+        """The measured state as the recursion estimates it after each sample, SI, shape (N,)."""
         return self._rows("y")[:, 0]
 
     @functools.cached_property
     def noise_ratio(self) -> np.ndarray:
         """Size of the innovations so far, in that expected: 1 where the noise level is right; shape (N,).
 
-        The intervals of methods that do not believe the noise level are scaled by it.
+        The intervals of methods that do not use the noise level are scaled by it.
         """
         ratio = self._rows("nis")[:, 0] / np.maximum(self._rows("count")[:, 0], 1.0)
         return np.sqrt(np.where(self._rows("count")[:, 0] < FEW * len(self.names), 1.0, ratio))
@@ -94,12 +94,12 @@ class RecursiveIdentification:
         It counts the scatter by noise and by the unknown start. The bias of a method that has one is not in it.
         """
         joint = unpacked(self._rows("joint"), len(self.names) + 1)[:, 1:, 1:]
-        return joint if self.design.method.believes_noise else joint * self.noise_ratio[:, None, None] ** 2
+        return joint if self.design.method.uses_noise_level else joint * self.noise_ratio[:, None, None] ** 2
 
     @property
     def std(self) -> np.ndarray:
         """Standard deviations of the parameters after each sample, SI, shape (N, n)."""
-        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0))
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
 
     @property
     def innovations(self) -> np.ndarray:
@@ -121,7 +121,7 @@ class RecursiveIdentification:
     @functools.cached_property
     def _normalised(self) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
-            return (self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken]
+            return np.asarray((self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken])
 
     @property
     def nis_mean(self) -> float | None:
@@ -152,7 +152,7 @@ class RecursiveIdentification:
 
     @functools.cached_property
     def why_diverged(self) -> str:
-        """Why the last estimate is not to be believed; empty where it is."""
+        """Why the last estimate is not reliable; empty where it is."""
         if not np.isfinite(self._rows("theta")).all() or not np.isfinite(self._rows("S")).all():
             lost = ~np.isfinite(self._rows("theta")).all(axis=1) | ~np.isfinite(self._rows("S")[:, 0])
             return f"the estimates run away {self.t[int(np.argmax(lost))]:.5g} s into the record."
@@ -168,14 +168,14 @@ class RecursiveIdentification:
         if size > _LARGE and share > _UNEXPLAINED:
             return (
                 f"at the end the innovations are {size:.3g} times as large as expected, and what they have too much is "
-                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, less sure or "
-                "surer of it (start, initial), or let the parameters wander (noise)."
+                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, with "
+                "another first standard deviation (start, initial), or with noise on the parameters (noise)."
             )
         return ""
 
     @property
     def diverged(self) -> bool:
-        """Whether the recursion has lost the ship; `why_diverged` says how that shows."""
+        """Whether the recursion diverged; `why_diverged` gives the reason."""
         return bool(self.why_diverged)
 
     @functools.cached_property
@@ -206,11 +206,11 @@ class RecursiveIdentification:
 
     @functools.cached_property
     def widening(self) -> float:
-        """Factor on the last intervals, 1 or more: innovations larger than expected, or that hang together in time.
+        """Factor on the last intervals, 1 or more: for innovations larger than expected, or correlated in time.
 
-        A model that is a little wrong is wrong for many samples in a row, and those are no independent witnesses. The factor is
-        the root of the innovations' power in that expected, times the length of their correlation; a rough figure, for what the
-        colour does to a parameter depends on where in the spectrum that shows.
+        A model that is a little wrong is wrong for many samples in a row, and those are not independent. The factor is the
+        root of the innovations' power in that expected, times the length of their correlation. It is a rough figure: how much
+        correlated noise disturbs a parameter depends on its spectrum.
         """
         method, count = self.design.method, self._normalised.size
         late = self._normalised[count // 4 :]
@@ -219,7 +219,7 @@ class RecursiveIdentification:
             late = self._rows("e_aux")[self._taken, 0][3 * count // 4 :] / self.noise_level
         if late.size < 4 * FEW or not np.isfinite(late).all():
             return 1.0
-        power = float(np.mean(late**2)) if method.believes_noise or method.instruments else 1.0
+        power = float(np.mean(late**2)) if method.uses_noise_level or method.instruments else 1.0
         if method.instruments:
             power /= float(self.noise_ratio[-1]) ** 2
         return float(np.sqrt(max(1.0, power * correlation_length(late))))

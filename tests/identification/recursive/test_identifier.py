@@ -19,15 +19,9 @@ from shipid.identification.recursive.noise_level import noise_of
 from shipid.identification.recursive.recursion import LARGEST_POLE
 from shipid.identification.recursive.result import correlation_length
 
-NOISE = {"r": "0.02 deg/s", "u": "0.05 m/s"}
 START = {"b1": "1.5", "a": "2"}
 BIASED = {"rls", "series-parallel", "minimum-variance"}
 TRUTH = {"b1": 1 / 1.7, "a": 1.6 / 1.7, "K": 1.6, "tau": 1.7}
-
-
-@pytest.fixture(scope="module")
-def trial() -> shipid.Trial:
-    return shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15", noise=NOISE)
 
 
 def on_ship(method: str, **options) -> RecursiveIdentifier:
