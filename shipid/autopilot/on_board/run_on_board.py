@@ -142,7 +142,7 @@ def run_on_board(
     runs += [_run(voyage, filtered_loop, "filter", rough) for rough in (False, True)]
     sensors = {n: shown(s, n, kalman.model[n].unit, 3) for n, s in _sensor_levels(kalman).items()}
     return OnBoardRuns(
-        pilot.ship.name, kalman.base.name, sensors, sampling, adaptation, tuple(runs), tuple(_warnings(runs))
+        pilot.ship.name, kalman.design.base.name, sensors, sampling, adaptation, tuple(runs), tuple(_warnings(runs))
     )
 
 
@@ -203,7 +203,7 @@ def _first_order(pilot: Autopilot) -> tuple[float, float]:
 
 
 def _sensor_levels(kalman: ExtendedKalmanFilter) -> dict[str, float]:
-    return dict(zip(kalman.measured, kalman.constants[-len(kalman.measured) :].tolist()))
+    return dict(zip(kalman.measured, kalman.design.constants[-len(kalman.measured) :].tolist()))
 
 
 def _instruments(kalman: ExtendedKalmanFilter, ship: Model) -> tuple[dict[str, tuple[str, ...]], dict[str, str]]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
+from shipid.estimation.settings.instruments import Amount
 from shipid.estimation.settings.noise import sensor_levels
 from shipid.foundation.errors import UsageError
 
@@ -45,7 +46,7 @@ def noise_of(samples: np.ndarray) -> float:
 
 
 def read_sensor(
-    model: Model, measured: Mapping[str, str | float | None] | None
+    model: Model, measured: Mapping[str, Amount | None] | None
 ) -> tuple[str | None, float | None, str | None]:
     """Return the sensor, its noise level (SI) and the state it measures, as far as they are given.
 

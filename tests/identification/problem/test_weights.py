@@ -10,7 +10,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.problem.output_error import make_problem
 from shipid.identification.problem.trial_data import prepare
 from shipid.identification.problem.weights import _lasting, enough_of, weigh_again
-from shipid.identification.search.least_squares import Solution
+from shipid.identification.search.least_squares import Solution, box_of, minimise, noise_levels
 
 SIGNALS = ("psi", "r")
 
@@ -27,6 +27,16 @@ def problem(sail):
 def solution_of(problem, residual) -> Solution:
     size = residual.size
     return Solution(problem, np.zeros(problem.size), residual, np.zeros((size, problem.size)), True, "", 0)
+
+
+def test_noise_levels_spend_the_unknowns(drift, drifting):
+    """Of a linear regression: the sum of squares over the samples less the three unknowns."""
+    trial, design = drifting(np.deg2rad(0.5), 30, seed=3)
+    sailed, box = prepare(drift, trial, ("psi",), None), box_of({"gain": (0.1, -10, 10), "swing": (0.0, -1, 1)})
+    problem = make_problem(drift, [sailed], ("psi",), ("gain", "swing"), {}, np.array([0.1]), ())
+    found = minimise(problem, problem.first_guess(box.start), box, most=50, tolerance=1e-12)
+    (squares,) = np.linalg.lstsq(design, trial["psi"], rcond=None)[1]
+    assert noise_levels(found) == pytest.approx([np.sqrt(squares / (30 - 3))], rel=1e-6)
 
 
 def test_how_long_a_residual_lasts(problem):
