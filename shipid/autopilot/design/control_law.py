@@ -14,7 +14,7 @@ from shipid.foundation.aliases import Expression
 
 
 class Measured(Component):
-    """What the autopilot sees without a filter: compass, rate gyro and log."""
+    """The feedback without a filter: compass, rate gyro and log."""
 
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
     r = given("rad/s", "rate of turn, positive to starboard")
@@ -22,8 +22,8 @@ class Measured(Component):
     psi_wave = given("rad", "heading by the waves", default=0.0, latex=r"\psi_v")
     r_wave = given("rad/s", "rate of turn by the waves", default=0.0, latex="r_v")
     log_scale = constant("1", "speed the log shows over the speed through the water", default=1.0)
-    psi_seen = derived("rad", "heading the autopilot sees", wraps=True)
-    r_seen = derived("rad/s", "rate of turn the autopilot sees")
+    psi_seen = derived("rad", "heading that is fed back", wraps=True)
+    r_seen = derived("rad/s", "rate of turn that is fed back")
     speed_seen = derived("m/s", "forward speed through the water, as the autopilot measures it")
 
     @psi_seen.equals
@@ -46,8 +46,8 @@ class CourseController(Component):
     """Heading and rate of turn fed back within a rudder limit."""
 
     psi_order = given("rad", "heading that is ordered, unwrapped as the ship's own", latex=r"\psi_r")
-    psi_seen = given("rad", "heading the autopilot sees", wraps=True)
-    r_seen = given("rad/s", "rate of turn the autopilot sees")
+    psi_seen = given("rad", "heading that is fed back", wraps=True)
+    r_seen = given("rad/s", "rate of turn that is fed back")
     gain_Kp = given("1", "rudder per heading error, scheduled", latex="K_p")
     gain_Kd = given("s", "rudder per rate of turn, scheduled", latex="K_d")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")
@@ -78,7 +78,7 @@ class IntegralCourseController(CourseController):
 
         The integral stands still while the law asks for more than the limit and while the rudder, for its rate, lags behind
         the order by half the limit; and it grows no faster than for an error of a fifth of the proportional band. More is the
-        error of a course change, and says nothing of a steady moment.
+        error of a course change, and no measure of a steady moment.
         """
         inside = np.abs(self.rudder_wanted) < self.rudder_limit
         follows = np.abs(self.delta_order - self.delta) < 0.5 * self.rudder_limit
@@ -100,7 +100,7 @@ class RateController(Component):
     """
 
     r_order = given("rad/s", "rate of turn that is ordered, positive to starboard", latex="r_r")
-    r_seen = given("rad/s", "rate of turn the autopilot sees")
+    r_seen = given("rad/s", "rate of turn that is fed back")
     gain_Kp = given("1", "rudder per integral of the rate error, scheduled", latex="K_p")
     gain_Kd = given("s", "rudder per rate error, scheduled", latex="K_d")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")

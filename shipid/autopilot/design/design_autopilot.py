@@ -98,7 +98,7 @@ def design_autopilot(
     UnstableDesignError
         If the request leaves the loop unstable.
     DesignRequestError, UnknownNameError
-        If the request is none.
+        If the request is out of range, or a name is not known.
     UnstatedInputError
         If the model reads an input that a straight course does not state and that declares no default.
     """
@@ -123,7 +123,9 @@ def design_autopilot(
     limits, warnings = _limits(ships[0], machine)
     limit = to_si(rudder_limit, "rad", "the rudder limit") if isinstance(rudder_limit, str) else float(rudder_limit)
     if not 0 < limit <= np.pi / 2:
-        raise DesignRequestError(f"a rudder limit of {angle(limit, 6)} steers nothing: give one above zero.")
+        raise DesignRequestError(
+            f"a rudder limit of {angle(limit, 6)} is out of range: give one above zero, to 90 deg."
+        )
     if limit > limits["delta_max"]:
         limit = limits["delta_max"]
         warnings.append(f"rudder limit: the rudder itself stops at {angle(limit, 3)}, which is taken.")
@@ -169,12 +171,12 @@ def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:
 
 
 def _coarse(problem: GainDesign, schedule: Schedule) -> list[float]:
-    """Middles of the intervals between two speeds in which the poles stray."""
+    """Middles of the intervals between two speeds in which the poles are off by more than the tolerance."""
     grid = schedule.speeds
     if len(grid) < 2:
         return []
     between = (grid[:-1, None] + np.diff(grid)[:, None] * np.array(_BETWEEN)).ravel()
-    astray = np.zeros(len(between), dtype=bool)
+    off = np.zeros(len(between), dtype=bool)
     for condition in range(len(problem.ships)):
         plants = problem.plants(between, condition)
         for i, speed in enumerate(between):
@@ -182,8 +184,8 @@ def _coarse(problem: GainDesign, schedule: Schedule) -> list[float]:
             asked = problem.wanted_poles(plant, float(speed))
             found = closed_poles(plant, schedule.gains_at(float(speed), condition))
             away = np.abs(found[:, None] - asked[None, :]).min(axis=0) / np.abs(asked)
-            astray[i] |= bool(away.max() > TOLERANCE or found.real.max() >= 0)
-    return list(0.5 * (grid[:-1] + grid[1:])[astray.reshape(-1, len(_BETWEEN)).any(axis=1)])
+            off[i] |= bool(away.max() > TOLERANCE or found.real.max() >= 0)
+    return list(0.5 * (grid[:-1] + grid[1:])[off.reshape(-1, len(_BETWEEN)).any(axis=1)])
 
 
 def _own_speed(ship: ParameterSet) -> float | None:

@@ -1,4 +1,4 @@
-"""What is asked for of a schedule at any speed: the poles, and the gains that give them."""
+"""The design at one speed: the poles asked for, and the gains that place them."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def read_request(
     Raises
     ------
     DesignRequestError
-        If a number is none to steer with, or does not belong to the design.
+        If a number is out of range, or does not belong to the design.
     """
     if design == "lqr":
         if omega_n is not None or damping is not None:
@@ -142,21 +142,21 @@ def read_request(
                 "lqr finds frequency and damping by itself: give rudder_weight, or ask for pole or pid."
             )
         if not 0 < weight < np.inf:
-            raise DesignRequestError(f"a rudder weight of {weight:g} is none: give one greater than zero.")
+            raise DesignRequestError(f"a rudder weight of {weight:g} is out of range: give one greater than zero.")
         return {"rudder_weight": float(weight)}
     zeta = 0.9 if damping is None else float(damping)
     if not 0.05 <= zeta <= 10:
-        raise DesignRequestError(f"a damping ratio of {zeta:g} is none to steer with: give one from 0.05 to 10.")
+        raise DesignRequestError(f"a damping ratio of {zeta:g} is out of range: give one from 0.05 to 10.")
     if omega_n is None:
         omega = _default_omega(model, ships[0], service, zeta)
     else:
         omega = to_si(omega_n, "rad/s", "omega_n") if isinstance(omega_n, str) else float(omega_n)
     if not 0 < omega < np.inf:
-        raise DesignRequestError(f"a natural frequency of {omega:g} rad/s is none: give one greater than zero.")
+        raise DesignRequestError(f"a natural frequency of {omega:g} rad/s is out of range: give one greater than zero.")
     found = {"omega_n": omega, "damping": zeta}
     if design == "pid":
         if not 0.01 <= integral <= 1:
-            raise DesignRequestError(f"a third pole of {integral:g} omega_n is none to steer with: give 0.01 to 1.")
+            raise DesignRequestError(f"a third pole of {integral:g} omega_n is out of range: give 0.01 to 1.")
         found["integral"] = float(integral)
     return found
 

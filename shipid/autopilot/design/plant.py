@@ -76,7 +76,7 @@ class Plant:
 
 
 def check_steerable(model: Model) -> None:
-    """Refuse a model an autopilot has nothing to hold on to.
+    """Refuse a model that an autopilot cannot steer.
 
     Parameters
     ----------

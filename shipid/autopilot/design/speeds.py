@@ -42,7 +42,9 @@ def parse_speeds(text: str | Sequence[float] | None, own: float | None) -> np.nd
         return np.round(own * np.arange(0.5, 1.25, 0.1), 6)
     found = _read(text) if isinstance(text, str) else np.array(sorted({float(v) for v in text}))
     if not len(found) or not np.isfinite(found).all() or found.min() <= 0:
-        raise DesignRequestError(f"the speeds {text} are none to steer at: give numbers greater than zero.")
+        raise DesignRequestError(
+            f"the speeds {text} are no speeds of a ship under way: give numbers greater than zero."
+        )
     if len(found) > MOST_SPEEDS:
         raise DesignRequestError(
             f"{len(found)} speeds are more than a schedule holds ({MOST_SPEEDS}). Take a wider step."

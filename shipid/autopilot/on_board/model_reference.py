@@ -24,7 +24,7 @@ class Estimates(Component):
     a_hat = given("1", "estimated yaw acceleration per rudder angle, K*/tau*", latex=r"\hat a")
     b1_hat = given("1", "estimated yaw damping, 1/tau*", latex=r"\hat b_1")
     d_hat = given("rad/s^2", "estimated yaw acceleration by a disturbance", default=0.0, latex=r"\hat d")
-    r_seen = given("rad/s", "rate of turn the autopilot sees")
+    r_seen = given("rad/s", "rate of turn that is fed back")
     speed_seen = given("m/s", "forward speed through the water, as the autopilot measures it")
     L = constant("m", "length between perpendiculars")
 
@@ -148,8 +148,8 @@ class SelectedFeedback(Component):
     r_hat = given("rad/s", "estimated rate of turn", latex=r"\hat r")
     u_shown = given("m/s", "forward speed the log shows")
     filtered = given("1", "1 while the autopilot sees the filter's estimates", default=1.0)
-    psi_seen = derived("rad", "heading the autopilot sees", wraps=True)
-    r_seen = derived("rad/s", "rate of turn the autopilot sees")
+    psi_seen = derived("rad", "heading that is fed back", wraps=True)
+    r_seen = derived("rad/s", "rate of turn that is fed back")
     speed_seen = derived("m/s", "forward speed through the water, as the autopilot measures it")
 
     @psi_seen.equals

@@ -176,7 +176,7 @@ class _Voyage:
 def _seconds(interval: str | float) -> float:
     found = to_si(interval, "s", "the sampling interval") if isinstance(interval, str) else float(interval)
     if not 0 < found < np.inf:
-        raise DesignRequestError(f"a sampling interval of {found:g} s is none: give one above zero.")
+        raise DesignRequestError(f"a sampling interval of {found:g} s is out of range: give one above zero.")
     return found
 
 

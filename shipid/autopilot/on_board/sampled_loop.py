@@ -147,7 +147,7 @@ class SampledLoop:
                 if default is None:
                     raise unstated_input(model, name)
                 return default
-        raise UsageError(f"the estimator is switched by '{name}', and nothing says how: give it to the loop.")
+        raise UsageError(f"the estimator is switched by '{name}', which has no default: give it to the loop.")
 
 
 def make_sampled_loop(
@@ -168,7 +168,7 @@ def make_sampled_loop(
     pilot : Model
         A model that states ``delta_order``. Its inputs are estimates, what the instruments show, or inputs of the loop.
     estimator : Estimator
-        What the autopilot knows.
+        What stands between the instruments and the autopilot.
     shown : mapping of str to sequence of str
         What the instruments show: a name, and the quantities of the ship and inputs of the loop whose sum it is, such as
         ``{"r_shown": ("r", "r_wave", "gyro_noise")}``.
@@ -202,8 +202,8 @@ def make_sampled_loop(
     instruments = {
         name: sum(symbols[part] if part in symbols else values[part] for part in parts) for name, parts in shown.items()
     }
-    sight = {**values, **symbols, **instruments, "delta_before": before}
-    following, estimates = estimator.advance(carried, sight, interval)
+    visible = {**values, **symbols, **instruments, "delta_before": before}
+    following, estimates = estimator.advance(carried, visible, interval)
     known = {**instruments, **estimates}
     symbols |= {n: ca.SX.sym(n) for n in law.inputs if n not in known and n not in symbols}
     known |= symbols
