@@ -69,12 +69,24 @@ class Typeset:
 
 
 def symbol(entry: Entry) -> str:
-    r"""Return the LaTeX symbol of a quantity: declared, or made from its name (``tau_u`` becomes ``\tau_{u}``)."""
+    r"""Return the LaTeX symbol of a quantity: declared, or made from its name (``tau_u`` becomes ``\tau_{u}``).
+
+    Parameters
+    ----------
+    entry : Entry
+        The quantity in its model.
+    """
     return entry.quantity.latex or symbol_of(entry.name)
 
 
 def symbol_of(name: str) -> str:
-    """Return a LaTeX symbol for a name, with Greek letters and subscripts."""
+    """Return a LaTeX symbol for a name, with Greek letters and subscripts.
+
+    Parameters
+    ----------
+    name : str
+        As an equation spells it.
+    """
     head, *rest = name.split("_")
     match = re.fullmatch(r"([A-Za-z]+?)(\d+)", head)
     if match:
