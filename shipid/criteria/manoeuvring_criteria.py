@@ -96,7 +96,9 @@ def manoeuvring_criteria(
     lost = sorted({kind for point, _ in sides for kind in point.lost})
     notes = [f"The model runs away in: {', '.join(lost)}. It has no number there."] if lost else []
     notes += _scope(length, velocity, model)
-    notes += ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
+    notes += (
+        ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
+    )
     notes += _beyond(fit, velocity, rudder) if fit else []
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship that loses none.")
@@ -143,7 +145,9 @@ def _sets(
     return sets, f"Bands: 95 %, from {drawn_set.source}."
 
 
-def _rows(sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float) -> tuple[Criterion, ...]:
+def _rows(
+    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float
+) -> tuple[Criterion, ...]:
     angle, deg = display_unit("psi", "rad"), display_factor("psi", "rad")
     table = (
         ("advance", "advance", "L", 1 / length, 4.5, "4.5 L"),

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
+from shipid.identification.methods import Method
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.setting import box_around
@@ -45,7 +46,7 @@ class Identified:
     solution: Solution
     covariance: Covariance
     parameters: Mapping[str, Estimate]
-    method: str
+    method: Method
 
     @property
     def problem(self) -> Problem:

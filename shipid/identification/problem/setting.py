@@ -139,8 +139,9 @@ def estimated_parameters(
                 raise UsageError(f"'{name}' is to be estimated and is fixed as well; choose one.")
             chosen.append(partner)
     if not chosen:
-        why = "every parameter is fixed" if held else "it declares no parameter as estimated"
-        raise UsageError(f"nothing is left to estimate in model {model.name}: {why}.")
+        if held:
+            raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
+        raise UsageError(f"model {model.name} has nothing to estimate: name a parameter of it.")
     return tuple(n for n in model.parameters if n in chosen)
 
 

@@ -133,7 +133,7 @@ def prepare(
     gathering = approach is not None and speed is not None and approach < 0.9 * speed
     before = speed if gathering else approach
     needed = generate(model).inputs_behind(signals)
-    given = {n: trial[n] for n in model.inputs if trial.has(n)}
+    given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
     for name in ("u", "cruise"):
         given.pop(name, None)
         if before is not None:

@@ -66,7 +66,7 @@ class EquationErrorResult:
         """
         found = dict(zip(self.regression.covered, self.theta))
         values = [found.get(n, s) for n, s in zip(self.regression.problem.estimated, box.start)]
-        return np.clip(values, box.low, box.high)
+        return np.asarray(np.clip(values, box.low, box.high))
 
     def covariance(self) -> np.ndarray:
         """Return the covariance of the coefficients found, the errors correlated as they are; their bias is not in it."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.identification.errors import NotRegressableError
+from shipid.identification.methods import Method
 from shipid.identification.problem.box import EMPTY, Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.equation_error import (
@@ -63,7 +64,7 @@ class SearchSettings:
     tell: Progress
 
 
-def climb(problem: Problem, box: Box, method: str | None, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
+def climb(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     """Search, by one method or from rung to rung.
 
     Parameters
@@ -189,7 +190,8 @@ def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray
     if not regression.covered:
         return None, None
     result = least_squares(regression, box)
-    method, found = "equation-error", result
+    method: Method = "equation-error"
+    found = result
     if result.converged:
         refined = instrumental_variables(result, box)
         if refined.converged and _inside(refined, box):
@@ -215,7 +217,9 @@ def _by_instrumental_variables(problem: Problem, box: Box, how: SearchSettings) 
     return _by_regression(problem, box, how, "instrumental-variables")
 
 
-def _by_regression(problem: Problem, box: Box, how: SearchSettings, method: str) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_regression(
+    problem: Problem, box: Box, how: SearchSettings, method: Method
+) -> tuple[Solution, tuple[Rung, ...]]:
     regression = make_regression(problem, how.unit_time)
     if regression.lacking:
         name, why = next(iter(regression.lacking.items()))
@@ -304,12 +308,12 @@ def _starts(how: SearchSettings) -> str:
     return "one start" if how.starts == 1 else f"{how.starts} starts"
 
 
-def _rung(method: str, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
+def _rung(method: Method, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
     cost = at.cost if at.finite else None
     return Rung(method, cost, at.converged if converged is None else converged, used, reason, at.evaluations)
 
 
-_METHODS: dict[str | None, Callable[[Problem, Box, SearchSettings], tuple[Solution, tuple[Rung, ...]]]] = {
+_METHODS: dict[Method | None, Callable[[Problem, Box, SearchSettings], tuple[Solution, tuple[Rung, ...]]]] = {
     None: _by_the_ladder,
     "output-error": _by_output_error,
     "equation-error": _by_equation_error,

@@ -102,4 +102,4 @@ def correlation_times(solution: Solution) -> np.ndarray:
             if lags[0] > 0:
                 zero = int(np.argmax(lags < 0)) or count
                 times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(data.intervals[:-1]))
-    return times.mean(axis=0)
+    return np.asarray(times.mean(axis=0))

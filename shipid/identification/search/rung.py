@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shipid.foundation.aliases import Plain
+from shipid.identification.methods import Method
 
 
 @dataclass(frozen=True)
@@ -14,7 +15,7 @@ class Rung:
     Attributes
     ----------
     method : str
-        Its name (`shipid.identification.methods`).
+        Its name, one of `shipid.identification.methods.METHODS`.
     cost : float or None
         Half the sum of squares of output error with what it found, thinned records, first weights; None where the model
         runs away with it.
@@ -28,7 +29,7 @@ class Rung:
         Runs of all trials it took.
     """
 
-    method: str
+    method: Method
     cost: float | None
     converged: bool
     used: bool

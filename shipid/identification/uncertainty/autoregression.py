@@ -60,7 +60,8 @@ class Autoregression:
             Derivatives of the residuals.
         """
         if not self.order:
-            return np.einsum("ji,jnq->inq", _root(self.drive), jacobian).reshape(-1, jacobian.shape[2])
+            shaped = np.einsum("ji,jnq->inq", _root(self.drive), jacobian)
+            return np.asarray(shaped.reshape(-1, jacobian.shape[2]))
         spectrum, gains, length = self._spectra(jacobian)
         weights = np.full(spectrum.shape[1], 2.0 / length)
         weights[[0, -1]] = 1.0 / length
@@ -77,7 +78,7 @@ class Autoregression:
             Derivatives of the residuals.
         """
         if not self.order:
-            return np.einsum("ij,jnq->inq", self.drive, jacobian)
+            return np.asarray(np.einsum("ij,jnq->inq", self.drive, jacobian))
         spectrum, gains, length = self._spectra(jacobian)
         density = gains @ gains.conj().transpose(0, 2, 1)
         whole = np.fft.irfft(np.einsum("fij,jfq->ifq", density, spectrum, optimize=True), length, axis=1)

@@ -142,7 +142,7 @@ class Experiment:
         speed = candidate.speed
         unit, interval = self.length / speed, self.interval(speed)
         planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration)
-        steered = _steered(self.model, planned.helm)
+        steered = _steered(self.model, planned.helm)  # type: ignore[arg-type]  # a class is hashable
         # The clock of helmsman and steering machine, as in `shipid.trials.manoeuvres.simulate.simulate`.
         fine = max(1, int(np.ceil(interval / min(0.02 * unit, 0.25) - 1e-9)))
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
@@ -196,12 +196,12 @@ class Experiment:
     def _followed(self, slope: np.ndarray) -> int:
         """Samples until an error in the initial rate of turn has grown too much to follow."""
         if "r" not in self.signals:
-            return slope.shape[2]
+            return int(slope.shape[2])
         first = len(self.estimated)
         rates = np.abs(slope[self.signals.index("r"), first : first + len(self.initial)])
         rates = rates[rates[:, 0] > 0]
         lost = (rates > _GROWTH * rates[:, :1]).any(axis=0)
-        return int(np.argmax(lost)) if lost.any() else slope.shape[2]
+        return int(np.argmax(lost) if lost.any() else slope.shape[2])
 
 
 def _approach(speed: float) -> dict[str, float | np.ndarray]:

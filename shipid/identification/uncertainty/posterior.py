@@ -8,6 +8,7 @@ bounds, beside the prior the declaration gives them; biases and initial states h
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING
@@ -282,9 +283,8 @@ def _walkers(identified: Identified, density: _Density, count: int, seed: int) -
 
 def _sampler() -> ModuleType:
     try:
-        import emcee
+        return importlib.import_module("emcee")
     except ImportError:
         raise PosteriorError(
             "a sampled posterior needs emcee, which is not installed: pip install 'shipid[posterior]'."
         ) from None
-    return emcee

@@ -91,7 +91,7 @@ def test_intervals_widen_when_the_model_is_wrong(sail):
     """Nomoto on a cubic ship: residuals are not white, and an interval that counts every sample would be too narrow."""
     trial = sail("norrbin", "zeefakkel", seed=4)
     wrong = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=2)
-    jacobian = wrong._solution.jacobian
+    jacobian = wrong.identified.solution.jacobian
     naive = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0])
     assert wrong.parameters["K"].std > 3 * naive
 

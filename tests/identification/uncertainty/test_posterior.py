@@ -47,9 +47,7 @@ def linear():
     table = pd.DataFrame({"t [s]": t, "delta [rad]": delta, "psi [rad]": psi, "u [m/s]": np.full(COUNT, 5.0)})
     trial = shipid.Trial.from_frame(table, name="linear")
     model = shipid.join("drift", Drift)
-    fit = shipid.identify(
-        model, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"], check=False
-    )
+    fit = shipid.identify(model, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"])
     covariance = SIGMA**2 * np.linalg.inv(design.T @ design)
     mean = covariance @ design.T @ psi / SIGMA**2
     return fit, mean[:2], np.sqrt(np.diag(covariance))[:2]
@@ -62,8 +60,8 @@ def drawn(linear):
 
 def test_against_the_closed_form(linear, drawn):
     fit, mean, spread = linear
-    assert drawn.names == ("gain", "swing") and fit._problem.size == 3
-    assert np.array(fit._solution.q[:2]) == pytest.approx(mean, rel=1e-6)
+    assert drawn.names == ("gain", "swing") and fit.identified.problem.size == 3
+    assert fit.identified.solution.parameters == pytest.approx(mean, rel=1e-6)
     assert drawn.mixed
     # So many independent draws tell a mean to 1/sqrt(n) and a standard deviation to 1/sqrt(2n) of it; four of those.
     few = drawn.independent.min()
