@@ -39,6 +39,7 @@ _HOMES = {
     "Cascade": "shipid.estimation.several.cascade",
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
     "Fit": "shipid.identification.fit",
+    "assess": "shipid.identification.assess",
     "compare_models": "shipid.identification.validation.compare_models",
     "RecursiveIdentifier": "shipid.identification.recursive.identifier",
     "identify_recursively": "shipid.identification.recursive.identifier",

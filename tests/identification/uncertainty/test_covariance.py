@@ -13,10 +13,12 @@ from scipy.stats import linregress, multivariate_normal, norm
 
 import shipid
 from shipid import Component, given, parameter, state
-from shipid.identification.problem.output_error import Prior, make_problem
-from shipid.identification.problem.prior import prior_of
+from shipid.identification.problem.box import box_of
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.prior import Prior, prior_of
 from shipid.identification.problem.trial_data import prepare
-from shipid.identification.search.least_squares import Solution, box_of, minimise
+from shipid.identification.search.least_squares import minimise
+from shipid.identification.search.solution import Solution
 from shipid.identification.search.trust_region import triangle
 from shipid.identification.uncertainty.covariance import autocorrelation_time, correlation_of, covariance_of, verdict
 
@@ -111,8 +113,8 @@ def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, 
     trial, _ = drifting(np.deg2rad(0.5), 100, seed=2)
     sailed = prepare(drift, trial, ("psi",), None, first=25)
     line = linregress(trial["t"][:25], trial["psi"][:25])
-    assert sailed.x0 == pytest.approx([line.intercept], rel=1e-9)
-    assert sailed.x0_std == pytest.approx([line.intercept_stderr], rel=1e-9)
+    assert sailed.start["psi"] == pytest.approx(line.intercept, rel=1e-9)
+    assert sailed.start_std["psi"] == pytest.approx(line.intercept_stderr, rel=1e-9)
 
 
 class Steered(Component):
@@ -194,7 +196,10 @@ def test_beliefs_cost_what_normal_densities_say(steered):
     """Rudder biases of three trials share a mean; the second trial begins in the middle of a manoeuvre."""
     model, sailed = steered
     trials = [sailed(seed) for seed in range(3)]
-    trials = [replace(s, x0_std=1e-3 * (1 + i + np.arange(4.0)), settled=i != 1) for i, s in enumerate(trials)]
+    trials = [
+        replace(s, start_std=dict(zip(model.states, 1e-3 * (1 + i + np.arange(4.0)))), settled=i != 1)
+        for i, s in enumerate(trials)
+    ]
     parameters = {"K": (0.1, 0.03), "tau": (20.0, 4.0)}
     prior = Prior(
         {"delta": 0.002}, {"delta": 0.05}, {"cruise": 0.03}, {"r": 0.001, "w": 0.004}, parameters, strength=9.0
@@ -215,7 +220,7 @@ def test_beliefs_cost_what_normal_densities_say(steered):
     logarithm = density.logpdf(delta) - density.logpdf(np.zeros(3))
     for i, s in enumerate(trials):
         # Of a trial without a steady beginning twenty times less is believed, but of what is measured there.
-        far, at = 1.0 if s.settled else 20.0, dict(zip(model.states, s.x0_std))
+        far, at = 1.0 if s.settled else 20.0, s.start_std
         for deviation, believed, noise in (
             (cruise[i], 0.03 * far, s.cruise_std),
             (initial["r"][i], 0.001, at["r"]),
@@ -258,7 +263,7 @@ def test_intervals_widen_when_the_model_is_wrong(sail):
     """Nomoto on a cubic ship: residuals are not white, and an interval that counts every sample would be too narrow."""
     trial = sail("norrbin", "zeefakkel", seed=4)
     wrong = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=2)
-    jacobian = wrong._solution.jacobian
+    jacobian = wrong.identified.solution.jacobian
     naive = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0])
     assert wrong.parameters["K"].std > 3 * naive
 

@@ -21,9 +21,7 @@ SIGMA, COUNT = np.deg2rad(0.5), 240
 def linear(drift, drifting):
     """A fit whose posterior is a normal density: heading = psi0 + gain * integral of delta + swing * t, white noise."""
     trial, design = drifting(SIGMA, COUNT, seed=11)
-    fit = shipid.identify(
-        drift, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"], check=False
-    )
+    fit = shipid.identify(drift, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"])
     psi = trial["psi"]
     covariance = SIGMA**2 * np.linalg.inv(design.T @ design)
     mean = covariance @ design.T @ psi / SIGMA**2
@@ -37,8 +35,8 @@ def drawn(linear):
 
 def test_against_the_closed_form(linear, drawn):
     fit, mean, spread = linear
-    assert drawn.names == ("gain", "swing") and fit._problem.size == 3
-    assert np.array(fit._solution.q[:2]) == pytest.approx(mean, rel=1e-6)
+    assert drawn.names == ("gain", "swing") and fit.identified.problem.size == 3
+    assert fit.identified.solution.parameters == pytest.approx(mean, rel=1e-6)
     assert drawn.mixed
     # So many independent draws tell a mean to 1/sqrt(n) and a standard deviation to 1/sqrt(2n) of it; four of those.
     few = drawn.independent.min()
