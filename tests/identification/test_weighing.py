@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.problem import make_problem
+from shipid.identification.problem import Prior, make_problem
 from shipid.identification.sailed import prepare
-from shipid.identification.solve import Solution, box_of, minimise, noise_levels
+from shipid.identification.solve import Solution, box_of, minimise, noise_levels, thinned_to
 from shipid.identification.weighing import _lasting, enough_of, weigh_again
 
 SIGNALS = ("psi", "r")
@@ -61,6 +63,14 @@ def test_samples_that_repeat_each_other_are_left_out_and_their_times_kept(proble
     assert np.array_equal(again.measured, whole.measured[:, ::15])
     assert again.intervals[0] == pytest.approx(15 * whole.intervals[0])
     assert enough_of(problem, 10 * whole.intervals[0]).sailed[0] is whole
+
+
+@pytest.mark.parametrize(("strength", "thinned"), [(20.0, 4.0), (3.0, 1.0)])
+def test_beliefs_are_thinned_with_the_samples_but_count_once(problem, strength, thinned):
+    believing = replace(problem, prior=Prior({}, {}, {}, {"r": 0.01}, strength=strength))
+    few = thinned_to(believing, [problem.sailed[0].intervals.size // 5])
+    assert few.prior.strength == pytest.approx(thinned, rel=0.02)
+    assert few.prior.initial == believing.prior.initial
 
 
 def test_a_disturbed_signal_loses_weight_and_the_others_keep_theirs(sail):
