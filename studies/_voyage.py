@@ -13,7 +13,7 @@ from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
 from shipid.generation.step import make_step
-from shipid.parts.environment import Waves
+from shipid.parts.waves import Waves
 from shipid.parts.helm import ZigzagHelm
 from shipid.parts.steering_machine import SteeringMachine
 

@@ -16,11 +16,11 @@ from shipid.declaration.scale import Scale, prime_exponents
 from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values
-from shipid.parts import environment, planar_motion, sensors, steering_machine
-from shipid.parts.environment import Wind
+from shipid.parts import current, planar_motion, sensors, steering_machine, waves, wind
+from shipid.parts.wind import Wind
 from shipid.parts.steering_machine import SteeringMachine
 
-PARTS = [planar_motion, steering_machine, environment, sensors]
+PARTS = [planar_motion, steering_machine, current, wind, waves, sensors]
 COMPONENTS = sorted(
     {c for m in (*modules(), *PARTS) for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)}
     - {Component},

@@ -15,7 +15,8 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.scale import prime_factor
-from shipid.parts.environment import Waves, Wind
+from shipid.parts.waves import Waves
+from shipid.parts.wind import Wind
 
 #: From this length on the weather is that of the sea.
 _FULL = 100.0
