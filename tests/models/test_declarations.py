@@ -128,7 +128,7 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
         text = str(error.value)
         assert "'r_disturbance' is stated twice: by " in text
         assert re.search(r"(CubicYaw|CrossFlow)InWind \(derived, .*speed_scaled\.py:\d+\)", text)
-        assert re.search(r"\bWind \(derived, .*environment\.py:\d+\)", text)
+        assert re.search(r"\bWind \(derived, .*wind\.py:\d+\)", text)
 
 
 def test_every_model_is_told_from_the_others_by_one_line() -> None:
