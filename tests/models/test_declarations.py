@@ -17,8 +17,8 @@ from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values
 from shipid.parts import current, planar_motion, sensors, steering_machine, waves, wind
-from shipid.parts.wind import Wind
 from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.wind import Wind
 
 PARTS = [planar_motion, steering_machine, current, wind, waves, sensors]
 COMPONENTS = sorted(

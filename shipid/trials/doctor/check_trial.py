@@ -17,13 +17,13 @@ from shipid.trials.doctor.examinations import samples as values
 from shipid.trials.doctor.examinations import track as course
 from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
 from shipid.trials.doctor.record import Record, from_trial, has_repairs, read_record
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.format import TrialFormat, read_format
 from shipid.trials.trial import Trial
 
 #: In the order in which one fault would hide the next.
-_LOOKS: tuple[Callable[[Patient], None], ...] = (
+_EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     values.examine_holes,
     clock.examine_clock,
     heading.examine_wrap,
@@ -78,19 +78,19 @@ def check_trial(
     if isinstance(trial, Trial):
         return diagnose(*examine(from_trial(trial), ship))
     fmt = format if isinstance(format, TrialFormat) or format is None else read_format(format)
-    patient, stretches = examine(read_record(trial, fmt, treated=True), ship)
+    copy, stretches = examine(read_record(trial, fmt, treated=True), ship)
     handled: list[Finding] = []
     if has_repairs(fmt):
         logged, _ = examine(read_record(trial, fmt, treated=False), ship, conducted=False)
         # What is still there after the treatment is not handled; what the treatment settles is.
-        left = {(f.kind, f.channel) for f in patient.findings}
+        left = {(f.kind, f.channel) for f in copy.findings}
         handled = [replace(f, handled=True) for f in logged.findings if (f.kind, f.channel) not in left and f.spoils]
-    return diagnose(patient, stretches, handled)
+    return diagnose(copy, stretches, handled)
 
 
 def examine(
     record: Record, ship: ParameterSet | str | None = None, *, conducted: bool = True
-) -> tuple[Patient, list[Stretch]]:
+) -> tuple[WorkingCopy, list[Stretch]]:
     """Examine a record.
 
     Parameters
@@ -104,35 +104,35 @@ def examine(
 
     Returns
     -------
-    patient : Patient
+    copy : WorkingCopy
         The findings, and a working copy with every fault put right that can be.
     stretches : list of Stretch
         The manoeuvres.
     """
     if not len(record.values["t"]):
         raise EmptyFileError(f"'{record.path or record.name}' holds no samples in this window. Choose another one.")
-    patient = Patient(record, *_particulars(ship))
-    _no_unit(patient)
+    copy = WorkingCopy(record, *_particulars(ship))
+    _no_unit(copy)
     with np.errstate(all="ignore"):
-        for look in _LOOKS:
-            if len(patient) < 4:
+        for examination in _EXAMINATIONS:
+            if len(copy) < 4:
                 break
-            look(patient)
-        if not any(f.kind == "short" for f in patient.findings) and len(patient) < 30:
-            sampling.examine_length(patient)
+            examination(copy)
+        if not any(f.kind == "short" for f in copy.findings) and len(copy) < 30:
+            sampling.examine_length(copy)
         if not conducted:
-            return patient, []
-        stretches = segmentation.find_manoeuvres(patient)
-        conduct.examine_neutral(patient, stretches)
-    return patient, stretches
+            return copy, []
+        stretches = segmentation.find_manoeuvres(copy)
+        conduct.examine_neutral(copy, stretches)
+    return copy, stretches
 
 
-def diagnose(patient: Patient, stretches: list[Stretch], handled: list[Finding] | None = None) -> Diagnosis:
+def diagnose(copy: WorkingCopy, stretches: list[Stretch], handled: list[Finding] | None = None) -> Diagnosis:
     """Put findings and manoeuvres together, each finding once.
 
     Parameters
     ----------
-    patient : Patient
+    copy : WorkingCopy
         The record, examined.
     stretches : list of Stretch
         Its manoeuvres.
@@ -140,12 +140,12 @@ def diagnose(patient: Patient, stretches: list[Stretch], handled: list[Finding] 
         What the format file has put right.
     """
     findings: dict[tuple[str, str], Finding] = {}
-    for f in sorted(patient.findings, key=lambda f: -f.confidence):
+    for f in sorted(copy.findings, key=lambda f: -f.confidence):
         findings.setdefault((f.kind, f.channel), f)
     ordered = sorted(findings.values(), key=lambda f: (not f.serious, -f.confidence))
     return Diagnosis(
-        patient.record.name, (*ordered, *(handled or [])), tuple(stretches), tuple(patient.record.notes),
-        patient.record.path,
+        copy.record.name, (*ordered, *(handled or [])), tuple(stretches), tuple(copy.record.notes),
+        copy.record.path,
     )  # fmt: skip
 
 
@@ -159,7 +159,7 @@ def _particulars(ship: ParameterSet | str | None) -> tuple[float | None, float |
     return ship.particular("L", "m"), ship.particular("speed", "m/s")
 
 
-def _no_unit(p: Patient) -> None:
+def _no_unit(p: WorkingCopy) -> None:
     for name in p.record.no_unit:
         p.add(
             "unit", name, 0.9, f"the column says no unit that fits; {p.record.stated[name]} was assumed",

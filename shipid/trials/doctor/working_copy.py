@@ -13,7 +13,7 @@ from shipid.trials.doctor.record import Record
 
 
 @dataclass
-class Patient:
+class WorkingCopy:
     """A record under examination.
 
     Attributes
