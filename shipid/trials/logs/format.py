@@ -106,6 +106,12 @@ class TrialFormat:
     source: str | None = None
     title: str | None = None
 
+    @property
+    def repairs(self) -> bool:
+        """Whether it puts anything right besides units."""
+        changed = [c.sign != 1 or c.scale != 1.0 or c.frame == "earth" for c in self.columns.values()]
+        return any(changed) or self.interval is not None or self.glitch_threshold is not None or self.drop_trailing
+
 
 def read_format(path: str | Path) -> TrialFormat:
     """Read a trial format file.

@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from shipid.foundation.errors import MissingFileError
 from shipid.trials import errors as e
-from shipid.trials.logs.assembly import mended_heading
+from shipid.trials.logs.conversion import mended_heading
 from shipid.trials.logs.format import read_format
 from shipid.trials.logs.reading import read_trial
 

@@ -7,7 +7,7 @@ from scipy.ndimage import median_filter
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
-from shipid.trials.logs.assembly import GLITCH_WINDOW
+from shipid.trials.logs.conversion import GLITCH_WINDOW
 
 _PERIODS = (2 * np.pi, 360.0, np.radians(2 * np.pi))
 """A full turn in a column read rightly, in degrees called radians, and in radians called degrees."""

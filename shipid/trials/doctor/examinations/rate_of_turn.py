@@ -82,7 +82,7 @@ def examine_label(p: WorkingCopy) -> None:
     """
     if not p.has("psi") or len(p) < 40:
         return
-    rates = [c for c in p.values if c in ("r", "p") or p.record.extra.get(c) == "rad/s"]
+    rates = [c for c in p.values if c in ("r", "p") or p.unit(c) == "rad/s"]
     rated = {c: _agreement(p, c) for c in rates}
     mine = rated.get("r", (0.0, 0.0))[1]
     others = {c: v for c, v in rated.items() if c != "r" and 0.4 < abs(v[0]) < 2.5}

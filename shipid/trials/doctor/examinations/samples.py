@@ -66,7 +66,7 @@ def examine_holes(p: WorkingCopy) -> None:
         p.add(
             "not-finite", name, 0.99,
             f"{len(index)} samples of {name} are empty, NaN, infinite or beyond {LARGEST:g}; the longest hole has "
-            f"{longest} samples" + (f" ({p.record.text_error})" if p.record.text_error else ""),
+            f"{longest} samples" + (f" ({p.record.text_fault})" if p.record.text_fault else ""),
             "No residual can be formed there; one NaN makes the whole sum of squares NaN.",
             "Bridge the holes by a line between their neighbours." if short else
             "Identify from the stretches on either side (FILE@A:B); the hole is too long to bridge.",

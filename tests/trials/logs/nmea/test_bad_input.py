@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.cli import run
-from shipid.foundation.errors import MissingFileError
+from shipid.foundation.errors import MissingExtraError, MissingFileError
 from shipid.trials import errors as e
 from shipid.trials.logs.nmea import errors as n
 from shipid.trials.logs.reading import read_trial
@@ -117,7 +117,7 @@ def test_too_short(log, stamped, basic):
 
 def test_pynmeagps_is_missing(log, stamped, basic, monkeypatch):
     monkeypatch.setitem(sys.modules, "pynmeagps", None)
-    refused(e.MissingExtraError, log(stamped(*basic)), "pip install shipid[nmea]")
+    refused(MissingExtraError, log(stamped(*basic)), "pip install shipid[nmea]")
 
 
 def test_the_last_line_is_cut(log, stamped, basic):
