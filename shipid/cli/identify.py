@@ -23,7 +23,7 @@ from shipid.cli.shared import (
     say,
     window_of,
 )
-from shipid.identification.methods import LOSSES, METHODS, PURPOSES
+from shipid.identification.methods import LOSSES, METHODS, PURPOSES, Loss, Method, Purpose
 
 
 @click.command(cls=Variadic)
@@ -77,9 +77,9 @@ def identify(
     validate: tuple[str, ...],
     signals: str | None,
     noise: str | None,
-    purpose: str | None,
-    method: str | None,
-    loss: str,
+    purpose: Purpose | None,
+    method: Method | None,
+    loss: Loss,
     posterior: int | None,
     no_check: bool,
     no_rudder_bias: bool,
@@ -94,6 +94,7 @@ def identify(
 
     Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
     """
+    from shipid.identification.assess import assess
     from shipid.identification.identify import identify as run_identify
     from shipid.parameters.catalogue import find_model, find_ship
 
@@ -113,7 +114,6 @@ def identify(
             purpose=purpose,
             method=method,
             loss=loss,
-            check=not no_check,
             rudder_bias=not no_rudder_bias,
             starts=starts,
             seed=seed,
@@ -122,6 +122,7 @@ def identify(
         if posterior is not None and fit.converged:
             tell("sampling the posterior")
             fit = replace(fit, posterior=fit.sample_posterior(posterior, seed))
+        fit = assess(fit, bands=folder is not None or as_json, findings=not no_check)
         if folder is not None:
             tell("writing the report")
             _write(fit, folder)

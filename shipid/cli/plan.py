@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from shipid.cli.shared import assignments, json_option, names_of, print_json, progress_on_stderr
+
+if TYPE_CHECKING:
+    from shipid.planning.selection import Criterion
 
 
 @click.command()
@@ -48,7 +53,7 @@ def plan(
     speed: str | None,
     estimate: str | None,
     noise: str,
-    criterion: str,
+    criterion: Criterion,
     worst_case: bool,
     repertoire: str | None,
     sampling: str | None,

@@ -12,7 +12,8 @@ from markupsafe import Markup
 
 from shipid.declaration.units import pretty
 from shipid.generation.typesetting import symbol, typeset
-from shipid.identification.fit import Estimate, Fit
+from shipid.identification.fit import Fit
+from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.typography.numbers import fixed, given, interval, number, uncertain
 from shipid.report.typography.symbols import html_symbol
@@ -69,7 +70,14 @@ def fit_view(fit: Fit) -> FitView:
     length = fit.ship.particular("L", "m")
     pairs = [("fitted", c) for c in fit.fitted] + [("validation", c) for c in fit.validation]
     views = [
-        view_of(c, fit.model, f"trial-{i}", role, length, fit.manoeuvres.get(c.trial.name))
+        view_of(
+            c,
+            fit.model,
+            f"trial-{i}",
+            role,
+            length,
+            ((fit.assessment and fit.assessment.manoeuvres) or {}).get(c.trial.name),
+        )
         for i, (role, c) in enumerate(pairs, start=1)
     ]
     estimates = list(fit.parameters.values())
@@ -99,7 +107,7 @@ def fit_view(fit: Fit) -> FitView:
         method=method_view(fit),
         ladder=ladder_view(fit),
         findings=findings_view(fit),
-        checked=fit.checked,
+        checked=fit.assessment is not None and fit.assessment.findings is not None,
         posterior=posterior_view(fit),
         versions=dict(provenance.get("versions", {})),
         model_sha256=str(provenance.get("model_sha256", "")),

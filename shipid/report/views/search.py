@@ -85,7 +85,7 @@ def findings_view(fit: Fit) -> list[dict[str, str]]:
             "effect": c.finding.effect,
             "repair": c.finding.repair,
         }
-        for c in fit.findings
+        for c in (fit.assessment and fit.assessment.findings) or ()
     ]
 
 

@@ -14,8 +14,8 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import factor, pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ShipidError
-from shipid.identification.fit import Comparison
-from shipid.identification.validation.bands import TURN, Manoeuvre
+from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.predicted_manoeuvre import TURN, PredictedManoeuvre
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
 from shipid.report.typography.numbers import fixed, number
 from shipid.trials.measuring.measure import detect, measure
@@ -143,7 +143,7 @@ def view_of(
     key: str,
     role: str,
     length: float | None,
-    manoeuvre: Manoeuvre | None = None,
+    manoeuvre: PredictedManoeuvre | None = None,
 ) -> TrialView:
     """Return what the page says of one trial.
 
@@ -159,7 +159,7 @@ def view_of(
         What it was used for.
     length : float or None
         Ship length in m, for ratios.
-    manoeuvre : Manoeuvre, optional
+    manoeuvre : PredictedManoeuvre, optional
         The manoeuvre with its bands.
     """
     trial = comparison.trial
@@ -300,7 +300,7 @@ def _bias(comparison: Comparison, model: Model, role: str) -> str:
     return words
 
 
-def _overshoots(comparison: Comparison, manoeuvre: Manoeuvre | None) -> list[dict[str, str]]:
+def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) -> list[dict[str, str]]:
     rows = []
     closed = manoeuvre.closed_loop if manoeuvre else ()
     bands = (manoeuvre.band95, manoeuvre.closed_loop_band95) if manoeuvre else ((), ())
@@ -327,7 +327,7 @@ def _degrees(angle: float | None) -> str:
 
 
 def _turn(
-    comparison: Comparison, speed: bool, count: int, length: float | None, manoeuvre: Manoeuvre | None
+    comparison: Comparison, speed: bool, count: int, length: float | None, manoeuvre: PredictedManoeuvre | None
 ) -> tuple[str, list[dict[str, str]]]:
     """Measure a turning circle, and the predicted one with the recorded rudder."""
     trial = comparison.trial
@@ -363,7 +363,7 @@ def _turn(
     return measured.title, rows
 
 
-def _turn_band(name: str, manoeuvre: Manoeuvre | None, length: float | None) -> str:
+def _turn_band(name: str, manoeuvre: PredictedManoeuvre | None, length: float | None) -> str:
     """The band of one quantity, in ship lengths where its name says so."""
     base = name.removesuffix("_ratio")
     found = [v for k, v in (manoeuvre.turn if manoeuvre else {}).items() if TURN[k][0] == base]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from shipid.criteria.criteria import Criteria, Side
+from shipid.criteria.criteria import Criteria, CriterionSide
 from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.foundation.errors import ShipidError
 from shipid.identification.fit import Fit
@@ -35,7 +35,7 @@ def criteria_view(fit: Fit) -> dict[str, Any] | None:
     fit : Fit
         The result.
     """
-    if fit.ship.particular("L", "m") is None or fit._problem is None:
+    if fit.ship.particular("L", "m") is None:
         return None
     found = _criteria_of(fit)
     if isinstance(found, str):
@@ -59,7 +59,7 @@ def criteria_view(fit: Fit) -> dict[str, Any] | None:
     return {"refused": "", "head": head, "rows": rows, "spiral": _spiral(found), "notes": list(found.notes)}
 
 
-def _side(side: Side) -> dict[str, str]:
+def _side(side: CriterionSide) -> dict[str, str]:
     if side.value is None:
         return {"value": side.words.partition(":")[0], "band": ""}
     return {"value": fixed(side.value, 2), "band": band_text(side.band95, 2) or side.words}
@@ -109,7 +109,7 @@ def directions_view(fit: Fit) -> list[dict[str, str]]:
             "spread": "open" if d.relative_std is None else f"±{100 * d.relative_std:.2g} %",
             "words": d.words,
         }
-        for d in fit.directions
+        for d in (fit.assessment.directions if fit.assessment else ())
     ]
 
 
@@ -124,7 +124,7 @@ def residuals_view(fit: Fit) -> list[dict[str, Any]]:
     rows = []
     for name, level in fit.noise.items():
         unit, scale = shown_unit(fit.model, name)
-        found = fit.residuals.get(name)
+        found = fit.assessment.residuals.get(name) if fit.assessment else None
         row: dict[str, Any] = {"label": label_of(fit.model, name), "level": number(level * scale, 3), "unit": unit}
         if found is None:
             row |= {"effective": "none", "time": "–", "p": "–", "white": None, "chi": "–"}

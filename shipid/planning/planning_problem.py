@@ -1,22 +1,22 @@
-"""What a plan is asked for: the question put to the trials, what is believed of the ship, and the time there is."""
+"""A planning problem in numbers: what is to be estimated, the prior of the coefficients, and the time there is."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
-from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
+from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.generation.system import generate
-from shipid.identification.problem.trial_data import SIGNALS, TRACK, unknown_biases
-from shipid.identification.uncertainty.information import Question
-from shipid.parameters.catalogue import find_model, whole_ship
+from shipid.identification.problem.setting import estimated_parameters, time_constant
+from shipid.identification.problem.signals import unknown_biases, usual_signals
+from shipid.identification.uncertainty.information import Experiment
+from shipid.parameters.draws import normal_draws
 from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.simulate import parse_noise
@@ -27,8 +27,8 @@ _SHORTEST, _LONGEST, _BETWEEN = 8.0, 150.0, 5.0
 _MOST = 5000.0
 _LENGTHS = 18
 _SLOW = 0.75
-#: Draws to choose believable ones from, for each that is wanted.
-_SPARE = 4
+#: Draws to choose those from under which the standard zig-zags can be simulated, for each that is wanted.
+SPARE_DRAWS = 4
 
 
 class TimeTooShortError(ShipidError):
@@ -38,13 +38,13 @@ class TimeTooShortError(ShipidError):
 
 
 @dataclass(frozen=True, eq=False)
-class Briefing:
-    """What is known before the search.
+class PlanningProblem:
+    """A planning problem in numbers.
 
     Attributes
     ----------
-    question : Question
-        What is to be learnt.
+    experiment : Experiment
+        What is to be estimated, from which signals.
     ship : ParameterSet
         The ship.
     known : dict of str to float
@@ -63,7 +63,7 @@ class Briefing:
         Sampling interval of the sensors in s.
     """
 
-    question: Question
+    experiment: Experiment
     ship: ParameterSet
     known: dict[str, float]
     size: np.ndarray
@@ -74,39 +74,37 @@ class Briefing:
     sampling: float
 
     def gap(self, speed: float) -> float:
-        """Steady approach between two manoeuvres in s.
+        """Return the steady approach between two manoeuvres in s.
 
         Parameters
         ----------
         speed : float
             In m/s.
         """
-        return _BETWEEN * self.question.length / speed if self.between is None else self.between
+        return _BETWEEN * self.experiment.length / speed if self.between is None else self.between
 
     def shortest(self, speed: float) -> float:
-        """Shortest manoeuvre in s: eight L/U, and no shorter than a time constant, which identification asks for.
+        """Return the shortest manoeuvre in s: eight L/U, and no shorter than a time constant, which identification asks for.
 
         Parameters
         ----------
         speed : float
             In m/s.
         """
-        model = self.question.model
-        constants = [abs(self.known[n]) for n in ("tau", "tau1") if n in model.parameters and model[n].unit == "s"]
-        return max([_SHORTEST * self.question.length / speed, *constants])
+        return max(_SHORTEST * self.experiment.length / speed, time_constant(self.experiment.model, self.known))
 
     def longest(self, speed: float) -> float:
-        """Longest manoeuvre in s.
+        """Return the longest manoeuvre in s.
 
         Parameters
         ----------
         speed : float
             In m/s.
         """
-        return max(min(self.time, _LONGEST * self.question.length / speed), self.shortest(speed))
+        return max(min(self.time, _LONGEST * self.experiment.length / speed), self.shortest(speed))
 
     def lengths(self, speed: float) -> list[float]:
-        """Lengths to choose from in s, equal shares of the time among them.
+        """Return lengths to choose from in s, equal shares of the time among them.
 
         Parameters
         ----------
@@ -132,17 +130,6 @@ class Briefing:
         return round(float(np.floor(duration / step + 1e-9)) * step, 6) or duration
 
 
-def model_of(model: Model | str | Any) -> Model:
-    """Return the model of a name, a component (joined with planar motion) or a model.
-
-    Parameters
-    ----------
-    model : Model, component class or str
-        What was given.
-    """
-    return find_model(model) if isinstance(model, str) else model if isinstance(model, Model) else whole_ship(model)
-
-
 def _si(value: str | float, unit: str, what: str) -> float:
     number = to_si(value, unit, what) if isinstance(value, str) else float(value)
     if not 0 < number < np.inf:
@@ -150,7 +137,7 @@ def _si(value: str | float, unit: str, what: str) -> float:
     return number
 
 
-def brief(
+def planning_problem(
     model: Model,
     ship: ParameterSet,
     time: str | float,
@@ -165,7 +152,7 @@ def brief(
     spread: float,
     draws: int,
     seed: int,
-) -> Briefing:
+) -> PlanningProblem:
     """Check what is asked for, and put it into numbers.
 
     Parameters
@@ -175,12 +162,16 @@ def brief(
 
     Returns
     -------
-    Briefing
+    PlanningProblem
 
     Raises
     ------
-    ShipidError
-        For what does not fit, and a time that is too short for any manoeuvre.
+    UsageError
+        For names and values that do not fit, and a model that reads no rudder angle.
+    ParameterSetError
+        If the ship lacks its length, its speed or a coefficient.
+    TimeTooShortError
+        If the time is too short for any manoeuvre.
     """
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
@@ -217,25 +208,27 @@ def brief(
             "plan for one, or with a model that is scaled with the speed."
         )
     speeds = tuple(own) if own else (first, _SLOW * first) if every else (first,)
-    estimated = _estimated(model, estimate)
+    estimated = estimated_parameters(model, estimate)
     signals, sigma = _signals(model, noise)
     interval = _own_sampling(length / first) if sampling is None else _si(sampling, "s", "the sampling interval")
     apart = interval if correlation is None else max(interval, _si(correlation, "s", "the correlation time"))
     limit = known["delta_max"]
     initial, biases = generate(model).states_behind(signals), unknown_biases(model, signals)
-    question = Question(model, length, estimated, initial, biases, signals, sigma, 1 / apart, limit)
-    size = np.array([_size(model, n, known[n], length, first) for n in estimated])
+    experiment = Experiment(model, length, estimated, initial, biases, signals, sigma, 1 / apart, limit)
+    scale = Scale(length, first)
+    size = np.array([_size(model, n, known[n], scale) for n in estimated])
     gap = None if between is None else _si(between, "s", "the time between two manoeuvres")
-    drawn = _draws(model, ship, estimated, known, size, length, first, spread, draws, seed)
-    setting = Briefing(question, ship, known, size, drawn, speeds, seconds, gap, interval)
-    fitting = tuple(s for s in speeds if setting.shortest(s) <= seconds)
+    std = np.array([_prior_std(model, ship, n, s, scale, spread) for n, s in zip(estimated, size)])
+    drawn = _draws(model, estimated, known, std, scale, draws, seed)
+    problem = PlanningProblem(experiment, ship, known, size, drawn, speeds, seconds, gap, interval)
+    fitting = tuple(s for s in speeds if problem.shortest(s) <= seconds)
     if not fitting:
-        least = min(setting.shortest(s) for s in speeds)
+        least = min(problem.shortest(s) for s in speeds)
         raise TimeTooShortError(
             f"{seconds:.4g} s is too short for any manoeuvre: the shortest for ship {ship.name} takes {np.ceil(least):.0f} s "
             f"at {max(speeds):.4g} m/s."
         )
-    return replace(setting, speeds=fitting)
+    return replace(problem, speeds=fitting)
 
 
 def _with_values(model: Model, ship: ParameterSet, held: Mapping[str, float]) -> ParameterSet:
@@ -268,27 +261,10 @@ def _holds_at_every_speed(model: Model, ship: ParameterSet) -> bool:
     return bool({"cruise", "u"} & set(model.inputs)) and not tables and not any(e.quantity.prime for e in entries)
 
 
-def _estimated(model: Model, wanted: Sequence[str] | None) -> tuple[str, ...]:
-    if wanted is None:
-        chosen = {n for n in model.parameters if model[n].quantity.estimated}
-    else:
-        partners = {n: n if n in model.parameters else model.partner(n) if n in model else None for n in wanted}
-        for name, partner in partners.items():
-            if partner is None:
-                raise UnknownNameError(f"parameter of model {model.name} to estimate called", name, model.parameters)
-        chosen = {p for p in partners.values() if p is not None}
-    if not chosen:
-        raise UsageError(f"model {model.name} has nothing to estimate.")
-    return tuple(n for n in model.parameters if n in chosen)
-
-
 def _signals(model: Model, noise: str | Mapping[str, str | float]) -> tuple[tuple[str, ...], np.ndarray]:
     """What is measured and predicted, chosen as identification does, and its noise."""
     levels = {n: d for n, d in parse_noise(noise).items() if d > 0}
-    predicted = {n for n in model.entries if model[n].quantity.kind in ("state", "derived", "output")}
-    found = tuple(n for n in SIGNALS if n in predicted and n in levels)
-    if "v" in predicted and "v" not in found and set(TRACK) <= set(levels):
-        found += tuple(n for n in TRACK if n in predicted)
+    found = usual_signals(model, levels)
     if not found:
         raise UsageError(
             f"no signal that model {model.name} predicts has noise, and without noise nothing limits what a trial tells. "
@@ -303,45 +279,37 @@ def _own_sampling(unit_time: float) -> float:
     return max((i for i in steps if i <= unit_time / 20), default=steps[0])
 
 
-def _size(model: Model, name: str, value: float, length: float, speed: float) -> float:
+def _size(model: Model, name: str, value: float, scale: Scale) -> float:
     """A typical size of a coefficient: its value, or its declared start where the value is zero."""
-    entry = model[name]
-    scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime else 1.0
-    return abs(value) or abs(entry.number("start") or 0.0) * scale or scale
+    return abs(value) or abs(scale.start_of(model[name]) or 0.0) or scale.factor_of(model[name])
+
+
+def _prior_std(model: Model, ship: ParameterSet, name: str, size: float, scale: Scale, spread: float) -> float:
+    """Standard deviation of a coefficient before the trials: the ship's, the declaration's, or a share of its size."""
+    entry, held = model[name], ship.find(model, name)
+    if held is not None and held.std and not held.speed:
+        return to_si((held.std, held.unit), entry.unit, f"the standard deviation of '{name}'")
+    declared = entry.number("spread")
+    return spread * size if declared is None else declared * scale.factor_of(entry)
 
 
 def _draws(
     model: Model,
-    ship: ParameterSet,
     estimated: tuple[str, ...],
     known: Mapping[str, float],
-    size: np.ndarray,
-    length: float,
-    speed: float,
-    spread: float,
+    std: np.ndarray,
+    scale: Scale,
     count: int,
     seed: int,
 ) -> tuple[dict[str, float], ...]:
     """The values themselves, then draws of them by Latin hypercube: normal, log-normal where positive, within bounds."""
-    from scipy.stats import norm, qmc
-
     if not count:
         return (dict(known),)
-    rng = np.random.default_rng([seed, 3])
-    z = norm.ppf(qmc.LatinHypercube(len(estimated), rng=rng).random(_SPARE * count))
     columns = {}
-    for j, name in enumerate(estimated):
-        entry, held = model[name], ship.find(model, name)
-        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime else 1.0
-        low, high = (entry.number(a) for a in ("low", "high"))
-        declared = entry.number("spread")
-        std = spread * size[j] if declared is None else declared * scale
-        if held is not None and held.std and not held.speed:
-            std = to_si((held.std, held.unit), entry.unit, f"the standard deviation of '{name}'")
-        value = known[name]
-        positive = low is not None and low > 0 and value > 0
-        drawn = value * np.exp(std / value * z[:, j]) if positive else value + std * z[:, j]
-        ends = (-np.inf if low is None else low * scale, np.inf if high is None else high * scale)
+    for name, deviation, z in zip(estimated, std, normal_draws(len(estimated), SPARE_DRAWS * count, seed).T):
+        (low, high), value = scale.bounds_of(model[name]), known[name]
+        drawn = value * np.exp(deviation / value * z) if low > 0 and value > 0 else value + deviation * z
         # A value of the ship's own is believed over a declared bound.
-        columns[name] = np.clip(drawn, min(ends[0], value), max(ends[1], value))
-    return (dict(known), *({**known, **{n: float(c[i]) for n, c in columns.items()}} for i in range(_SPARE * count)))
+        columns[name] = np.clip(drawn, min(low, value), max(high, value))
+    each = ({n: float(c[i]) for n, c in columns.items()} for i in range(SPARE_DRAWS * count))
+    return (dict(known), *({**known, **values} for values in each))

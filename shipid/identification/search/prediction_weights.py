@@ -2,7 +2,7 @@
 
 In a towing tank the structure of the model is what is wrong, and it is wrong by about the same shares for every ship. At sea
 and on a pond waves, wind and current move the ship as well: a signal they disturb says less of the coefficients, and the
-beliefs more. So does one whose error lasts: a heading that drifts off says once what a thousand samples seem to repeat.
+prior more. So does one whose error lasts: a heading that drifts off says once what a thousand samples seem to repeat.
 """
 
 from __future__ import annotations
@@ -12,15 +12,10 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import next_fast_len
 
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.search.least_squares import (
-    Box,
-    Solution,
-    minimise_robustly,
-    noise_levels,
-    seen_with_own_noise,
-    thinned_to,
-)
+from shipid.identification.search.least_squares import minimise_robustly, thinned_to
+from shipid.identification.search.solution import Solution, in_own_noise, residual_levels
 
 #: Change of a weight below which it has settled, and how often it may change.
 _SETTLED = 0.05
@@ -29,7 +24,7 @@ _TURNS = 4
 _ENOUGH = 40
 
 
-def enough_of(problem: Problem, unit_time: float) -> Problem:
+def independent_samples(problem: Problem, unit_time: float) -> Problem:
     """Return the problem on as many samples as tell something of their own.
 
     Parameters
@@ -39,10 +34,10 @@ def enough_of(problem: Problem, unit_time: float) -> Problem:
     unit_time : float
         L/U in s.
     """
-    return thinned_to(problem, [int(_ENOUGH * s.trial.duration / unit_time) + 1 for s in problem.sailed])
+    return thinned_to(problem, [int(_ENOUGH * data.trial.duration / unit_time) + 1 for data in problem.trials])
 
 
-def seen_on_every_sample(solution: Solution, problem: Problem) -> Solution:
+def on_every_sample(solution: Solution, problem: Problem) -> Solution:
     """Return the same unknowns over all samples, in units of the standard deviation of their own residuals.
 
     Parameters
@@ -54,7 +49,7 @@ def seen_on_every_sample(solution: Solution, problem: Problem) -> Solution:
     """
     whole = replace(problem, sigma=solution.problem.sigma)
     residual, jacobian = whole.residuals(solution.q)
-    return seen_with_own_noise(replace(solution, problem=whole, residual=residual, jacobian=jacobian))
+    return in_own_noise(replace(solution, problem=whole, residual=residual, jacobian=jacobian))
 
 
 def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
@@ -77,7 +72,9 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
         The same where every residual is within `least`.
     """
     for _ in range(_TURNS):
-        sigma = np.maximum(least, noise_levels(solution) * np.sqrt(np.maximum(1.0, _lasting(solution) / independent)))
+        sigma = np.maximum(
+            least, residual_levels(solution) * np.sqrt(np.maximum(1.0, correlation_times(solution) / independent))
+        )
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
             break
         again = minimise_robustly(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)
@@ -85,16 +82,24 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     return solution
 
 
-def _lasting(solution: Solution) -> np.ndarray:
-    """Time in s for which a residual of each signal lasts: the sum of its autocorrelation up to the first zero."""
+def correlation_times(solution: Solution) -> np.ndarray:
+    """Return the time in s for which a residual of each signal lasts, mean of the trials, shape (signals,).
+
+    It is the sum of the autocorrelation up to its first zero.
+
+    Parameters
+    ----------
+    solution : Solution
+        At its optimum.
+    """
     problem = solution.problem
-    times = np.zeros((len(problem.sailed), len(problem.signals)))
-    for i, (sailed, trial) in enumerate(zip(problem.sailed, problem.by_signal(solution.residual))):
+    times = np.zeros((len(problem.trials), len(problem.signals)))
+    for i, (data, trial) in enumerate(zip(problem.trials, problem.by_signal(solution.residual))):
         for j, residual in enumerate(trial):
             count = residual.size
             power = np.abs(np.fft.rfft(residual - residual.mean(), next_fast_len(2 * count))) ** 2
             lags = np.fft.irfft(power)[:count]
             if lags[0] > 0:
                 zero = int(np.argmax(lags < 0)) or count
-                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(sailed.intervals[:-1]))
-    return times.mean(axis=0)
+                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(data.intervals[:-1]))
+    return np.asarray(times.mean(axis=0))
