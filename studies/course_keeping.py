@@ -20,7 +20,7 @@ from shipid.autopilot.design.closed_loop import coefficients_of
 from shipid.autopilot.design.control_law import CourseController, Measured
 from shipid.declaration.quantity import constant
 from shipid.generation.ensemble import make_ensemble
-from shipid.parts.environment import Waves
+from shipid.parts.waves import Waves
 
 SEA = Weather(wind=0.0, wave_frequency=0.6, wave_heading=float(np.deg2rad(0.2)), current=0.0)
 BANDS = (0.3, 1.0)

@@ -23,7 +23,7 @@ def check(
 
     Exit code 3 where something would spoil an identification, 0 where nothing would.
     """
-    from shipid.foundation.errors import MissingFileError, UsageError
+    from shipid.foundation.errors import MissingExtraError, MissingFileError, UsageError
     from shipid.parameters.catalogue import find_ship
     from shipid.trials.doctor.check_trial import check_trial
     from shipid.trials.doctor.repair import fix_trial
@@ -39,7 +39,7 @@ def check(
     for name in trials:
         try:
             found = check_trial(name, known, format_)
-        except (TrialError, MissingFileError) as error:
+        except (TrialError, MissingFileError, MissingExtraError) as error:
             if len(trials) == 1:
                 raise
             say(str(error))

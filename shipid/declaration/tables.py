@@ -23,15 +23,23 @@ class Table:
     ----------
     content : Mapping of str to Plain
         What TOML made of it.
-    where : str
-        File and table, at the beginning of every message.
+    file : str
+        The file, at the beginning of every message.
     error : type of ShipidError
         The class of every complaint.
+    name : str
+        The table's name as TOML writes it, ``"columns.psi"``; empty for the file itself.
     """
 
     content: Mapping[str, Plain]
-    where: str
+    file: str
     error: type[ShipidError]
+    name: str = ""
+
+    @property
+    def where(self) -> str:
+        """File and table, at the beginning of every message."""
+        return f"{self.file}, [{self.name}]" if self.name else self.file
 
     def __contains__(self, key: str) -> bool:
         return key in self.content
@@ -133,11 +141,30 @@ class Table:
             If there is something else under the key.
         """
         inside = self.content.get(key, {})
+        name = f"{self.name}.{key}" if self.name else key
         if not isinstance(inside, Mapping):
-            raise self.fail(f"'{key}' is {inside!r}, and has to be a table.")
-        return Table(inside, f"{self.where}, [{key}]", self.error)
+            raise self.fail(f"'{key}' is {inside!r}, and has to be a table [{name}].")
+        return Table(inside, self.file, self.error, name)
 
-    def quantity(self, key: str, unit: str, default: float | None = None) -> float | None:
+    def tables(self) -> Iterator[tuple[str, Table]]:
+        """Yield the name and the content of each table inside this one, which holds nothing else.
+
+        Yields
+        ------
+        name : str
+            Its name in this table.
+        table : Table
+            Its content.
+
+        Raises
+        ------
+        ShipidError
+            If there is something else.
+        """
+        for key in self.content:
+            yield key, self.table(key)
+
+    def quantity(self, key: str, unit: str, default: float | None = None, *, positive: bool = False) -> float | None:
         """Return a value with its unit in SI: written ``"0.1 s"`` or ``{ value = 0.1, unit = "s" }``.
 
         Parameters
@@ -148,11 +175,13 @@ class Table:
             The SI unit wanted.
         default : float, optional
             For an absent key, SI.
+        positive : bool
+            Whether it has to be greater than zero.
 
         Raises
         ------
         ShipidError
-            If it has no unit, another unit, or is not a finite number.
+            If it has no unit, another unit, is not a finite number, or not greater than zero where it has to be.
         """
         if key not in self.content:
             return default
@@ -166,9 +195,12 @@ class Table:
         elif isinstance(raw, bool) or not isinstance(raw, (str, int, float)):
             raise self.error(f"{where} is {raw!r}. Write {form}.")
         try:
-            return to_si(raw, unit, where)
+            value = to_si(raw, unit, where)
         except UnitError as error:
             raise self.error(str(error)) from None
+        if positive and not value > 0:
+            raise self.error(f"{where} is {self.content[key]!r}, and has to be greater than zero.")
+        return value
 
 
 def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:

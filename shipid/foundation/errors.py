@@ -38,6 +38,27 @@ class MissingFileError(ShipidError):
     """A file or a folder that is not there."""
 
 
+class MissingExtraError(ShipidError):
+    """A task that needs an optional package, which is not installed.
+
+    Parameters
+    ----------
+    task : str
+        What needs it, as the subject of a sentence: ``"the posterior"``.
+    package : str
+        The package.
+    extra : str
+        The extra of shipid that installs it.
+    otherwise : str
+        What can be done without it; a sentence, or nothing.
+    """
+
+    def __init__(self, task: str, package: str, extra: str, otherwise: str = "") -> None:
+        super().__init__(
+            f"{task} needs {package}, which is not installed. Install it with: pip install shipid[{extra}]. {otherwise}".strip()
+        )
+
+
 class OverwriteError(ShipidError):
     """A file to be written that exists already."""
 

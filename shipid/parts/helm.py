@@ -13,19 +13,28 @@ from shipid.declaration.quantity import constant, derived, given, state
 from shipid.foundation.aliases import Expression
 
 
-class ScheduledOrder(Component):
-    """A rudder order laid down beforehand: spiral, random telegraph, any recorded helm."""
+class Helmsman(Component):
+    """What every helmsman states: the rudder order. Each of them replaces the equation `order`."""
 
-    helm_schedule = given("rad", "scheduled rudder order")
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     @delta_order.equals
     def order(self) -> Expression:
-        """The order as scheduled."""
+        """The order, which a helmsman gives by a law of his own."""
+        raise NotImplementedError
+
+
+class ScheduledOrder(Helmsman):
+    """A rudder order laid down beforehand: spiral, random telegraph, any recorded helm."""
+
+    helm_schedule = given("rad", "scheduled rudder order")
+
+    def order(self) -> Expression:
+        """Return the order as scheduled."""
         return self.helm_schedule
 
 
-class _AfterApproach(Component):
+class HelmsmanAfterApproach(Helmsman):
     """A helmsman who holds the rudder amidships on a straight approach first."""
 
     psi = given("rad", "heading")
@@ -41,20 +50,18 @@ class _AfterApproach(Component):
         return self.helm_clock + self.T_s
 
     def begun(self) -> Expression:
-        """Whether the approach is over (half an interval of slack for the rounding of the clock)."""
+        """Return whether the approach is over (half an interval of slack for the rounding of the clock)."""
         return self.helm_clock >= self.helm_start - 0.5 * self.T_s
 
 
-class ZigzagHelm(_AfterApproach):
+class ZigzagHelm(HelmsmanAfterApproach):
     """Zig-zag: the rudder is reversed whenever the heading has gone far enough to its side (ITTC 7.5-04-02-01)."""
 
     helm_heading = constant("rad", "heading change at which the rudder is reversed")
     helm_side = state("1", "+1 while the rudder is on the side of the first execute, -1 on the other", start=1.0)
-    delta_order = derived("rad", "rudder order, positive turns to starboard")
 
-    @delta_order.equals
     def order(self) -> Expression:
-        """Amidships on the approach, then the rudder angle to the side of the swing."""
+        """Return amidships on the approach, then the rudder angle to the side of the swing."""
         return np.where(self.begun(), self.helm_side * self.helm_rudder, 0.0 * self.helm_rudder)
 
     @helm_side.next
@@ -64,16 +71,14 @@ class ZigzagHelm(_AfterApproach):
         return np.where(swing >= self.helm_heading, -self.helm_side, self.helm_side)
 
 
-class TurningHelm(_AfterApproach):
+class TurningHelm(HelmsmanAfterApproach):
     """Turning circle: the rudder is held until the heading has turned far enough, then goes amidships (pull-out)."""
 
     helm_turn = constant("rad", "heading change after which the rudder goes amidships")
     helm_released = state("1", "1 once the rudder is back amidships")
-    delta_order = derived("rad", "rudder order, positive turns to starboard")
 
-    @delta_order.equals
     def order(self) -> Expression:
-        """Amidships, the rudder angle, amidships again."""
+        """Return amidships, the rudder angle, amidships again."""
         steering = np.logical_and(self.begun(), self.helm_released < 0.5)
         return np.where(steering, self.helm_rudder, 0.0 * self.helm_rudder)
 
@@ -83,7 +88,7 @@ class TurningHelm(_AfterApproach):
         return np.where(np.abs(self.psi - self.helm_course) >= self.helm_turn, 1.0, self.helm_released)
 
 
-class CourseHelm(Component):
+class CourseHelm(Helmsman):
     """Course change under a plain proportional and derivative law, within a rudder limit."""
 
     psi = given("rad", "heading")
@@ -92,16 +97,14 @@ class CourseHelm(Component):
     helm_limit = constant("rad", "largest rudder angle the law asks for")
     helm_gain = constant("1", "rudder per heading error", default=1.0)
     helm_damping = constant("s", "rudder per rate of turn")
-    delta_order = derived("rad", "rudder order, positive turns to starboard")
 
-    @delta_order.equals
     def order(self) -> Expression:
-        """Proportional and derivative, limited."""
+        """Return the proportional and derivative law, limited."""
         wanted = self.helm_gain * (self.helm_schedule - self.psi) - self.helm_damping * self.r
         return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
 
 
-class RateHelm(Component):
+class RateHelm(Helmsman):
     """Reversed spiral: the rudder that keeps a rate of turn is sought by a proportional and integral law."""
 
     r = given("rad/s", "rate of turn, positive to starboard")
@@ -111,7 +114,6 @@ class RateHelm(Component):
     helm_gain = constant("s", "rudder per error in the rate of turn")
     helm_reset = constant("s", "time in which the integral repeats the proportional part")
     helm_integral = state("rad", "integral of the error in the rate of turn")
-    delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     def error(self) -> Expression:
         """Return the rate wanted less the rate kept."""
@@ -122,9 +124,8 @@ class RateHelm(Component):
         """Euler's rule, on the samples."""
         return self.helm_integral + self.T_s * self.error()
 
-    @delta_order.equals
     def order(self) -> Expression:
-        """Proportional and integral, limited."""
+        """Return the proportional and integral law, limited."""
         wanted = self.helm_gain * (self.error() + self.helm_integral / self.helm_reset)
         return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
 

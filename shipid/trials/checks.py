@@ -130,7 +130,8 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
         said, seems = ("radians", "degrees") if "rad" in now else ("degrees", "radians")
         return LooksLikeDegreesError(
             f"{where}, column '{name}': the unit says {said}, and the values look like {seems}: {finding}. "
-            f"Write '{name} [{other}]' in the header, or unit = \"{other}\" in the format file, if they are."
+            f"Write '{name} [{other}]' in the header, or unit = \"{other}\" in the format file, if they are.",
+            finding,
         )
 
     said_radians = {name for name in columns if "rad" in stated.get(name, "")}

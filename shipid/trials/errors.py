@@ -54,7 +54,19 @@ class ClockGapError(TrialError):
 
 
 class LooksLikeDegreesError(TrialError):
-    """An angle that is said to be in radians has the values of degrees, or the other way round."""
+    """An angle that is said to be in radians has the values of degrees, or the other way round.
+
+    Parameters
+    ----------
+    message : str
+        The whole message.
+    finding : str
+        What in the values says so.
+    """
+
+    def __init__(self, message: str, finding: str = "") -> None:
+        super().__init__(message)
+        self.finding = finding
 
 
 class TooShortError(TrialError):
@@ -71,10 +83,6 @@ class WindowError(TrialError):
 
 class FormatFileError(TrialError):
     """A trial format file that cannot be read, or says something it cannot mean."""
-
-
-class MissingExtraError(TrialError):
-    """A file type needs a package that is not installed."""
 
 
 class NotAManoeuvreError(TrialError):

@@ -14,7 +14,8 @@ from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.errors import nearest
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
-from shipid.trials.logs.assembly import assemble_frame
+from shipid.trials.logs.frames import record_of_frame
+from shipid.trials.logs.strict import sound_table
 from shipid.trials.source import Source
 
 
@@ -77,8 +78,8 @@ class Trial:
         TrialError
             If a unit is missing or does not fit, or the record is not a sound one (`shipid.trials.checks`).
         """
-        parts = assemble_frame(frame, name=name, units=dict(units or {}), source=source)
-        return cls(**{**parts, "ship": ship})
+        sound = sound_table(record_of_frame(frame, name, units or {}, source))
+        return cls(name, sound.table, sound.source, ship, sound.units)
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.table:

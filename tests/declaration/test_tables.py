@@ -15,6 +15,7 @@ TABLE = Table(
         "flag": True,
         "inner": {"x": 1},
         "time": "0.1 min",
+        "shift": "-1 s",
         "angle": {"value": 180.0, "unit": "deg"},
         "bare": 4.0,
         "bad": {"value": "a", "unit": "m"},
@@ -37,6 +38,9 @@ def test_values_are_what_they_say() -> None:
     assert TABLE.quantity("time", "s") == pytest.approx(6.0)
     assert TABLE.quantity("angle", "rad") == pytest.approx(3.14159265)
     assert TABLE.quantity("absent", "s", 2.0) == 2.0
+    assert [(name, table.content) for name, table in Table({"a": {"x": 1}}, "f.toml", ParameterSetError).tables()] == [
+        ("a", {"x": 1})
+    ]
     assert "name" in TABLE and next(iter(TABLE)) == "name"
 
 
@@ -51,7 +55,10 @@ def test_values_are_what_they_say() -> None:
         (lambda t: t.value("endless", float), r"'endless' is inf, and has to be a number"),
         (lambda t: t.value("name", bool), r"has to be true or false"),
         (lambda t: t.choice("name", ["ship"]), r"'name' is 'boat'. Write one of ship"),
-        (lambda t: t.table("name"), r"'name' is 'boat', and has to be a table"),
+        (lambda t: t.table("name"), r"'name' is 'boat', and has to be a table \[name\]"),
+        (lambda t: t.table("inner").table("x"), r"boat.toml, \[inner\]: 'x' is 1, and has to be a table \[inner.x\]"),
+        (lambda t: list(t.tables()), r"'name' is 'boat', and has to be a table"),
+        (lambda t: t.quantity("shift", "s", positive=True), r"'shift' is '-1 s', and has to be greater than zero"),
         (lambda t: t.quantity("bare", "s"), r"'bare' is the bare number 4, with no unit"),
         (lambda t: t.quantity("time", "m"), r"needs the unit m, and min does not fit"),
         (lambda t: t.quantity("bad", "m"), r"with a finite number"),

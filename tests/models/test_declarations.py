@@ -16,11 +16,11 @@ from shipid.declaration.scale import Scale, prime_exponents
 from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values
-from shipid.parts import environment, planar_motion, sensors, steering_machine
-from shipid.parts.environment import Wind
+from shipid.parts import current, planar_motion, sensors, steering_machine, waves, wind
 from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.wind import Wind
 
-PARTS = [planar_motion, steering_machine, environment, sensors]
+PARTS = [planar_motion, steering_machine, current, wind, waves, sensors]
 COMPONENTS = sorted(
     {c for m in (*modules(), *PARTS) for c in vars(m).values() if isinstance(c, type) and issubclass(c, Component)}
     - {Component},
@@ -128,7 +128,7 @@ def test_wind_joins_no_model_that_has_a_wind_of_its_own(name: str) -> None:
         text = str(error.value)
         assert "'r_disturbance' is stated twice: by " in text
         assert re.search(r"(CubicYaw|CrossFlow)InWind \(derived, .*speed_scaled\.py:\d+\)", text)
-        assert re.search(r"\bWind \(derived, .*environment\.py:\d+\)", text)
+        assert re.search(r"\bWind \(derived, .*wind\.py:\d+\)", text)
 
 
 def test_every_model_is_told_from_the_others_by_one_line() -> None:

@@ -17,7 +17,8 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.vocabulary import to_display
-from shipid.parts.environment import Waves, Wind
+from shipid.parts.waves import Waves
+from shipid.parts.wind import Wind
 
 #: From this length on, in m, the weather is that of the sea.
 _FULL = 100.0

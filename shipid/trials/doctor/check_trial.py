@@ -1,4 +1,4 @@
-"""The examination: which look follows which, and the diagnosis that comes of them."""
+"""Examine a trial: one examination after the other, and the diagnosis that comes of them."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
 from shipid.trials.doctor.examinations import clock, conduct, heading, sampling
@@ -16,14 +17,15 @@ from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.examinations import samples as values
 from shipid.trials.doctor.examinations import track as course
 from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
-from shipid.trials.doctor.record import Record, from_trial, has_repairs, read_record
-from shipid.trials.doctor.working_copy import Patient
-from shipid.trials.errors import EmptyFileError
-from shipid.trials.logs.format import TrialFormat, read_format
+from shipid.trials.doctor.guesses import GuessedRecord, from_trial, guessed
+from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.errors import EmptyFileError, NoUnitError, TextInColumnError, UnknownColumnError
+from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.reading import read_record
 from shipid.trials.trial import Trial
 
 #: In the order in which one fault would hide the next.
-_LOOKS: tuple[Callable[[Patient], None], ...] = (
+_EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     values.examine_holes,
     clock.examine_clock,
     heading.examine_wrap,
@@ -44,6 +46,9 @@ _LOOKS: tuple[Callable[[Patient], None], ...] = (
     conduct.examine_start,
 )
 
+#: Faults of a log that the findings or the notes about guesses speak of.
+_EXAMINED = (NoUnitError, TextInColumnError, UnknownColumnError)
+
 
 def check_trial(
     trial: Trial | str | Path,
@@ -63,7 +68,7 @@ def check_trial(
     ship : ParameterSet or str, optional
         The ship, for its length and speed; without it they are judged from the record.
     format : str, Path or TrialFormat, optional
-        A trial format file.
+        A trial format file, or ``"nmea"`` for an NMEA 0183 log, as for `shipid.read_trial`.
 
     Returns
     -------
@@ -77,26 +82,26 @@ def check_trial(
     """
     if isinstance(trial, Trial):
         return diagnose(*examine(from_trial(trial), ship))
-    fmt = format if isinstance(format, TrialFormat) or format is None else read_format(format)
-    patient, stretches = examine(read_record(trial, fmt, treated=True), ship)
+    record = read_record(trial, format)
+    copy, stretches = examine(guessed(record, treated=True), ship)
     handled: list[Finding] = []
-    if has_repairs(fmt):
-        logged, _ = examine(read_record(trial, fmt, treated=False), ship, conducted=False)
+    if record.format is not None and record.format.repairs:
+        logged, _ = examine(guessed(record, treated=False), ship, conducted=False)
         # What is still there after the treatment is not handled; what the treatment settles is.
-        left = {(f.kind, f.channel) for f in patient.findings}
+        left = {(f.kind, f.channel) for f in copy.findings}
         handled = [replace(f, handled=True) for f in logged.findings if (f.kind, f.channel) not in left and f.spoils]
-    return diagnose(patient, stretches, handled)
+    return diagnose(copy, stretches, handled)
 
 
 def examine(
-    record: Record, ship: ParameterSet | str | None = None, *, conducted: bool = True
-) -> tuple[Patient, list[Stretch]]:
-    """Examine a record.
+    log: GuessedRecord, ship: ParameterSet | str | None = None, *, conducted: bool = True
+) -> tuple[WorkingCopy, list[Stretch]]:
+    """Examine a log.
 
     Parameters
     ----------
-    record : Record
-        As read.
+    log : GuessedRecord
+        In SI units.
     ship : ParameterSet or str, optional
         The ship.
     conducted : bool
@@ -104,63 +109,68 @@ def examine(
 
     Returns
     -------
-    patient : Patient
+    copy : WorkingCopy
         The findings, and a working copy with every fault put right that can be.
     stretches : list of Stretch
         The manoeuvres.
+
+    Raises
+    ------
+    EmptyFileError
+        If it holds no samples.
     """
-    if not len(record.values["t"]):
-        raise EmptyFileError(f"'{record.path or record.name}' holds no samples in this window. Choose another one.")
-    patient = Patient(record, *_particulars(ship))
-    _no_unit(patient)
+    if not len(log.record):
+        raise EmptyFileError(f"{log.record.where} holds no samples in this window. Choose another one.")
+    copy = WorkingCopy(log.record, *_particulars(ship))
+    _assumed_units(copy, log.assumed)
     with np.errstate(all="ignore"):
-        for look in _LOOKS:
-            if len(patient) < 4:
+        for examination in _EXAMINATIONS:
+            if len(copy) < 4:
                 break
-            look(patient)
-        if not any(f.kind == "short" for f in patient.findings) and len(patient) < 30:
-            sampling.examine_length(patient)
+            examination(copy)
+        if not any(f.kind == "short" for f in copy.findings) and len(copy) < 30:
+            sampling.examine_length(copy)
         if not conducted:
-            return patient, []
-        stretches = segmentation.find_manoeuvres(patient)
-        conduct.examine_neutral(patient, stretches)
-    return patient, stretches
+            return copy, []
+        stretches = segmentation.find_manoeuvres(copy)
+        conduct.examine_neutral(copy, stretches)
+    return copy, stretches
 
 
-def diagnose(patient: Patient, stretches: list[Stretch], handled: list[Finding] | None = None) -> Diagnosis:
+def diagnose(copy: WorkingCopy, stretches: list[Stretch], handled: list[Finding] | None = None) -> Diagnosis:
     """Put findings and manoeuvres together, each finding once.
 
     Parameters
     ----------
-    patient : Patient
+    copy : WorkingCopy
         The record, examined.
     stretches : list of Stretch
         Its manoeuvres.
     handled : list of Finding, optional
         What the format file has put right.
+
+    Returns
+    -------
+    Diagnosis
     """
     findings: dict[tuple[str, str], Finding] = {}
-    for f in sorted(patient.findings, key=lambda f: -f.confidence):
+    for f in sorted(copy.findings, key=lambda f: -f.confidence):
         findings.setdefault((f.kind, f.channel), f)
     ordered = sorted(findings.values(), key=lambda f: (not f.serious, -f.confidence))
+    record = copy.record
+    refused = tuple(f"read_trial refuses the log: {f}" for f in record.faults if not isinstance(f, _EXAMINED))
     return Diagnosis(
-        patient.record.name, (*ordered, *(handled or [])), tuple(stretches), tuple(patient.record.notes),
-        patient.record.path,
-    )  # fmt: skip
+        record.title, (*ordered, *(handled or [])), tuple(stretches), (*record.notes, *refused), record.source.path
+    )
 
 
 def _particulars(ship: ParameterSet | str | None) -> tuple[float | None, float | None]:
-    if ship is None:
-        return None, None
-    if isinstance(ship, str):
-        from shipid.parameters.catalogue import find_ship
-
-        ship = find_ship(ship)
-    return ship.particular("L", "m"), ship.particular("speed", "m/s")
+    known = ship_of(ship)
+    return known.particular("L", "m"), known.particular("speed", "m/s")
 
 
-def _no_unit(p: Patient) -> None:
-    for name in p.record.no_unit:
+def _assumed_units(p: WorkingCopy, assumed: tuple[str, ...]) -> None:
+    for name in assumed:
         p.add(
             "unit", name, 0.9, f"the column says no unit that fits; {p.record.stated[name]} was assumed",
             "shipid does not guess, and refuses the record: a wrong guess changes gains by factors of 57 or 1.94.",

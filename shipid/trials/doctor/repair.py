@@ -12,9 +12,10 @@ from shipid.foundation.errors import OverwriteError
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import examine
 from shipid.trials.doctor.findings import Finding
-from shipid.trials.doctor.record import from_trial, read_record
+from shipid.trials.doctor.guesses import from_trial, guessed
 from shipid.trials.errors import TrialError
-from shipid.trials.logs.format import TrialFormat, read_format
+from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.reading import read_record
 from shipid.trials.logs.writing import write_trial
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -60,30 +61,29 @@ def fix_trial(
     path = Path(path)
     if path.exists():
         raise OverwriteError(f"'{path}' exists already, and a repair never overwrites. Choose another name.")
-    fmt = format if isinstance(format, TrialFormat) or format is None else read_format(format)
-    record = from_trial(trial) if isinstance(trial, Trial) else read_record(trial, fmt, treated=True)
-    patient, _ = examine(record, ship)
-    stuck = [f for f in patient.findings if f.serious and f.fix is None]
+    log = from_trial(trial) if isinstance(trial, Trial) else guessed(read_record(trial, format), treated=True)
+    copy, _ = examine(log, ship)
+    record, source = log.record, log.record.source
+    stuck = [f for f in copy.findings if f.serious and f.fix is None]
     if stuck:
         told = " ".join(f"{f.kind} ({f.channel}): {f.message}. {f.repair}" for f in stuck)
         raise NoSafeRepairError(
-            f"'{record.path or record.name}' is not repaired, and '{path}' is not written: no safe repair is known for "
+            f"'{source.path or record.name}' is not repaired, and '{path}' is not written: no safe repair is known for "
             f"{len(stuck)} finding{'s' * (len(stuck) > 1)}. {told}"
         )
-    repaired = tuple(f for f in patient.findings if f.fix is not None)
-    remaining = [f for f in patient.findings if f.fix is None]
-    if "psi" in patient.values:
-        patient["psi"] = np.unwrap(patient["psi"])
-    order = ["t", *(c for c in FIELDS if c in patient.values and c != "t")]
-    order += [c for c in patient.values if c not in order]
-    table = pd.DataFrame({c: np.ascontiguousarray(patient[c], dtype=float) for c in order})
-    units = {c: record.extra[c] for c in order if c not in FIELDS}
-    fixed = Trial(record.name, table, Source(path=record.path), record.ship, units)
-    lines = ["Simulated; repaired by shipid check --fix"] if record.simulated else ["Repaired by shipid check --fix"]
-    lines[0] += f" from {Path(record.path).name if record.path else record.name}"
+    repaired = tuple(f for f in copy.findings if f.fix is not None)
+    remaining = [f for f in copy.findings if f.fix is None]
+    if copy.has("psi"):
+        copy["psi"] = np.unwrap(copy["psi"])
+    extra = [c for c in copy.values if c not in FIELDS]
+    order = ["t", *(c for c in FIELDS if copy.has(c) and c != "t"), *extra]
+    table = pd.DataFrame({c: np.ascontiguousarray(copy[c], dtype=float) for c in order})
+    fixed = Trial(record.title, table, Source(path=source.path), record.ship, {c: copy.unit(c) for c in extra})
+    lines = ["Simulated; repaired by shipid check --fix"] if source.simulated else ["Repaired by shipid check --fix"]
+    lines[0] += f" from {Path(source.path).name if source.path else record.name}"
     lines += [
         f"repaired: {f.kind} ({f.channel}), rows {f.rows[0]}-{f.rows[1]}: {f.message}. {f.repair}" for f in repaired
     ]
     lines += [f"remains: {f.kind} ({f.channel}): {f.message}" for f in remaining]
-    lines += record.comment.splitlines()
+    lines += source.comment.splitlines()
     return write_trial(fixed, path, comment="\n".join(lines)), repaired

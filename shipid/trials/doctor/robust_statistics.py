@@ -60,7 +60,7 @@ def resolution(values: np.ndarray) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Regression:
+class RobustLine:
     """Coefficients of a robust regression with their standard deviations.
 
     Attributes
@@ -79,7 +79,7 @@ class Regression:
     explained: float
 
 
-def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> Regression | None:
+def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> RobustLine | None:
     """Fit a linear model by iteratively reweighted least squares (Tukey's biweight).
 
     Parameters
@@ -93,7 +93,7 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> Regress
 
     Returns
     -------
-    Regression or None
+    RobustLine or None
         None where there are too few rows or the regressors cannot be told apart.
     """
     n, p = design.shape
@@ -120,10 +120,10 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> Regress
     covariance = variance * np.linalg.pinv(scaled[believed].T @ scaled[believed])
     energy = float(np.sum(target[believed] ** 2))
     explained = 1 - float(np.sum(rest[believed] ** 2)) / energy if energy > 0 else 0.0
-    return Regression(value / size, np.sqrt(np.diag(covariance)) / size, sigma, explained)
+    return RobustLine(value / size, np.sqrt(np.diag(covariance)) / size, sigma, explained)
 
 
-def least_squares(design: np.ndarray, target: np.ndarray) -> Regression | None:
+def least_squares(design: np.ndarray, target: np.ndarray) -> RobustLine | None:
     """Fit a linear model by plain least squares: for effects that only a few rows show.
 
     Parameters
@@ -135,7 +135,7 @@ def least_squares(design: np.ndarray, target: np.ndarray) -> Regression | None:
 
     Returns
     -------
-    Regression or None
+    RobustLine or None
         None where there are too few rows or the regressors cannot be told apart.
     """
     n, p = design.shape
@@ -147,7 +147,7 @@ def least_squares(design: np.ndarray, target: np.ndarray) -> Regression | None:
     variance = max(float(rest @ rest) / (n - p), 1e-24 * float(target @ target) / n)
     std = np.sqrt(variance * np.diag(np.linalg.inv((design / size).T @ (design / size)))) / size
     energy = float(target @ target)
-    return Regression(value / size, std, float(np.sqrt(variance)), 1 - float(rest @ rest) / energy if energy else 0.0)
+    return RobustLine(value / size, std, float(np.sqrt(variance)), 1 - float(rest @ rest) / energy if energy else 0.0)
 
 
 def edges(n: int, count: int) -> np.ndarray:
@@ -188,7 +188,7 @@ def runs(mask: np.ndarray) -> np.ndarray:
     return np.column_stack([np.flatnonzero(padded == 1), np.flatnonzero(padded == -1)])
 
 
-def sureness(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
+def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
     """Turn the ratio of a statistic to its threshold into a confidence: 0.5 at `low`, 0.99 at `high`.
 
     Parameters

@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.measuring.series import smoothed
 
 _LEAST = np.radians(1.5)
@@ -29,12 +29,12 @@ class _Held:
         return 1 if self.angle > 0 else -1
 
 
-def find_manoeuvres(p: Patient) -> list[Stretch]:
+def find_manoeuvres(p: WorkingCopy) -> list[Stretch]:
     """Find the manoeuvres of a record.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, everything put right.
 
     Returns
@@ -121,7 +121,7 @@ def _chains(held: list[_Held], t: np.ndarray) -> list[list[_Held]]:
     return [chain for chain in chains if len(chain) >= 2]
 
 
-def _zigzags(p: Patient, delta: np.ndarray, chain: list[_Held]) -> list[tuple[int, int, Stretch]]:
+def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[_Held]) -> list[tuple[int, int, Stretch]]:
     """Return the zig-zag in a chain of plates, if it is one, without the plates at its ends that do not belong."""
     t, psi = p.t, p["psi"]
     lengths = np.array([t[plate.last - 1] - t[plate.first] for plate in chain])
@@ -163,7 +163,7 @@ def _zigzags(p: Patient, delta: np.ndarray, chain: list[_Held]) -> list[tuple[in
     ]  # fmt: skip
 
 
-def _heading_change(p: Patient, plates: list[_Held], swing: float) -> float:
+def _heading_change(p: WorkingCopy, plates: list[_Held], swing: float) -> float:
     """Heading change at the order: where the rudder begins to leave its plate, and not where it is half over."""
     _t, psi = p.t, p["psi"]
     first = np.array([_leaves(p, plate) for plate in plates[:-1]])
@@ -174,7 +174,7 @@ def _heading_change(p: Patient, plates: list[_Held], swing: float) -> float:
     return value if value > 0.3 * swing else swing
 
 
-def _leaves(p: Patient, plate: _Held) -> int:
+def _leaves(p: WorkingCopy, plate: _Held) -> int:
     delta = p["delta_order"] if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p[p.rudder or "delta"]
     near = plate.side * delta[plate.first : plate.last] >= 0.85 * abs(plate.angle)
     return plate.first + int(np.flatnonzero(near)[-1]) if near.any() else plate.last - 1
@@ -196,7 +196,7 @@ def _end(delta: np.ndarray, plate: _Held) -> int:
     return min(plate.last, len(delta) - 1)
 
 
-def _turn(p: Patient, delta: np.ndarray, plate: _Held) -> list[tuple[int, int, Stretch]] | None:
+def _turn(p: WorkingCopy, delta: np.ndarray, plate: _Held) -> list[tuple[int, int, Stretch]] | None:
     """Return the turn sailed on one plate, and the pull-out after it."""
     t, psi = p.t, p["psi"]
     begin, end = _begin(delta, plate), _end(delta, plate)
@@ -229,7 +229,7 @@ def _turn(p: Patient, delta: np.ndarray, plate: _Held) -> list[tuple[int, int, S
     return found
 
 
-def _filled(p: Patient, delta: np.ndarray, taken: list[tuple[int, int, Stretch]]) -> list[Stretch]:
+def _filled(p: WorkingCopy, delta: np.ndarray, taken: list[tuple[int, int, Stretch]]) -> list[Stretch]:
     """Name what lies between the manoeuvres: steady or irregular."""
     t = p.t
     result: list[Stretch] = []

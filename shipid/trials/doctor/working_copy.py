@@ -1,25 +1,27 @@
-"""The record on the table: a working copy that every examination may put right, and what was found so far."""
+"""The working copy of a log, which every examination may put right, and what was found so far."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
+from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.aliases import Plain
+from shipid.trials import columns
 from shipid.trials.doctor.findings import Finding
-from shipid.trials.doctor.record import Record
+from shipid.trials.logs.record import LenientRecord
 
 
 @dataclass
-class Patient:
+class WorkingCopy:
     """A record under examination.
 
     Attributes
     ----------
-    record : Record
-        As logged.
+    record : LenientRecord
+        As logged, in SI units.
     length, cruise : float or None
         Ship length [m] and cruising speed [m/s], where the ship is known.
     values : dict of str to ndarray
@@ -30,7 +32,7 @@ class Patient:
         So far.
     """
 
-    record: Record
+    record: LenientRecord
     length: float | None = None
     cruise: float | None = None
     values: dict[str, np.ndarray] = field(default_factory=dict)
@@ -51,7 +53,7 @@ class Patient:
         return len(self.rows)
 
     def has(self, *names: str) -> bool:
-        """Whether the record has all these columns.
+        """Return whether the record has all these columns.
 
         Parameters
         ----------
@@ -59,6 +61,16 @@ class Patient:
             Canonical names.
         """
         return all(name in self.values for name in names)
+
+    def unit(self, name: str) -> str:
+        """Return the unit a column has inside a trial.
+
+        Parameters
+        ----------
+        name : str
+            The column.
+        """
+        return FIELDS[name].unit if name in FIELDS else columns.inside_unit(name, self.record.stated[name])
 
     @property
     def t(self) -> np.ndarray:
@@ -87,7 +99,7 @@ class Patient:
         self.rows = self.rows[mask]
 
     def found(self, kind: str) -> bool:
-        """Whether a kind was found with some confidence.
+        """Return whether a kind was found with some confidence.
 
         Parameters
         ----------
@@ -106,7 +118,7 @@ class Patient:
         repair: str,
         *,
         at: np.ndarray | None = None,
-        fix: Mapping[str, Any] | None = None,
+        fix: Mapping[str, Plain] | None = None,
         spoils: bool = True,
     ) -> None:
         """Note a finding.

@@ -16,14 +16,13 @@ unit and sign, and what has to be put right::
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from shipid.declaration import units
-from shipid.foundation.errors import MissingFileError, UnitError, nearest
+from shipid.declaration.tables import Table, is_finite, read_table
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import MissingFileError
 from shipid.trials.errors import FormatFileError
 
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": r"\s+"}
@@ -40,7 +39,25 @@ _FRAMES = {"earth": ("u", "v"), "from": ("wind_direction", "wind_direction_relat
 
 @dataclass(frozen=True)
 class ColumnFormat:
-    """Where one column is found and how it is converted: ``inside = sign * scale * factor(unit) * value``."""
+    """Where one column is found and how it is converted: ``inside = sign * scale * factor(unit) * value``.
+
+    Attributes
+    ----------
+    name : str
+        Inside the trial.
+    column, index : str or None, int or None
+        Its header, or its place in the row, counted from 0.
+    unit : str or None
+        Its unit; None is the one in the header.
+    sign : {1, -1}
+        -1 where the log counts it positive the other way.
+    scale : float
+        Factor on the printed number.
+    frame : {"earth", "from"} or None
+        Velocities along the earth's axes; a wind direction that says where the wind comes from.
+    note : str
+        What the reader should know of it.
+    """
 
     name: str
     column: str | None = None
@@ -54,7 +71,15 @@ class ColumnFormat:
 
 @dataclass(frozen=True)
 class Window:
-    """A named stretch of the record [s, the record's own clock], and what happens in it."""
+    """A named stretch of the record.
+
+    Attributes
+    ----------
+    start, end : float
+        In s, by the record's own clock.
+    meaning : str
+        What happens in it.
+    """
 
     start: float
     end: float
@@ -106,6 +131,12 @@ class TrialFormat:
     source: str | None = None
     title: str | None = None
 
+    @property
+    def repairs(self) -> bool:
+        """Whether it puts anything right besides units."""
+        changed = [c.sign != 1 or c.scale != 1.0 or c.frame == "earth" for c in self.columns.values()]
+        return any(changed) or self.interval is not None or self.glitch_threshold is not None or self.drop_trailing
+
 
 def read_format(path: str | Path) -> TrialFormat:
     """Read a trial format file.
@@ -126,158 +157,186 @@ def read_format(path: str | Path) -> TrialFormat:
     FormatFileError
         If it is not TOML, has a key that is not known, or a value that cannot be meant.
     """
-    path = Path(path)
-    if not path.is_file():
+    return parse_format(read_format_table(path), Path(path).stem)
+
+
+def read_format_table(path: str | Path) -> Table:
+    """Read the table of a trial format file, whatever it holds.
+
+    Parameters
+    ----------
+    path : str or Path
+        The TOML file.
+
+    Returns
+    -------
+    Table
+
+    Raises
+    ------
+    MissingFileError
+        If the file is not there.
+    """
+    if not Path(path).is_file():
         raise MissingFileError(f"there is no trial format file '{path}'. Check the path; a format is a TOML file.")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise FormatFileError(f"the format file '{path}' is not readable TOML: {error}.") from None
-    return _Parser(path).parse(content)
+    return read_table(Path(path), "format file", FormatFileError)
 
 
-class _Parser:
-    """Turns the content of a format file into a `TrialFormat`; every complaint names file and key."""
+def parse_format(table: Table, name: str) -> TrialFormat:
+    """Return the format that a table states.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    Parameters
+    ----------
+    table : Table
+        The content of a format file without ``[nmea]``.
+    name : str
+        Of the format.
 
-    def fail(self, message: str) -> FormatFileError:
-        return FormatFileError(f"format file '{self.path}': {message}")
+    Returns
+    -------
+    TrialFormat
 
-    def check_keys(self, table: Any, known: Iterable[str], where: str) -> None:
-        if not isinstance(table, dict):
-            raise self.fail(f"{where} is {table!r}, and must be a table with keys {', '.join(known)}.")
-        for key in table:
-            if key not in known:
-                raise self.fail(f"{where} has no key '{key}'. {nearest(key, known)}".rstrip())
+    Raises
+    ------
+    FormatFileError
+        If it has a key that is not known, or a value that cannot be meant.
+    """
+    table.check_keys(_TOP)
+    columns = {key: _column(key, inside) for key, inside in table.table("columns").tables()}
+    if not columns:
+        raise table.fail("it names no columns. Write a table [columns.psi] with column or index, and unit, for each.")
+    clock, repairs = table.table("clock"), table.table("repairs")
+    clock.check_keys(("interval", "note"))
+    repairs.check_keys(_REPAIRS)
+    interval = clock.quantity("interval", "s", positive=True)
+    if interval is None and "t" not in columns:
+        raise table.fail("it has no clock. Write [columns.t], or [clock] with interval = '0.1 s'.")
+    _check_frames(table, columns)
+    threshold = _threshold(repairs)
+    if threshold is not None and not {"psi", "r"} <= set(columns):
+        raise repairs.fail("'heading_glitches' integrates the rate of turn: it needs [columns.psi] and [columns.r].")
+    header_lines = table.value("header_lines", int)
+    if header_lines is not None and header_lines < 0:
+        raise table.fail(f"'header_lines' is {header_lines}, and cannot be negative.")
+    separator, decimal = table.choice("separator", SEPARATORS), table.choice("decimal", DECIMALS)
+    return TrialFormat(
+        name=name,
+        columns=columns,
+        separator=SEPARATORS[separator] if separator else None,
+        decimal=DECIMALS[decimal] if decimal else None,
+        header_lines=header_lines,
+        interval=interval,
+        glitch_threshold=threshold,
+        drop_trailing=repairs.choice("trailing", ("drop",)) is not None,
+        **common_entries(table),
+    )
 
-    def typed(self, table: dict[str, Any], key: str, kind: type | tuple[type, ...], where: str, default: Any) -> Any:
-        value = table.get(key, default)
-        wrong = not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool)
-        if key in table and wrong:
-            expected = {str: "text", int: "a whole number", bool: "true or false"}.get(kind, "a number")  # type: ignore[arg-type]
-            raise self.fail(f"{where}{key} is {value!r}, and must be {expected}.")
-        return value
 
-    def choice(self, content: dict[str, Any], key: str, choices: Mapping[str, str]) -> str | None:
-        value = self.typed(content, key, str, "", None)
-        if value is not None and value not in choices:
-            raise self.fail(f"{key} is '{value}'. Write one of {', '.join(choices)}.")
-        return None if value is None else choices[value]
+def common_entries(table: Table) -> dict[str, Plain]:
+    """Return the entries that every format file may have, by the attributes of `TrialFormat`.
 
-    def quantity(self, value: Any, wanted: str, what: str) -> float:
-        if not isinstance(value, (str, int, float)) or isinstance(value, bool):
-            raise self.fail(f"{what} is {value!r}. Write a value with its unit, as text.")
+    Parameters
+    ----------
+    table : Table
+        The content of a format file.
+
+    Returns
+    -------
+    dict of str to Plain
+
+    Raises
+    ------
+    FormatFileError
+        If one has a value that cannot be meant.
+    """
+    encoding, comment = table.value("encoding", str), table.value("comment", str, "#")
+    if encoding is not None:
         try:
-            result = units.to_si(value, wanted, what)
-        except UnitError as error:
-            raise self.fail(str(error)) from None
-        if not result > 0:
-            raise self.fail(f"{what} is {value!r}, and must be positive.")
-        return result
+            "".encode(encoding)
+        except LookupError:
+            raise table.fail(
+                f"'encoding' is '{encoding}', which is not known. Write utf-8, cp1252 or latin-1."
+            ) from None
+    if len(comment) != 1:
+        raise table.fail(f"'comment' is {comment!r}, and has to be one character such as '#'.")
+    windows = table.table("windows")
+    return {
+        "encoding": encoding,
+        "comment": comment,
+        "windows": {key: _window(windows, key) for key in windows},
+        **{key: table.value(key, str) for key in ("ship", "source", "title")},
+    }
 
-    def parse(self, content: dict[str, Any]) -> TrialFormat:
-        self.check_keys(content, _TOP, "the file")
-        columns = {name: self.column(name, table) for name, table in self.section(content, "columns").items()}
-        if not columns:
-            raise self.fail(
-                "it names no columns. Write a table [columns.psi] with column or index, and unit, for each."
-            )
-        clock = self.section(content, "clock")
-        self.check_keys(clock, ("interval", "note"), "[clock]")
-        interval = self.quantity(clock["interval"], "s", "clock.interval") if "interval" in clock else None
-        if interval is None and "t" not in columns:
-            raise self.fail("it has no clock. Write [columns.t], or [clock] with interval = '0.1 s'.")
-        if ("u" in columns) != ("v" in columns) and any(c.frame == "earth" for c in columns.values()):
-            raise self.fail('frame = "earth" needs both velocities, [columns.u] and [columns.v].')
-        earth = {c.frame for name, c in columns.items() if name in _FRAMES["earth"]}
-        if "earth" in earth and (len(earth) > 1 or "psi" not in columns):
-            raise self.fail('frame = "earth" must stand at both u and v, and needs [columns.psi] to rotate them.')
-        repairs = self.section(content, "repairs")
-        self.check_keys(repairs, _REPAIRS, "[repairs]")
-        if repairs.get("trailing", "drop") != "drop":
-            raise self.fail(f"repairs.trailing is {repairs['trailing']!r}. Write 'drop', or leave it out.")
-        threshold = self.threshold(repairs.get("heading_glitches", False))
-        if threshold is not None and not {"psi", "r"} <= set(columns):
-            raise self.fail(
-                "repairs.heading_glitches integrates the rate of turn: it needs [columns.psi] and [columns.r]."
-            )
-        header_lines = self.typed(content, "header_lines", int, "", None)
-        if header_lines is not None and header_lines < 0:
-            raise self.fail(f"header_lines is {header_lines}, and cannot be negative.")
-        return TrialFormat(
-            name=self.path.stem,
-            columns=columns,
-            separator=self.choice(content, "separator", SEPARATORS),
-            decimal=self.choice(content, "decimal", DECIMALS),
-            header_lines=header_lines,
-            encoding=self.encoding(self.typed(content, "encoding", str, "", None)),
-            comment=self.comment(self.typed(content, "comment", str, "", "#")),
-            interval=interval,
-            windows={name: self.window(name, value) for name, value in self.section(content, "windows").items()},
-            glitch_threshold=threshold,
-            drop_trailing="trailing" in repairs,
-            **{key: self.typed(content, key, str, "", None) for key in ("ship", "source", "title")},
-        )
 
-    def section(self, content: dict[str, Any], key: str) -> dict[str, Any]:
-        value = content.get(key, {})
-        if not isinstance(value, dict):
-            raise self.fail(f"{key} is {value!r}, and must be a table [{key}].")
-        return value
+def sign_of(table: Table) -> int:
+    """Return the entry ``sign`` of a table: 1, the default, or -1.
 
-    def column(self, name: str, table: Any) -> ColumnFormat:
-        where = f"[columns.{name}]"
-        self.check_keys(table, _COLUMN, where)
-        if ("column" in table) == ("index" in table):
-            raise self.fail(f'{where} needs either column = "header name" or index = 3 (counted from 0).')
-        header = self.typed(table, "column", str, where + " ", None)
-        index = self.typed(table, "index", int, where + " ", None)
-        if index is not None and index < 0:
-            raise self.fail(f"{where} index is {index}: columns are counted from 0.")
-        sign = self.typed(table, "sign", int, where + " ", 1)
-        if sign not in (1, -1):
-            raise self.fail(f"{where} sign is {sign}, and must be 1 or -1. A factor is written as scale.")
-        scale = float(self.typed(table, "scale", (int, float), where + " ", 1.0))
-        if not math.isfinite(scale) or scale <= 0:
-            raise self.fail(f"{where} scale is {scale:g}, and must be a positive number.")
-        frame = self.typed(table, "frame", str, where + " ", None)
-        if frame is not None and name not in _FRAMES.get(frame, ()):
-            takes = {name: key for key, names in _FRAMES.items() for name in names}
-            known = f'The frame of {name} can be "{takes[name]}".' if name in takes else f"{name} takes no frame."
-            raise self.fail(f"{where} frame is '{frame}'. {known}")
-        unit = self.typed(table, "unit", str, where + " ", None)
-        if name == "n" and unit is not None and unit.replace(" ", "") in ("1/s", "Hz", "1/min"):
-            # Propeller revolutions are counted in 1/s in most of the field's files; here the file says so itself.
-            unit = "rpm" if unit.endswith("min") else "rps"
-        note = self.typed(table, "note", str, where + " ", "")
-        return ColumnFormat(name, header, index, unit, sign, scale, frame, note)
+    Parameters
+    ----------
+    table : Table
+        The table.
 
-    def window(self, name: str, value: Any) -> Window:
-        meaning = ""
-        if isinstance(value, dict):
-            self.check_keys(value, ("span", "meaning"), f"[windows.{name}]")
-            meaning, value = self.typed(value, "meaning", str, f"windows.{name}.", ""), value.get("span")
-        numbers = isinstance(value, list) and len(value) == 2 and all(type(v) in (int, float) for v in value)
-        if not numbers or not value[0] < value[1]:
-            raise self.fail(f"windows.{name} must be [start, end] in seconds with start before end, not {value!r}.")
-        return Window(float(value[0]), float(value[1]), meaning)
+    Returns
+    -------
+    int
 
-    def threshold(self, value: Any) -> float | None:
-        if value is False:
-            return None
-        return math.radians(1.0) if value is True else self.quantity(value, "rad", "repairs.heading_glitches")
+    Raises
+    ------
+    FormatFileError
+        If it is something else.
+    """
+    sign = int(table.value("sign", int, 1))
+    if sign not in (1, -1):
+        raise table.fail(f"'sign' is {sign}, and has to be 1 or -1. A factor is written as scale.")
+    return sign
 
-    def encoding(self, value: str | None) -> str | None:
-        if value is not None:
-            try:
-                "".encode(value)
-            except LookupError:
-                raise self.fail(f"encoding '{value}' is not known. Write utf-8, cp1252 or latin-1.") from None
-        return value
 
-    def comment(self, value: str) -> str:
-        if len(value) != 1:
-            raise self.fail(f"comment is {value!r}, and must be one character such as '#'.")
-        return value
+def _column(name: str, table: Table) -> ColumnFormat:
+    table.check_keys(_COLUMN)
+    if ("column" in table) == ("index" in table):
+        raise table.fail('it needs either column = "header name" or index = 3 (counted from 0).')
+    index = table.value("index", int)
+    if index is not None and index < 0:
+        raise table.fail(f"'index' is {index}: columns are counted from 0.")
+    scale = table.value("scale", float, 1.0)
+    if scale <= 0:
+        raise table.fail(f"'scale' is {scale:g}, and has to be greater than zero.")
+    frame = table.value("frame", str)
+    if frame is not None and name not in _FRAMES.get(frame, ()):
+        takes = {name: key for key, names in _FRAMES.items() for name in names}
+        known = f'The frame of {name} can be "{takes[name]}".' if name in takes else f"{name} takes no frame."
+        raise table.fail(f"'frame' is '{frame}'. {known}")
+    unit = table.value("unit", str)
+    if name == "n" and unit is not None and unit.replace(" ", "") in ("1/s", "Hz", "1/min"):
+        # Propeller revolutions are counted in 1/s in most of the field's files; here the file says so itself.
+        unit = "rpm" if unit.endswith("min") else "rps"
+    header, note = table.value("column", str), table.value("note", str, "")
+    return ColumnFormat(name, header, index, unit, sign_of(table), scale, frame, note)
+
+
+def _check_frames(table: Table, columns: Mapping[str, ColumnFormat]) -> None:
+    earth = [columns[name].frame == "earth" for name in _FRAMES["earth"] if name in columns]
+    if any(earth) and len(earth) < 2:
+        raise table.fail('frame = "earth" needs both velocities, [columns.u] and [columns.v].')
+    if any(earth) and not (all(earth) and "psi" in columns):
+        raise table.fail('frame = "earth" has to stand at both u and v, and needs [columns.psi] to rotate them.')
+
+
+def _window(windows: Table, name: str) -> Window:
+    span, meaning = windows.content[name], ""
+    if isinstance(span, Mapping):
+        table = windows.table(name)
+        table.check_keys(("span", "meaning"))
+        span, meaning = table.content.get("span"), table.value("meaning", str, "")
+    numbers = isinstance(span, list) and len(span) == 2 and all(is_finite(bound) for bound in span)
+    if not numbers or not span[0] < span[1]:
+        raise windows.fail(f"'{name}' has to be [start, end] in seconds with start before end, not {span!r}.")
+    return Window(float(span[0]), float(span[1]), meaning)
+
+
+def _threshold(repairs: Table) -> float | None:
+    """Return the heading error that counts as a glitch [rad]; ``true`` stands for one degree."""
+    value = repairs.content.get("heading_glitches", False)
+    if isinstance(value, bool):
+        return math.radians(1.0) if value else None
+    return repairs.quantity("heading_glitches", "rad", positive=True)

@@ -1,37 +1,25 @@
-"""Read trial files: text with units in the header, text described by a format file, Parquet, NMEA 0183 logs."""
+"""Read logs and trials: text with units in the header, text described by a format file, Parquet, NMEA 0183."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from shipid.foundation.errors import MissingFileError, nearest
 from shipid.trials import columns
-from shipid.trials.errors import (
-    ColumnUnitError,
-    EmptyFileError,
-    MissingExtraError,
-    TextInColumnError,
-    TrialError,
-    UnknownColumnError,
-    WindowError,
-)
-from shipid.trials.logs import text
-from shipid.trials.logs.assembly import Raw, assemble, named_columns
+from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.frames import read_parquet
 from shipid.trials.logs.nmea.reading import read_nmea
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
+from shipid.trials.logs.record import LenientRecord, Span, inside
+from shipid.trials.logs.strict import sound_table
+from shipid.trials.logs.text import read_text
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
-
-Span = tuple[float | None, float | None]
 
 
 def read_trial(
@@ -58,39 +46,87 @@ def read_trial(
 
     Raises
     ------
+    WindowError
+        If the window is not one of the record.
     TrialError
         One class a cause (`shipid.trials.errors`); the message names file, row and column and says what to do.
     """
-    fmt = chosen_format(format)
-    file, tail = _split(path)
-    if tail is not None and window is not None:
+    if window is not None and split_window(path)[1] is not None:
         raise WindowError(f"'{path}' names a window and so does the argument window. Give one of the two.")
-    span = _span(window if tail is None else tail, fmt, file)
+    record = read_record(path, format, window)
+    record.refuse()
+    fmt, span = record.format, record.window
+    if span is not None and _has_holes(record) and (fmt is None or fmt.interval is None):
+        # Outside the window the record may be as broken as it likes.
+        record = _cut(record, span)
+    sound = sound_table(record)
+    trial = Trial(record.name, sound.table, sound.source, record.ship, sound.units)
+    return trial if span is None else trial.window(*span)
+
+
+def read_record(
+    path: str | Path,
+    format: str | Path | TrialFormat | None = None,
+    window: str | Span | None = None,
+) -> LenientRecord:
+    """Read a log as it was written: nothing is converted or left out, and what is wrong is noted.
+
+    Parameters
+    ----------
+    path, format, window
+        As for `read_trial`.
+
+    Returns
+    -------
+    LenientRecord
+        The whole log; its `window` is the stretch that is wanted.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
+    TrialError
+        If it cannot be read at all; the message names the line.
+    """
+    fmt = chosen_format(format)
+    file, tail = split_window(path)
+    wanted = window if tail is None else tail
+    span = _span(wanted, fmt, file)
     _check_file(file)
     if isinstance(fmt, NmeaFormat):
-        raw, comments = read_nmea(file, fmt)
+        record, comments = read_nmea(file, fmt)
     elif file.suffix.lower() in (".parquet", ".pq"):
-        raw, comments = _read_parquet(file, fmt)
+        record, comments = read_parquet(file, fmt)
     else:
-        raw, comments = _read_text(file, fmt)
-    comment = "\n".join(comments)
+        record, comments = read_text(file, fmt)
     source = Source(
         path=str(file),
         sha256=_sha256(file),
         format=fmt.name if fmt else None,
         simulated="simulated" in (comments[0].lower() if comments else ""),
-        comment=comment,
+        comment="\n".join(comments),
     )
-    cut = span is not None and _has_holes(raw) and (fmt is None or fmt.interval is None)
-    if span is not None and cut:
-        # Outside the window the record may be as broken as it likes.
-        _cut(raw, span, file)
-    trial = Trial(**assemble(raw, file.stem, source, fmt))
-    return trial if span is None else trial.window(*span)
+    asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
+    title = record.name if asked is None else f"{record.name}@{asked}"
+    ship = fmt.ship if fmt else None
+    return replace(record, source=source, format=fmt, ship=ship, window=span, title=title)
 
 
-def _split(path: str | Path) -> tuple[Path, str | None]:
-    """Split ``FILE@WINDOW``; a file whose own name has an '@' is taken whole when it is there."""
+def split_window(path: str | Path) -> tuple[Path, str | None]:
+    """Split ``FILE@WINDOW``; a file whose own name has an '@' is taken whole when it is there.
+
+    Parameters
+    ----------
+    path : str or Path
+        As a user writes it.
+
+    Returns
+    -------
+    file : Path
+        The file.
+    window : str or None
+        What stands behind the '@'.
+    """
     whole = Path(path)
     if whole.exists() or "@" not in whole.name:
         return whole, None
@@ -146,127 +182,23 @@ def _sha256(file: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _read_text(file: Path, fmt: TrialFormat | None) -> tuple[Raw, tuple[str, ...]]:
-    layout = text.lay_out(file, fmt)
-    where = f"'{file}'"
-    if fmt is None:
-        found, stated = named_columns({header: k for k, header in enumerate(layout.headers)}, {}, where)
-    else:
-        found, stated = _mapped(fmt, layout.headers, layout.width, where)
-    table = text.parse(file, layout, list(found.values()))
-    values = {name: table[index].to_numpy() for name, index in found.items()}
-    raw = Raw(values, stated, where, partial(text.line_of, file, layout), list(layout.notes))
-    return raw, layout.comments
+def _has_holes(record: LenientRecord) -> bool:
+    return not all(np.isfinite(values).all() for values in record.values.values())
 
 
-def _mapped(
-    fmt: TrialFormat, headers: tuple[str, ...], width: int, where: str
-) -> tuple[dict[str, int], dict[str, str]]:
-    """Find the columns a format file names: their indices and units."""
-    by_header = {header: k for k, header in enumerate(headers)}
-    bare = {columns.split_header(header)[0]: k for k, header in enumerate(headers)}
-    found, stated = {}, {}
-    for name, column in fmt.columns.items():
-        if column.column is not None:
-            index = by_header.get(column.column, bare.get(column.column))
-            if index is None:
-                raise UnknownColumnError(
-                    f"{where} has no column '{column.column}', which the format file '{fmt.name}' names for {name}. "
-                    f"{nearest(column.column, bare)}".rstrip()
-                )
-        else:
-            assert column.index is not None
-            index = column.index
-            if index >= width:
-                raise UnknownColumnError(
-                    f"{where} has {width} columns, counted from 0, and the format file '{fmt.name}' wants number "
-                    f"{index} for {name}. Correct the index, or the separator."
-                )
-        unit = column.unit or (columns.split_header(headers[index])[1] if index < len(headers) == width else None)
-        if not unit:
-            raise columns.no_unit(name, f"{where}, format file '{fmt.name}': ")
-        found[name], stated[name] = index, unit
-    return found, stated
-
-
-def _read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[Raw, tuple[str, ...]]:
+def _cut(record: LenientRecord, span: Span) -> LenientRecord:
+    """Cut a log to a window before it is checked: from the first sample inside it to the last."""
     try:
-        import pyarrow.parquet
-    except ImportError:
-        raise MissingExtraError(
-            f"'{file}' is a Parquet file, and pyarrow is not installed. Install shipid[parquet], or convert it to CSV."
-        ) from None
-    try:
-        arrow = pyarrow.parquet.read_table(file)
-    except (pyarrow.ArrowInvalid, OSError) as error:
-        raise TrialError(
-            f"'{file}' is not a readable Parquet file: {error}. Check that it was copied completely."
-        ) from None
-    frame = arrow.to_pandas()
-    units = _arrow_units(arrow.schema, frame)
-    where = f"'{file}'"
-    series = {str(c): frame[c] for c in frame.columns}
-    if fmt is None:
-        values, stated = named_columns(series, units, where)
-    else:
-        headers = tuple(series)
-        found, stated = _mapped(_with_units(fmt, units), headers, len(headers), where)
-        values = {name: series[headers[index]] for name, index in found.items()}
-    numbers: dict[str, np.ndarray] = {}
-    for name, column in values.items():
-        if not pd.api.types.is_numeric_dtype(column.dtype):
-            raise TextInColumnError(
-                f"{where}, column '{name}': it holds {column.dtype}, not numbers. Write it as float64; "
-                "time in seconds from the start of the record."
-            )
-        numbers[name] = column.to_numpy(dtype=float, na_value=np.nan)
-    comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
-    return Raw(numbers, stated, where), tuple(comment.splitlines())
-
-
-def _arrow_units(schema: Any, frame: pd.DataFrame) -> dict[str, str]:
-    """Units that a Parquet file states beside its headers: in the fields' metadata, or in pandas' attrs."""
-    units = {}
-    attrs = frame.attrs.get("units", {})
-    for arrow_field in schema:
-        metadata = arrow_field.metadata or {}
-        stated = metadata.get(b"unit") or metadata.get(b"units")
-        unit = stated.decode("utf-8", "replace") if stated else attrs.get(arrow_field.name)
-        if unit:
-            units[arrow_field.name] = unit
-    return units
-
-
-def _with_units(fmt: TrialFormat, units: dict[str, str]) -> TrialFormat:
-    """Let the file's metadata state the units that the format file leaves open."""
-    complete = {
-        name: replace(column, unit=column.unit or units.get(column.column or ""))
-        for name, column in fmt.columns.items()
-    }
-    return replace(fmt, columns=complete)
-
-
-def _has_holes(raw: Raw) -> bool:
-    return not all(np.isfinite(values).all() for values in raw.values.values())
-
-
-def _cut(raw: Raw, span: Span, file: Path) -> None:
-    """Cut a raw record to a window before it is checked."""
-    try:
-        t = raw.values["t"] * columns.to_inside("t", raw.stated["t"])
-    except ColumnUnitError:
-        return  # assemble() says it better
-    start, end = (-np.inf if span[0] is None else span[0]), (np.inf if span[1] is None else span[1])
-    slack = 1e-9 * max(1.0, *(abs(bound) for bound in (start, end) if np.isfinite(bound)), 1.0)
-    keep = np.flatnonzero((t >= start - slack) & (t <= end + slack))
-    if not keep.size:
+        t = record.values["t"] * columns.to_inside("t", record.stated["t"])
+    except TrialError:
+        return record  # the conversion to SI says it better
+    within = np.flatnonzero(inside(t, span))
+    if not within.size:
+        start, end = (-np.inf if span[0] is None else span[0]), (np.inf if span[1] is None else span[1])
         known = t[np.isfinite(t)]
         runs = f" The record runs from {known.min():g} to {known.max():g} s." if known.size else ""
-        raise WindowError(f"the window {start:g}:{end:g} s holds no sample of '{file}'.{runs} Choose one inside it.")
-    first, last = keep[0], keep[-1] + 1
-    raw.values = {name: values[first:last] for name, values in raw.values.items()}
-    raw.line = _shifted(raw.line, int(first))
-
-
-def _shifted(line: Callable[[int], int], first: int) -> Callable[[int], int]:
-    return lambda row: line(row + first)
+        raise WindowError(
+            f"the window {start:g}:{end:g} s holds no sample of {record.where}.{runs} Choose one inside it."
+        )
+    rows = np.arange(len(record))
+    return record.keep((rows >= within[0]) & (rows <= within[-1]))

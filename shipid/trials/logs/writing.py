@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from shipid.foundation.errors import MissingExtraError
 from shipid.foundation.replacing import check_place, replacing
-from shipid.trials.errors import MissingExtraError
 from shipid.trials.trial import Trial
 
 
@@ -69,7 +69,7 @@ def _parquet(frame: pd.DataFrame, temporary: Path, comment: str) -> None:
         import pyarrow
         import pyarrow.parquet
     except ImportError:
-        raise MissingExtraError("Parquet needs pyarrow. Install shipid[parquet], or write CSV.") from None
+        raise MissingExtraError("a Parquet file", "pyarrow", "parquet", "A CSV file needs nothing else.") from None
     table = pyarrow.Table.from_pandas(frame, preserve_index=False)
     metadata = {**(table.schema.metadata or {}), b"comment": comment.encode()}
     pyarrow.parquet.write_table(table.replace_schema_metadata(metadata), temporary)

@@ -40,7 +40,7 @@ class Manoeuvre:
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlannedManoeuvre:
     """A manoeuvre worked out for a ship: helmsman, constants, schedule and duration.
 
     Attributes
@@ -114,7 +114,7 @@ def parse_manoeuvre(text: str) -> Manoeuvre:
 
 def plan(
     manoeuvre: Manoeuvre, unit_time: float, course: float, limit: float, seed: int, duration: float | None = None
-) -> Plan:
+) -> PlannedManoeuvre:
     """Work a manoeuvre out for a ship.
 
     Parameters
@@ -141,7 +141,7 @@ def plan(
         "course": _course,
         "telegraph": _telegraph,
     }
-    made: Plan = makers[manoeuvre.kind](manoeuvre.numbers, start, unit_time, course, limit, seed, duration)
+    made: PlannedManoeuvre = makers[manoeuvre.kind](manoeuvre.numbers, start, unit_time, course, limit, seed, duration)
     return made
 
 
@@ -149,14 +149,18 @@ def _approach(start: float, course: float, rudder: float) -> dict[str, float]:
     return {"helm_start": start, "helm_course": course, "helm_rudder": rudder}
 
 
-def _zigzag(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+def _zigzag(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> PlannedManoeuvre:
     constants = _approach(start, course, n[0]) | {"helm_heading": n[1]}
-    return Plan(ZigzagHelm, constants, duration or start + 30 * unit)
+    return PlannedManoeuvre(ZigzagHelm, constants, duration or start + 30 * unit)
 
 
-def _turn(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+def _turn(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> PlannedManoeuvre:
     constants = _approach(start, course, n[0]) | {"helm_turn": n[1] if len(n) > 1 else 3 * np.pi}
-    return Plan(TurningHelm, constants, duration or start + 60 * unit)
+    return PlannedManoeuvre(TurningHelm, constants, duration or start + 60 * unit)
 
 
 def _stairs(levels: np.ndarray, start: float, step: float) -> list[tuple[float, float]]:
@@ -169,31 +173,37 @@ def _spiral_levels(largest: float) -> np.ndarray:
     return largest * np.concatenate([fractions, fractions[-2::-1]])
 
 
-def _spiral(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+def _spiral(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> PlannedManoeuvre:
     schedule = _stairs(_spiral_levels(n[0]), start, 12 * unit)
-    return Plan(ScheduledOrder, {}, duration or schedule[-1][0] + 12 * unit, schedule)
+    return PlannedManoeuvre(ScheduledOrder, {}, duration or schedule[-1][0] + 12 * unit, schedule)
 
 
 def _reversed_spiral(
     n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> Plan:
+) -> PlannedManoeuvre:
     schedule = _stairs(_spiral_levels(n[0] / unit), start, 15 * unit)
     constants = {"helm_limit": limit, "helm_gain": 3 * unit, "helm_reset": 2 * unit}
-    return Plan(RateHelm, constants, duration or schedule[-1][0] + 15 * unit, schedule)
+    return PlannedManoeuvre(RateHelm, constants, duration or schedule[-1][0] + 15 * unit, schedule)
 
 
-def _course(n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None) -> Plan:
+def _course(
+    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
+) -> PlannedManoeuvre:
     constants = {"helm_limit": n[1] if len(n) > 1 else limit, "helm_damping": 1.5 * unit}
-    return Plan(CourseHelm, constants, duration or start + 30 * unit, [(0.0, course), (start, course + n[0])])
+    return PlannedManoeuvre(
+        CourseHelm, constants, duration or start + 30 * unit, [(0.0, course), (start, course + n[0])]
+    )
 
 
 def _telegraph(
     n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> Plan:
+) -> PlannedManoeuvre:
     length = duration or start + 40 * unit
     rng = np.random.default_rng([seed, 1])
     # Exponential holding times with a mean of 2 L/U, but long enough for the rudder to arrive.
     holds = np.maximum(rng.exponential(2 * unit, size=int(length / unit) + 2), 0.3 * unit)
     levels = np.where(np.arange(holds.size) % 2 == 0, n[0], -n[0])
     begins = start + np.concatenate([[0.0], np.cumsum(holds)[:-1]])
-    return Plan(ScheduledOrder, {}, length, [(0.0, 0.0), *zip(begins.tolist(), levels.tolist())])
+    return PlannedManoeuvre(ScheduledOrder, {}, length, [(0.0, 0.0), *zip(begins.tolist(), levels.tolist())])

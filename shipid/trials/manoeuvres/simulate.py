@@ -19,9 +19,9 @@ from shipid.generation.record import make_record
 from shipid.parameters.catalogue import find_ship
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parts import sensors
-from shipid.parts.environment import Wind
 from shipid.parts.helm import DirectRudder
 from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.wind import Wind
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial

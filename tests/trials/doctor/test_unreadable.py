@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from shipid.foundation.errors import MissingFileError
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial, diagnose, examine
-from shipid.trials.doctor.record import from_trial
+from shipid.trials.doctor.guesses import GuessedRecord, from_trial
 
 
 def rows(n=200, header="t [s],psi [deg],r [deg/s],delta [deg]"):
@@ -60,7 +61,7 @@ def test_no_header_names_its_line(tmp_path):
 
 
 def test_no_clock_names_the_header(tmp_path):
-    with pytest.raises(e.UnknownColumnError, match=r"clock.*line 1|line 1.*clock"):
+    with pytest.raises(e.UnknownColumnError, match=r"line 1: there is no time column"):
         check_trial(write(tmp_path, rows(header="a [1],psi [deg],r [deg/s],delta [deg]")))
 
 
@@ -96,10 +97,10 @@ def test_stamps_that_all_stand_still(tmp_path):
 def test_whatever_a_record_holds_it_is_examined(sailed, seed):
     """Columns missing, constant, noise, NaN, huge; clocks shuffled, still, with holes: a diagnosis, JSON and all."""
     rng = np.random.default_rng(seed)
-    record = from_trial(sailed())
+    record = from_trial(sailed()).record
     n = int(rng.choice([1, 2, 3, 11, 29, 31, 70, 700]))
     kept = ["t", *(c for c in record.values if c != "t" and rng.random() < 0.7)]
-    record.values = {c: record.values[c][:n].copy() for c in kept}
+    record = replace(record, values={c: record.values[c][:n].copy() for c in kept})
     for c in kept[1:]:
         values, fault = record.values[c], rng.integers(8)
         if fault < 2:
@@ -115,6 +116,6 @@ def test_whatever_a_record_holds_it_is_examined(sailed, seed):
         t[rng.random(n) < 0.2] = np.nan
     elif fault == 2:
         t[:] = 3.0
-    diagnosis = diagnose(*examine(record))
+    diagnosis = diagnose(*examine(GuessedRecord(record)))
     assert json.loads(json.dumps(diagnosis.to_dict(), allow_nan=False))["trial"] == record.name
     assert record.name in repr(diagnosis)

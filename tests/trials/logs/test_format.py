@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 
 from shipid.foundation.errors import MissingFileError
 from shipid.trials import errors as e
-from shipid.trials.logs.assembly import mended_heading
+from shipid.trials.logs.conversion import mended_heading
 from shipid.trials.logs.format import read_format
 from shipid.trials.logs.reading import read_trial
 
@@ -34,13 +34,13 @@ def fmt(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("separator = ", ("not readable TOML",)),
+        ("separator = ", ("is not valid TOML",)),
         ("seperator = 'tab'" + SOUND, ("'seperator'", "Did you mean separator")),
         (SOUND + "sing = -1\n", ("[columns.psi]", "'sing'", "sign")),
-        (SOUND + "sign = -2\n", ("sign is -2",)),
-        (SOUND + "sign = 'minus'\n", ("must be a whole number",)),
-        (SOUND + "scale = 0\n", ("scale is 0",)),
-        (SOUND + "scale = true\n", ("must be a number",)),
+        (SOUND + "sign = -2\n", ("'sign' is -2", "1 or -1")),
+        (SOUND + "sign = 'minus'\n", ("has to be a whole number",)),
+        (SOUND + "scale = 0\n", ("'scale' is 0",)),
+        (SOUND + "scale = true\n", ("has to be a number",)),
         (SOUND + "frame = 'earth'\n", ("psi takes no frame",)),
         (SOUND + "column = 'psi'\n", ("either column",)),
         (SOUND.replace("index = 1\n", ""), ("either column",)),
@@ -49,15 +49,15 @@ def fmt(tmp_path):
         (SOUND.replace("header_lines = 0", "header_lines = -1"), ("cannot be negative",)),
         ("encoding = 'utf-9'" + SOUND, ("utf-8, cp1252",)),
         ("comment = '//'" + SOUND, ("one character",)),
-        ("title = 3" + SOUND, ("must be text",)),
+        ("title = 3" + SOUND, ("has to be text",)),
         ("clock = 3" + SOUND, ("[clock]",)),
         ("", ("names no columns",)),
         (SOUND.replace("columns.t]", "columns.x]"), ("no clock",)),
         (SOUND + "[clock]\ninterval = 0.1\n", ("no unit",)),
-        (SOUND + "[clock]\ninterval = '-0.1 s'\n", ("must be positive",)),
-        (SOUND + "[windows]\nzz = [5, 2]\n", ("windows.zz", "start before end")),
+        (SOUND + "[clock]\ninterval = '-0.1 s'\n", ("greater than zero",)),
+        (SOUND + "[windows]\nzz = [5, 2]\n", ("[windows]: 'zz'", "start before end")),
         (SOUND + "[windows.zz]\nspan = [2, 5]\nmeening = 'x'\n", ("meening", "meaning")),
-        (SOUND + "[repairs]\ntrailing = 'keep'\n", ("repairs.trailing",)),
+        (SOUND + "[repairs]\ntrailing = 'keep'\n", ("[repairs]: 'trailing' is 'keep'", "drop")),
         (SOUND + "[repairs]\nheading_glitch = true\n", ("heading_glitches",)),
         (SOUND + "[repairs]\nheading_glitches = true\n", ("needs [columns.psi] and [columns.r]",)),
         (SOUND + "[columns.u]\nindex = 2\nunit = 'm/s'\nframe = 'earth'\n", ("both velocities",)),

@@ -7,17 +7,17 @@ from scipy.ndimage import maximum_filter1d
 
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _WRONG_RATES = "Rates and accelerations taken between such stamps are wrong, and time constants with them."
 
 
-def examine_clock(p: Patient) -> None:
+def examine_clock(p: WorkingCopy) -> None:
     """Examine the time stamps and put the working copy in order.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     if len(p) < checks.FEWEST_SAMPLES:
@@ -37,7 +37,7 @@ def examine_clock(p: Patient) -> None:
     _gaps(p)
 
 
-def _unsorted(p: Patient) -> None:
+def _unsorted(p: WorkingCopy) -> None:
     back = np.flatnonzero(np.diff(p.t) < 0)
     if not back.size:
         return
@@ -56,7 +56,7 @@ def _unsorted(p: Patient) -> None:
     p.keep(order)
 
 
-def _doubled_rows(p: Patient) -> None:
+def _doubled_rows(p: WorkingCopy) -> None:
     same = np.diff(p.t) == 0
     for values in p.values.values():
         same &= np.diff(values) == 0
@@ -89,7 +89,7 @@ def printed_step(t: np.ndarray) -> float:
     return 0.0
 
 
-def _quantised(p: Patient) -> bool:
+def _quantised(p: WorkingCopy) -> bool:
     t, n = p.t, len(p)
     d = np.diff(t)
     k = np.arange(n, dtype=float)
@@ -123,7 +123,7 @@ def _quantised(p: Patient) -> bool:
     return True
 
 
-def _repeats(p: Patient) -> None:
+def _repeats(p: WorkingCopy) -> None:
     same = np.diff(p.t) == 0
     if not same.any():
         return
@@ -148,7 +148,7 @@ def _repeats(p: Patient) -> None:
         p.keep(~mask)
 
 
-def _gaps(p: Patient) -> None:
+def _gaps(p: WorkingCopy) -> None:
     d = np.diff(p.t)
     dt = float(np.median(d))
     found = np.flatnonzero(d > 2.5 * dt)
@@ -158,7 +158,7 @@ def _gaps(p: Patient) -> None:
     longest = int(found[np.argmax(d[found])])
     lost = int(np.sum(np.round(d[found] / dt) - 1))
     p.add(
-        "gap", "t", robust.sureness(float(d[longest]) / dt, 2, 5.5),
+        "gap", "t", robust.confidence_of(float(d[longest]) / dt, 2, 5.5),
         f"{len(found)} gaps, about {lost} samples missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s",
         "What the rudder did meanwhile is unknown: a simulation through the gap starts the rest from a wrong state.",
         "Identify from the stretches on either side (FILE@A:B).", at=found,

@@ -9,16 +9,16 @@ import numpy as np
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.findings import Stretch
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.measuring.series import smoothed
 
 
-def examine_start(p: Patient) -> None:
+def examine_start(p: WorkingCopy) -> None:
     """Find a ship that gathers speed at the beginning of the record.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its speeds in the ship's axes.
     """
     speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None
@@ -38,7 +38,7 @@ def examine_start(p: Patient) -> None:
     settled = int(np.argmax(calm > early + 0.9 * gain))
     p.add(
         "accelerating", "u" if p.has("u") else "U" if p.has("U") else "x,y",
-        robust.sureness(gain / max(float(calm[top]), 1e-12), 0.2, 0.5),
+        robust.confidence_of(gain / max(float(calm[top]), 1e-12), 0.2, 0.5),
         f"the ship gathers speed from {early:.3g} to {calm[top]:.3g} m/s during the first {p.t[settled] - p.t[0]:.4g} s",
         "The rudder's force grows with the square of the speed: a model at constant speed takes the slow beginning for a "
         "small gain and a long time constant.",
@@ -47,12 +47,12 @@ def examine_start(p: Patient) -> None:
     )  # fmt: skip
 
 
-def examine_neutral(p: Patient, stretches: list[Stretch]) -> None:
+def examine_neutral(p: WorkingCopy, stretches: list[Stretch]) -> None:
     """Find the rudder that keeps the ship straight, and swings that differ from side to side.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, everything put right.
     stretches : list of Stretch
         Its manoeuvres.
@@ -70,7 +70,7 @@ def examine_neutral(p: Patient, stretches: list[Stretch]) -> None:
         _sides(p, name, inside)
 
 
-def _offset(p: Patient, name: str, inside: np.ndarray) -> None:
+def _offset(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
     t, delta, r = p.t[inside], p[name][inside], p["r"][inside]
     found = steering.response(t, delta, r)
     if found is None or found.value[0] <= 0 or found.explained < 0.2:
@@ -82,7 +82,7 @@ def _offset(p: Patient, name: str, inside: np.ndarray) -> None:
     limit = max(5 * std, 0.05 * high)
     if abs(offset) > limit:
         p.add(
-            "bias", name, robust.sureness(abs(offset) / limit, 1, 2.5),
+            "bias", name, robust.confidence_of(abs(offset) / limit, 1, 2.5),
             f"the ship sails straight with {np.degrees(offset):+.3g} deg of rudder (the plates are "
             f"{np.degrees(high):.3g} deg): wind, current, propeller, or an offset of the sensor",
             "Without a term for it port and starboard gains are averaged wrongly: overshoots are missed by about the "
@@ -91,7 +91,7 @@ def _offset(p: Patient, name: str, inside: np.ndarray) -> None:
         )  # fmt: skip
 
 
-def _sides(p: Patient, name: str, inside: np.ndarray) -> None:
+def _sides(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
     """Compare the swings to port with those to starboard, the first swing left out: it starts from straight."""
     delta, psi, t, r = p[name][inside], p["psi"][inside], p.t[inside], p["r"][inside]
     half = 0.5 * float(np.quantile(np.abs(delta), 0.9))
@@ -117,7 +117,7 @@ def _sides(p: Patient, name: str, inside: np.ndarray) -> None:
         limit = max(4 * error, 0.05 * mean * (1 + 2 / len(alternate)))
         if size > limit:
             p.add(
-                "asymmetric", "r,psi", robust.sureness(size / limit, 1, 2.5),
+                "asymmetric", "r,psi", robust.confidence_of(size / limit, 1, 2.5),
                 f"the {what} to one side are {200 * size / mean:.3g} % larger than to the other",
                 "A symmetrical model averages the two sides and misses both: by half the difference in every swing.",
                 "Estimate a rudder bias, sail both sides, and fit them together.", at=inside, spoils=False,

@@ -6,19 +6,19 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.working_copy import Patient
-from shipid.trials.logs.assembly import GLITCH_WINDOW
+from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.logs.conversion import GLITCH_WINDOW
 
 _PERIODS = (2 * np.pi, 360.0, np.radians(2 * np.pi))
 """A full turn in a column read rightly, in degrees called radians, and in radians called degrees."""
 
 
-def examine_wrap(p: Patient) -> None:
+def examine_wrap(p: WorkingCopy) -> None:
     """Unwrap the heading in whatever unit it has.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, in the units of its header.
     """
     if not p.has("psi") or len(p) < 3:
@@ -39,12 +39,12 @@ def examine_wrap(p: Patient) -> None:
             return
 
 
-def examine_heading(p: Patient) -> None:
+def examine_heading(p: WorkingCopy) -> None:
     """Find heading samples that disagree with the rate of turn, and bridge them by its integral.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, the rate of turn in the heading's unit and sign.
     """
     if not p.has("psi", "r") or len(p) < 30:
@@ -84,7 +84,7 @@ def examine_heading(p: Patient) -> None:
                 if kind == "heading-interpolated" else "disagree with the rate of turn"
             )  # fmt: skip
             p.add(
-                kind, "psi", robust.sureness(ratio, 0.9, 1.8),
+                kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
                 f"{len(index)} heading samples {what}, by up to {size_deg:.3g} deg",
                 "The model is asked to follow jumps no ship makes: residuals, noise and intervals swell, and the fit "
                 "follows the jumps.",

@@ -7,7 +7,7 @@ from math import log, pi
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _DEG = 180 / pi
 #: Factor on the heading's slope over the rate: which column is what, by the unit it says ("" any), most likely first.
@@ -27,7 +27,7 @@ _HYPOTHESES: tuple[tuple[str, str, float, str], ...] = (
 )
 
 
-def relation(t: np.ndarray, psi: np.ndarray, rate: np.ndarray, count: int = 300) -> robust.Regression | None:
+def relation(t: np.ndarray, psi: np.ndarray, rate: np.ndarray, count: int = 300) -> robust.RobustLine | None:
     """Regress heading changes on the integral of a rate, time, and changes of the rate.
 
     Parameters
@@ -39,7 +39,7 @@ def relation(t: np.ndarray, psi: np.ndarray, rate: np.ndarray, count: int = 300)
 
     Returns
     -------
-    Regression or None
+    RobustLine or None
         Coefficients: scale (1 where they agree), drift [rad/s], lag of the rate behind the heading [s].
     """
     at = _edges(psi, count)
@@ -56,7 +56,7 @@ def _edges(psi: np.ndarray, count: int) -> np.ndarray:
     return at
 
 
-def _agreement(p: Patient, name: str) -> tuple[float, float]:
+def _agreement(p: WorkingCopy, name: str) -> tuple[float, float]:
     """Scale and explained share of one rate channel, from its integral alone."""
     at = _edges(p["psi"], 120)
     turned = np.diff(robust.integral(p.t, p[name])[at])
@@ -72,17 +72,17 @@ def _agreement(p: Patient, name: str) -> tuple[float, float]:
     return float(found.value[0]), part
 
 
-def examine_label(p: Patient) -> None:
+def examine_label(p: WorkingCopy) -> None:
     """Find the rate channel that is the slope of the heading, whatever it is called.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its heading unwrapped.
     """
     if not p.has("psi") or len(p) < 40:
         return
-    rates = [c for c in p.values if c in ("r", "p") or p.record.extra.get(c) == "rad/s"]
+    rates = [c for c in p.values if c in ("r", "p") or p.unit(c) == "rad/s"]
     rated = {c: _agreement(p, c) for c in rates}
     mine = rated.get("r", (0.0, 0.0))[1]
     others = {c: v for c, v in rated.items() if c != "r" and 0.4 < abs(v[0]) < 2.5}
@@ -92,7 +92,7 @@ def examine_label(p: Patient) -> None:
     if others[best][1] > 0.9 and mine < 0.6:
         has = "r" in rated
         p.add(
-            "mislabelled", "r", robust.sureness(others[best][1] - mine, 0.3, 0.6),
+            "mislabelled", "r", robust.confidence_of(others[best][1] - mine, 0.3, 0.6),
             f"the column called {best} is the slope of the heading ({others[best][1]:.1%} of it explained)"
             + (f", the one called r is not ({mine:.1%})" if has else "; there is no r"),
             "A fit to that r has nothing to do with the rudder: gain and damping are noise.",
@@ -106,12 +106,12 @@ def examine_label(p: Patient) -> None:
             p.values[best] = old
 
 
-def course_scale(p: Patient) -> float | None:
+def course_scale(p: WorkingCopy) -> float | None:
     """Return the slope of the course over ground on the heading; None where the positions do not tell.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     if not p.has("x", "y", "psi"):
@@ -131,12 +131,12 @@ def course_scale(p: Patient) -> float | None:
     return float(found.value[0])
 
 
-def examine_rate(p: Patient) -> None:
+def examine_rate(p: WorkingCopy) -> None:
     """Find wrong units, factors and signs between heading and rate of turn.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its heading unwrapped and its rate found.
     """
     if not p.has("psi", "r") or len(p) < 40:
@@ -164,7 +164,7 @@ def examine_rate(p: Patient) -> None:
         p.add(
             "rate-scale",
             "r",
-            robust.sureness(off / limit, 1, 2),
+            robust.confidence_of(off / limit, 1, 2),
             f"the heading changes {scale:.4g} times as fast as r says",
             "Gain and damping scale with the rate; heading and rate cannot both be fitted.",
             f"Multiply r by {scale:.4g}: the heading is read from a compass card, the rate from a calibration.",
@@ -173,7 +173,7 @@ def examine_rate(p: Patient) -> None:
         p["r"] = p["r"] * scale
 
 
-def _sign(p: Patient, part: float) -> None:
+def _sign(p: WorkingCopy, part: float) -> None:
     course = course_scale(p)
     name = "psi" if course is not None and course < 0 else "r"
     p.add(
@@ -186,12 +186,12 @@ def _sign(p: Patient, part: float) -> None:
     p[name] = -p[name]
 
 
-def _stated(p: Patient, name: str) -> str:
+def _stated(p: WorkingCopy, name: str) -> str:
     unit = p.record.stated.get(name, "").replace("°", "deg").replace(" ", "")
     return "deg/min" if unit in ("deg/min", "deg/minute") else unit
 
 
-def _unit(p: Patient, scale: float) -> None:
+def _unit(p: WorkingCopy, scale: float) -> None:
     clock = _clock_factor(p, scale)
     if clock is not None:
         p.add(
@@ -233,7 +233,7 @@ def _unit(p: Patient, scale: float) -> None:
     p[name] = p[name] * value
 
 
-def _clock_factor(p: Patient, scale: float) -> float | None:
+def _clock_factor(p: WorkingCopy, scale: float) -> float | None:
     """The factor on the clock, where positions and speeds ask for the same one as heading and rate."""
     plain = min((0.001, 1 / 60, 60.0, 1000.0, 3600.0), key=lambda f: abs(log(scale / f)))
     if abs(log(scale / plain)) > 0.05:
@@ -248,7 +248,7 @@ def _clock_factor(p: Patient, scale: float) -> float | None:
     return plain if 0.5 < ratio / plain < 2 else None
 
 
-def _drift_and_lag(p: Patient) -> robust.Regression | None:
+def _drift_and_lag(p: WorkingCopy) -> robust.RobustLine | None:
     """Regress what is left of the heading changes when the integral of r is taken off on time and changes of r."""
     whole = relation(p.t, p["psi"], p["r"])
     if whole is None or whole.explained < 0.5:
@@ -265,12 +265,12 @@ def _drift_and_lag(p: Patient) -> robust.Regression | None:
     return min(found, key=lambda one: float(one.std[1]), default=None)
 
 
-def examine_lag(p: Patient) -> None:
+def examine_lag(p: WorkingCopy) -> None:
     """Find a drift of the gyro and a shift in time between rate and heading.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, units and signs put right.
     """
     if not p.has("psi", "r") or len(p) < 60:
@@ -283,7 +283,7 @@ def examine_lag(p: Patient) -> None:
     drift_limit = max(7 * float(found.std[0]), 0.01 * high, 1e-7)
     if abs(drift) > drift_limit:
         p.add(
-            "bias", "r", robust.sureness(abs(drift) / drift_limit, 1, 3),
+            "bias", "r", robust.confidence_of(abs(drift) / drift_limit, 1, 3),
             f"r differs from the slope of the heading by {np.degrees(drift):+.4g} deg/s throughout (gyro bias)",
             "The model takes the bias for a rudder that is not amidships: the neutral angle and the damping of slow "
             "turns come out wrong.",
@@ -296,7 +296,7 @@ def examine_lag(p: Patient) -> None:
     if abs(lag) > limit:
         which = "behind" if lag > 0 else "ahead of"
         p.add(
-            "latency", "r", robust.sureness(abs(lag) / limit, 1, 2.5),
+            "latency", "r", robust.confidence_of(abs(lag) / limit, 1, 2.5),
             f"r runs {abs(lag):.3g} s ({abs(lag) / dt:.1f} samples) {which} the slope of the heading",
             "The delay is taken for a slower ship: time constants come out wrong by about as much.",
             f"Shift r by {-lag:+.3g} s.", fix={"action": "shift", "column": "r", "seconds": lag}, spoils=abs(lag) > 2 * dt,

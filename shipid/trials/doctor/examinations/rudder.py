@@ -7,17 +7,17 @@ from scipy import ndimage
 
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _GRAVITY = 9.81
 
 
-def examine_rudder(p: Patient) -> None:
+def examine_rudder(p: WorkingCopy) -> None:
     """Examine unit, movement and sign of the rudder.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, heading and rate of turn put right.
     """
     name = p.rudder
@@ -33,7 +33,7 @@ def examine_rudder(p: Patient) -> None:
             p["delta_order"] = -p["delta_order"]
 
 
-def _unit(p: Patient, name: str) -> None:
+def _unit(p: WorkingCopy, name: str) -> None:
     delta = p[name]
     said = p.record.stated.get(name, "?")
     largest = float(np.quantile(np.abs(delta), 0.99))
@@ -59,7 +59,7 @@ def _unit(p: Patient, name: str) -> None:
     p[name] = delta * factor
 
 
-def _moves(p: Patient, name: str) -> None:
+def _moves(p: WorkingCopy, name: str) -> None:
     delta = p[name]
     quiet = 8 * robust.noise(delta)
     reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
@@ -72,7 +72,7 @@ def _moves(p: Patient, name: str) -> None:
     )  # fmt: skip
 
 
-def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regression | None:
+def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.RobustLine | None:
     """Regress ``r' = a delta - b r - b3 r^3 + c``, integrated over blocks.
 
     Parameters
@@ -82,7 +82,7 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regressi
 
     Returns
     -------
-    Regression or None
+    RobustLine or None
         Coefficients a, -b, -b3, c.
     """
     found = []
@@ -96,7 +96,7 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.Regressi
     return min(found, key=lambda one: float(one.std[0] / abs(one.value[0] or 1e-300)), default=None)
 
 
-def _sign(p: Patient, name: str, say: bool = True) -> bool:
+def _sign(p: WorkingCopy, name: str, say: bool = True) -> bool:
     if not (checks.turns_to_port(p.t, p[name], p["r"]) or _answers_to_port(p, name)):
         return False
     if say:
@@ -109,7 +109,7 @@ def _sign(p: Patient, name: str, say: bool = True) -> bool:
     return True
 
 
-def _answers_to_port(p: Patient, name: str) -> bool:
+def _answers_to_port(p: WorkingCopy, name: str) -> bool:
     """Whether the ship, at the end of a stretch of rudder, turns to the other side, at nearly all stretches."""
     delta, r = p[name], p["r"]
     high = 0.3 * float(np.quantile(np.abs(delta), 0.95))
@@ -160,12 +160,12 @@ def executes(delta: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     return large[:, 0], large[:, 1] - large[:, 0], reach
 
 
-def examine_order(p: Patient) -> None:
+def examine_order(p: WorkingCopy) -> None:
     """Find a rudder column that holds the order, and one that is shifted in time.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, signs put right.
     """
     if not p.has("delta") or p.found("no-rudder-movement") or len(p) < 40:
@@ -185,7 +185,7 @@ def examine_order(p: Patient) -> None:
             fastest = _fastest_gear(p)
             if at_once.mean() > 0.7 and rate > fastest:
                 _order(
-                    p, robust.sureness(rate / fastest, 1, 2),
+                    p, robust.confidence_of(rate / fastest, 1, 2),
                     f"the rudder is put over within one sample at {int(at_once.sum())} of {len(start)} executes, at "
                     f"{np.degrees(rate):.3g} deg/s, faster than the {np.degrees(fastest):.3g} deg/s of a fast steering gear",
                     start,
@@ -194,7 +194,7 @@ def examine_order(p: Patient) -> None:
         _delay(p, t, delta)
 
 
-def _order(p: Patient, confidence: float, message: str, at: np.ndarray) -> None:
+def _order(p: WorkingCopy, confidence: float, message: str, at: np.ndarray) -> None:
     p.add(
         "order-not-feedback", "delta", confidence, message,
         "The time the steering gear takes is taken for the ship's: time constants come out too long by about half the "
@@ -203,7 +203,7 @@ def _order(p: Patient, confidence: float, message: str, at: np.ndarray) -> None:
     )  # fmt: skip
 
 
-def _fastest_gear(p: Patient) -> float:
+def _fastest_gear(p: WorkingCopy) -> float:
     """A rudder rate no usual steering gear exceeds [rad/s]: 12 deg/s at 40 m, by Froude's law for smaller ships."""
     length = p.length
     if length is None and p.has("r"):
@@ -215,7 +215,7 @@ def _fastest_gear(p: Patient) -> float:
     return float(np.radians(12.0) * np.sqrt(40.0 / min(length, 40.0)))
 
 
-def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
+def _delay(p: WorkingCopy, t: np.ndarray, delta: np.ndarray) -> None:
     """Find a rudder that moves after the ship has answered, or long before."""
     start, _, reach = executes(delta)
     if len(start) < 3 or reach == 0:
@@ -239,7 +239,7 @@ def _delay(p: Patient, t: np.ndarray, delta: np.ndarray) -> None:
     if abs(lag) >= limit and gain > (1.25 if early else 2.0):
         which = "after the ship has answered it" if early else "long before the ship answers"
         p.add(
-            "latency", "delta", min(robust.sureness(gain, 1.2, 2.5), robust.sureness(abs(lag) / limit, 0.9, 2)),
+            "latency", "delta", min(robust.confidence_of(gain, 1.2, 2.5), robust.confidence_of(abs(lag) / limit, 0.9, 2)),
             f"the rudder moves about {abs(lag):.3g} s {which}",
             "The delay is taken for a slower or a quicker ship: time constants come out wrong by about as much.",
             f"Shift the rudder by {lag:+.3g} s." if early

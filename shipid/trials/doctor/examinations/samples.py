@@ -8,18 +8,18 @@ from scipy.ndimage import median_filter
 from shipid.trials.checks import LARGEST
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rate_of_turn as rates
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _HOLE = 5
 """A hole of up to this many samples is bridged by a straight line; beyond that nobody knows what the ship did."""
 
 
-def examine_holes(p: Patient) -> None:
+def examine_holes(p: WorkingCopy) -> None:
     """Find samples that are empty, NaN, infinite or stand for a missing one; drop or bridge them.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     bad = {name: ~(np.abs(values) <= LARGEST) for name, values in p.values.items()}
@@ -66,7 +66,7 @@ def examine_holes(p: Patient) -> None:
         p.add(
             "not-finite", name, 0.99,
             f"{len(index)} samples of {name} are empty, NaN, infinite or beyond {LARGEST:g}; the longest hole has "
-            f"{longest} samples" + (f" ({p.record.text_error})" if p.record.text_error else ""),
+            f"{longest} samples" + (f" ({p.record.text_fault})" if p.record.text_fault else ""),
             "No residual can be formed there; one NaN makes the whole sum of squares NaN.",
             "Bridge the holes by a line between their neighbours." if short else
             "Identify from the stretches on either side (FILE@A:B); the hole is too long to bridge.",
@@ -89,12 +89,12 @@ def bridged(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return np.where(mask, np.interp(index, index[~mask], values[~mask]), values) if (~mask).any() else values
 
 
-def examine_outliers(p: Patient) -> None:
+def examine_outliers(p: WorkingCopy) -> None:
     """Find samples that stick out of their neighbours by far more than noise, curvature and resolution.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record; the heading is left to `examine_heading`, which has the rate of turn to compare with.
     """
     for name in ("r", "p", "u", "v", "U", "x", "y", "delta", "delta_order", "n", "phi"):
@@ -106,7 +106,7 @@ def examine_outliers(p: Patient) -> None:
             size = float(np.max(np.abs(p[name] - median_filter(p[name], 5, mode="nearest"))[mask]))
             share = size / max(robust.noise(p[name]), 0.003 * float(np.ptp(np.delete(p[name], index))), 1e-12)
             p.add(
-                "outlier", name, robust.sureness(share, 7, 20),
+                "outlier", name, robust.confidence_of(share, 7, 20),
                 f"{len(index)} samples of {name} stick out of their neighbours by up to {share:.0f} times the noise",
                 "Least squares pays for each with the square of its size: gains and damping follow the outliers.",
                 "Replace them by the line between their neighbours.",
@@ -159,29 +159,29 @@ def spread_of(values: np.ndarray) -> float:
     return 1.4826 * float(np.median(some)) if some.size > 0.2 * values.size else 0.0
 
 
-def examine_frozen(p: Patient) -> None:
+def examine_frozen(p: WorkingCopy) -> None:
     """Find channels that stay at one value while the ship says they move.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its rates and headings put right.
     """
     _frozen(p, ("u", "v", "U", "x", "y", "delta"))
 
 
-def examine_frozen_rates(p: Patient) -> None:
+def examine_frozen_rates(p: WorkingCopy) -> None:
     """Find a heading or a rate of turn that stays at one value while the other moves.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, heading and rate in the same unit and sign.
     """
     _frozen(p, ("psi", "r"))
 
 
-def _frozen(p: Patient, names: tuple[str, ...]) -> None:
+def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
     t = p.t
     for name in names:
         if not p.has(name) or len(p) < 30:
@@ -203,7 +203,7 @@ def _frozen(p: Patient, names: tuple[str, ...]) -> None:
         a, b = int(held[k, 0]), int(held[k, 1])
         if missed > 1:
             p.add(
-                "frozen", name, robust.sureness(missed, 1, 3),
+                "frozen", name, robust.confidence_of(missed, 1, 3),
                 f"{name} stands at one value for {b - a + 1} samples ({t[b] - t[a]:.4g} s) while the ship moves",
                 "The model is asked to explain a standstill that never was: the gain comes out too small and the time "
                 "constant too long.",
@@ -212,7 +212,7 @@ def _frozen(p: Patient, names: tuple[str, ...]) -> None:
             )  # fmt: skip
 
 
-def _missed(p: Patient, name: str, a: int, b: int) -> float:
+def _missed(p: WorkingCopy, name: str, a: int, b: int) -> float:
     """How far the channel should have moved meanwhile, over what would pass unnoticed."""
     t, values = p.t, p[name]
     outside = np.concatenate([values[: max(a - 1, 0)], values[b + 2 :]])
@@ -253,13 +253,13 @@ def _missed(p: Patient, name: str, a: int, b: int) -> float:
     return 0.0
 
 
-def _drift(p: Patient) -> float:
+def _drift(p: WorkingCopy) -> float:
     """What the rate of turn lacks of the slope of the heading throughout [rad/s]: the bias of the gyro."""
     found = rates.relation(p.t, p["psi"], p["r"])
     return 0.0 if found is None else float(found.value[1])
 
 
-def _travel(p: Patient) -> float:
+def _travel(p: WorkingCopy) -> float:
     """Twice the time the rudder takes over its whole range [s], from its fastest tenth."""
     rate = np.abs(np.diff(p["delta"])) / np.diff(p.t)
     moving = rate[rate > 0]

@@ -6,17 +6,17 @@ import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
 
 
-def examine_resampling(p: Patient) -> None:
+def examine_resampling(p: WorkingCopy) -> None:
     """Find channels whose samples lie on lines between the samples of a slower record, or repeat them.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its clock in order.
     """
     seen: dict[str, float] = {}
@@ -28,7 +28,7 @@ def examine_resampling(p: Patient) -> None:
     worst = max(seen, key=lambda name: seen[name])
     share = seen[worst]
     p.add(
-        "resampled", ",".join(seen), robust.sureness(share, 0.37, 0.47),
+        "resampled", ",".join(seen), robust.confidence_of(share, 0.37, 0.47),
         f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",
@@ -73,12 +73,12 @@ def _dilated(mask: np.ndarray, width: int) -> np.ndarray:
     return np.convolve(mask.astype(float), np.ones(2 * width + 1), "same") > 0.5
 
 
-def examine_resolution(p: Patient) -> None:
+def examine_resolution(p: WorkingCopy) -> None:
     """Find channels that are printed or measured more coarsely than they move from sample to sample.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its clock in order.
     """
     held = {c for f in p.findings if f.kind == "resampled" for c in f.channel.split(",")}
@@ -95,7 +95,7 @@ def examine_resolution(p: Patient) -> None:
         share = float(np.quantile(steps[steps > 0], 0.8)) / reach
         if share > (0.004 if still < 0.6 else 0.0015):
             p.add(
-                "quantised", name, min(robust.sureness(still, 0.25, 0.7), robust.sureness(share, 0.0015, 0.006)),
+                "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
                 f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {still:.0%} of the samples",
                 "The error is no white noise: differences are zero or far too large, and what is derived from them is "
                 "worthless; weights from the residuals come out too large.",
@@ -104,12 +104,12 @@ def examine_resolution(p: Patient) -> None:
             )  # fmt: skip
 
 
-def unit_time(p: Patient) -> float | None:
+def unit_time(p: WorkingCopy) -> float | None:
     """Return the time the ship takes for its own length [s], from its particulars or from its helm.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None
@@ -126,12 +126,12 @@ def unit_time(p: Patient) -> float | None:
     return float(np.median(apart)) / 5 if regular else None
 
 
-def examine_sampling(p: Patient) -> None:
+def examine_sampling(p: WorkingCopy) -> None:
     """Find records sampled too slowly for their ship, and records too short to tell anything.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     dt, unit = p.sampling, unit_time(p)
@@ -140,7 +140,7 @@ def examine_sampling(p: Patient) -> None:
         if dt > 1.02 * limit:
             known = "" if p.length is not None else " (estimated from the executes)"
             p.add(
-                "coarse-sampling", "t", robust.sureness(dt / limit, 0.9, 2.0),
+                "coarse-sampling", "t", robust.confidence_of(dt / limit, 0.9, 2.0),
                 f"samples come every {dt:.4g} s, and the ship takes {unit:.4g} s for its own length{known}: fewer than five",
                 "The moment of the execute is known to half an interval only; rudder ramps and the rise of the rate fall "
                 "between samples, so that time constants are uncertain by as much.",
@@ -148,12 +148,12 @@ def examine_sampling(p: Patient) -> None:
             )  # fmt: skip
 
 
-def examine_length(p: Patient) -> None:
+def examine_length(p: WorkingCopy) -> None:
     """Find records that end before the ship has answered the rudder.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record.
     """
     n = len(p)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.working_copy import Patient
+from shipid.trials.doctor.working_copy import WorkingCopy
 
 _KNOT = 1852 / 3600
 _STRONGEST = 0.35
@@ -31,12 +31,12 @@ class _Fit:
     sigma: float
 
 
-def examine_track(p: Patient) -> None:
+def examine_track(p: WorkingCopy) -> None:
     """Compare positions with speeds and heading; put frame, labels and factors right.
 
     Parameters
     ----------
-    p : Patient
+    p : WorkingCopy
         The record, its heading in order.
     """
     if not p.has("psi") or len(p) < 60 or not (p.has("u") or p.has("U")):
@@ -52,7 +52,7 @@ def examine_track(p: Patient) -> None:
         _scale(p, fit)
 
 
-def _jumps(p: Patient) -> None:
+def _jumps(p: WorkingCopy) -> None:
     """Find positions that jump farther than the ship can go."""
     speed = np.hypot(p["u"], p["v"]) if p.has("u", "v") else p["u"] if p.has("u") else p["U"]
     step = np.hypot(np.diff(p["x"]), np.diff(p["y"]))
@@ -63,14 +63,14 @@ def _jumps(p: Patient) -> None:
     if len(far) and len(far) < 0.02 * len(p):
         total = float(np.sum(step[far]))
         p.add(
-            "position-jump", "x,y", robust.sureness(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
+            "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
             f"the positions jump {len(far)} times, by {total:.4g} m together, farther than the ship can sail",
             "The fix was lost and found, or the positions' clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
         )  # fmt: skip
 
 
-def _knots_mistaken(p: Patient) -> float | None:
+def _knots_mistaken(p: WorkingCopy) -> float | None:
     """Way made good over logged way on the whole, where it is the ratio of a knot taken wrongly (1.9834 for 1.9438).
 
     Positions whose clock wanders disagree with the speeds from block to block; over the whole record that cancels.
@@ -85,7 +85,7 @@ def _knots_mistaken(p: Patient) -> float | None:
     return along / way if abs(along / way - _MISTAKEN_KNOT) < 0.005 else None
 
 
-def _blocks(p: Patient) -> np.ndarray:
+def _blocks(p: WorkingCopy) -> np.ndarray:
     """Edges of blocks in which the ship makes far more way than the positions are noisy."""
     way = float(np.sum(np.hypot(np.diff(p["x"][:: max(1, len(p) // 60)]), np.diff(p["y"][:: max(1, len(p) // 60)]))))
     rough = robust.noise(p["x"]) + robust.noise(p["y"]) + 1e-12
@@ -93,7 +93,7 @@ def _blocks(p: Patient) -> np.ndarray:
     return robust.edges(len(p), count)
 
 
-def _steps(p: Patient, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _steps(p: WorkingCopy, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Way made good along and across the ship, block by block [m]."""
     middle = 0.5 * (p["psi"][1:] + p["psi"][:-1])
     north, east = np.diff(p["x"]), np.diff(p["y"])
@@ -103,12 +103,12 @@ def _steps(p: Patient, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return np.diff(along[at]), np.diff(across[at])
 
 
-def _earth(p: Patient, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+def _earth(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Integrals of two velocities, block by block, in one column."""
     return np.concatenate([np.diff(robust.integral(p.t, u)[at]), np.diff(robust.integral(p.t, v)[at])])
 
 
-def _misfit(p: Patient, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool = True) -> float:
+def _misfit(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool = True) -> float:
     """Robust misfit of velocities (north, east) to the track, a factor and a current granted."""
     target = np.concatenate([np.diff(p["x"][at]), np.diff(p["y"][at])])
     way = _earth(p, at, u, v)
@@ -127,7 +127,7 @@ def _misfit(p: Patient, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool
     return float(np.sqrt(np.mean(np.sort(rest**2)[: int(0.9 * len(rest))])))
 
 
-def _frame(p: Patient) -> None:
+def _frame(p: WorkingCopy) -> None:
     """Find out in which frame u and v are: the ship's, the earth's, or exchanged."""
     at = _blocks(p)
     c, s = np.cos(p["psi"]), np.sin(p["psi"])
@@ -145,7 +145,7 @@ def _frame(p: Patient) -> None:
         ratio = misfit["body"] / max(misfit[best], floor)
         if best == "earth":
             p.add(
-                "earth-fixed-velocity", "u,v", robust.sureness(ratio, 1.3, 2.2),
+                "earth-fixed-velocity", "u,v", robust.confidence_of(ratio, 1.3, 2.2),
                 f"u and v are velocities north and east: turned by the heading they miss the track by {ratio:.1f} times "
                 "as much",
                 "The ship seems to slow down and slip whenever it turns: sway and surge coefficients are those of the "
@@ -155,7 +155,7 @@ def _frame(p: Patient) -> None:
             p["u"], p["v"] = u * c + v * s, v * c - u * s
         elif best == "exchanged":
             p.add(
-                "mislabelled", "u,v", robust.sureness(ratio, 1.3, 2.2),
+                "mislabelled", "u,v", robust.confidence_of(ratio, 1.3, 2.2),
                 "u and v fit the track when their names are exchanged",
                 "The model sees a ship that sails sideways.", "Exchange the names u and v.",
                 fix={"action": "relabel", "from": "v", "to": "u"},
@@ -163,7 +163,7 @@ def _frame(p: Patient) -> None:
             p["u"], p["v"] = v, u
         else:
             p.add(
-                "sway-sign", "v", robust.sureness(ratio, 1.3, 2.5),
+                "sway-sign", "v", robust.confidence_of(ratio, 1.3, 2.5),
                 "v fits the track when it is counted the other way round",
                 "Drift and sway forces change sign: the ship would slip into its turns.",
                 "Turn v over; in a format file: sign = -1.", fix={"action": "scale", "column": "v", "factor": -1.0},
@@ -173,7 +173,7 @@ def _frame(p: Patient) -> None:
     swapped = _swapped(p, at, readings["body"])
     if swapped < misfit["body"] / 2 and misfit["body"] > 3 * floor:
         p.add(
-            "mislabelled", "x,y", robust.sureness(misfit["body"] / max(swapped, floor), 2, 4),
+            "mislabelled", "x,y", robust.confidence_of(misfit["body"] / max(swapped, floor), 2, 4),
             "x and y fit heading and speed when their names are exchanged: x is north, y is east",
             "Tracks, drift angles and currents come out mirrored.", "Exchange the names x and y.",
             fix={"action": "relabel", "from": "y", "to": "x"},
@@ -181,7 +181,7 @@ def _frame(p: Patient) -> None:
         p["x"], p["y"] = p["y"], p["x"]
 
 
-def _swapped(p: Patient, at: np.ndarray, velocity: tuple[np.ndarray, np.ndarray]) -> float:
+def _swapped(p: WorkingCopy, at: np.ndarray, velocity: tuple[np.ndarray, np.ndarray]) -> float:
     p["x"], p["y"] = p["y"], p["x"]
     try:
         return _misfit(p, at, *velocity)
@@ -189,7 +189,7 @@ def _swapped(p: Patient, at: np.ndarray, velocity: tuple[np.ndarray, np.ndarray]
         p["x"], p["y"] = p["y"], p["x"]
 
 
-def _compare(p: Patient) -> _Fit | None:
+def _compare(p: WorkingCopy) -> _Fit | None:
     """Fit factor and current to the way along the ship (and across it, where v is there)."""
     at = _blocks(p)
     along, across = _steps(p, at)
@@ -218,7 +218,7 @@ def _compare(p: Patient) -> _Fit | None:
     return _Fit(float(both.value[0]), float(both.std[0]), flow, float(np.max(both.std[1:])), both.sigma)
 
 
-def _scale(p: Patient, fit: _Fit) -> None:
+def _scale(p: WorkingCopy, fit: _Fit) -> None:
     names = ",".join(n for n in ("u", "v", "U") if p.has(n))
     columns = [n for n in ("u", "v", "U") if p.has(n)]
     speed = p["u"] if p.has("u") else p["U"]
@@ -241,7 +241,7 @@ def _scale(p: Patient, fit: _Fit) -> None:
         factor = next((f for f, u in _UNITS if u == unit), fit.scale)
         knots = " (the knot taken as 1.9834 instead of 1.9438)" if abs(fit.scale - 1.020372) < 0.004 else ""
         p.add(
-            "unit" if unit else "speed-scale", names, robust.sureness(abs(fit.scale - 1) / limit, 1, 1.8),
+            "unit" if unit else "speed-scale", names, robust.confidence_of(abs(fit.scale - 1) / limit, 1, 1.8),
             f"the positions move {fit.scale:.4f} times as fast as the speeds say{knots}"
             + (f": {names} are {unit}" if unit else ""),
             "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
@@ -255,7 +255,7 @@ def _scale(p: Patient, fit: _Fit) -> None:
     if current > flow_limit:
         to = np.degrees(np.arctan2(fit.flow[1], fit.flow[0])) % 360
         p.add(
-            "track-inconsistent", "x,y," + names, robust.sureness(current / flow_limit, 1, 2.5),
+            "track-inconsistent", "x,y," + names, robust.confidence_of(current / flow_limit, 1, 2.5),
             f"the positions drift by {current:.3g} m/s to {to:.0f} deg against the speeds: a current, or a log that is off",
             "Speeds through the water and over the ground differ: advance and tactical diameter from positions are those "
             "of ship and current together.",
@@ -266,14 +266,14 @@ def _scale(p: Patient, fit: _Fit) -> None:
     grid = max(robust.resolution(p["x"])[0], robust.resolution(p["y"])[0])
     if fit.sigma > 12 * (rough + grid) and fit.sigma > 0.1 * mean * float(np.ptp(p.t)) / 80:
         p.add(
-            "track-inconsistent", "x,y," + names, robust.sureness(fit.sigma / (rough + grid), 12, 40),
+            "track-inconsistent", "x,y," + names, robust.confidence_of(fit.sigma / (rough + grid), 12, 40),
             f"positions and speeds disagree by {fit.sigma:.3g} m from block to block, far beyond their noise",
             "One of the two is not what it says; a fit to both averages a ship that does not exist.",
             "Find out which is right, and leave the other out.", spoils=False,
         )  # fmt: skip
 
 
-def _frame_alone(p: Patient) -> None:
+def _frame_alone(p: WorkingCopy) -> None:
     """Without positions: velocities that follow the sine of the heading are the earth's."""
     if not p.has("u", "v") or float(np.ptp(p["psi"])) < np.radians(15):
         return

@@ -9,10 +9,10 @@ import numpy as np
 from shipid.declaration import units
 from shipid.trials.logs.nmea.errors import CalibrationError, NoHeadingError, NoRudderError
 from shipid.trials.logs.nmea.geodesy import to_local
-from shipid.trials.logs.nmea.log import Log
+from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.resampling import Signal
 from shipid.trials.logs.nmea.settings import Calibration, NmeaFormat
-from shipid.trials.logs.nmea.sources import Found, Wanted, check_sources, choose
+from shipid.trials.logs.nmea.sources import SignalSource, Wanted, check_sources, choose
 
 KNOT = 1852 / 3600
 """In m/s."""
@@ -25,12 +25,12 @@ _MAGNETIC: list[Wanted] = [("HDG", ("heading",)), ("HDM", ("heading",))]
 _LAST: list[Wanted] = [("VHW", ("heading",))]
 
 
-def read_signals(log: Log, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Signal]:
+def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Signal]:
     """Read every signal a log holds.
 
     Parameters
     ----------
-    log : Log
+    log : NmeaLog
         The log.
     times : ndarray, shape (n,)
         Time of every sentence [s].
@@ -78,7 +78,7 @@ def read_signals(log: Log, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Sign
     return {signal.name: signal for signal in found if signal is not None}
 
 
-def _heading(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal:
+def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal:
     tiers = [_TRUE, _MAGNETIC, _LAST] if fmt.reference == "true" else [_MAGNETIC, _TRUE, _LAST]
     found = choose(log, times, fmt, "psi", tiers)
     if found is None:
@@ -104,7 +104,7 @@ def _heading(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal:
     return Signal("psi", found.t, psi[:, None], (note + ".", *more))
 
 
-def _variation(log: Log, fmt: NmeaFormat, found: Found) -> tuple[float | None, str]:
+def _variation(log: NmeaLog, fmt: NmeaFormat, found: SignalSource) -> tuple[float | None, str]:
     if fmt.variation is not None:
         return fmt.variation, f"{fmt.variation / _DEG:+.4g} deg, of the format file"
     keys = [k for k in log.records if k == (found.kind, found.talker) and k[0] == "HDG"]
@@ -118,7 +118,7 @@ def _variation(log: Log, fmt: NmeaFormat, found: Found) -> tuple[float | None, s
 
 
 def _rudder(
-    log: Log, times: np.ndarray, fmt: NmeaFormat, name: str, kind: str, calibration: Calibration
+    log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, name: str, kind: str, calibration: Calibration
 ) -> Signal | None:
     sides: dict[str, tuple[str, ...]] = {"starboard": ("starboard",), "port": ("port",), "mean": ("starboard", "port")}
     for use in (calibration.use,) if calibration.use else ("starboard", "port"):
@@ -164,7 +164,7 @@ def _rudder(
     return Signal(name, found.t, angle[:, None], (note + ".", *more))
 
 
-def _rate(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
+def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     found = choose(log, times, fmt, "r", [[("ROT", ("rate",))]])
     if found is None:
         return None
@@ -173,7 +173,7 @@ def _rate(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     return Signal("r", found.t, r, (note + ".",))
 
 
-def _log_speed(log: Log, times: np.ndarray, fmt: NmeaFormat, has_course: bool) -> Signal | None:
+def _log_speed(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, has_course: bool) -> Signal | None:
     """Speeds of the log: through the water or over ground, both axes where there are two."""
     water: list[list[Wanted]] = [[("VBW", ("u", "v"))], [("VBW", ("u",)), ("VHW", ("u",))]]
     ground: list[list[Wanted]] = [[("VBW", ("u_ground", "v_ground"))], [("VBW", ("u_ground",))]]
@@ -189,7 +189,7 @@ def _log_speed(log: Log, times: np.ndarray, fmt: NmeaFormat, has_course: bool) -
     return None
 
 
-def _course(log: Log, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
+def _course(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
     """Velocity over ground along the ship and across: it changes less than north and east do between two sentences."""
     found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))]])
     if found is None:
@@ -203,7 +203,7 @@ def _course(log: Log, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal
     return Signal("course", t, vector, (f"U: {found.describe()}; over ground, knots.",))
 
 
-def _position(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
+def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     place = ("lat", "lon")
     found = choose(log, times, fmt, "position", [[("GGA", place), ("RMC", place), ("GLL", place)]])
     if found is None:
@@ -224,7 +224,7 @@ def _position(log: Log, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     return Signal("position", found.t, np.column_stack((north, east)), (note + ".", *more))
 
 
-def _winds(log: Log, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> list[Signal | None]:
+def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> list[Signal | None]:
     signals: list[Signal | None] = []
     for name, fields in (("wind", ("angle", "speed")), ("true wind", ("true_angle", "true_speed"))):
         found = choose(log, times, fmt, "wind", [[("MWV", fields)]])

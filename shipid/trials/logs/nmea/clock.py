@@ -10,7 +10,7 @@ import numpy as np
 from shipid.trials.errors import ClockError
 from shipid.trials.logs.nmea.errors import NoTimeError
 from shipid.trials.logs.nmea.lines import DAY
-from shipid.trials.logs.nmea.log import Log, Records
+from shipid.trials.logs.nmea.log import NmeaLog, Records
 from shipid.trials.logs.nmea.sentences import CARRIED
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
@@ -23,7 +23,7 @@ _WITH_UTC = ("RMC", "ZDA", "GGA", "GLL")
 
 
 @dataclass(frozen=True)
-class Clock:
+class LogClock:
     """The time of every sentence of a log.
 
     Attributes
@@ -38,19 +38,19 @@ class Clock:
     notes: tuple[str, ...]
 
 
-def read_clock(log: Log, fmt: NmeaFormat) -> Clock:
+def read_clock(log: NmeaLog, fmt: NmeaFormat) -> LogClock:
     """Find the time of every sentence.
 
     Parameters
     ----------
-    log : Log
+    log : NmeaLog
         The log.
     fmt : NmeaFormat
         May say the date.
 
     Returns
     -------
-    Clock
+    LogClock
 
     Raises
     ------
@@ -79,7 +79,7 @@ def read_clock(log: Log, fmt: NmeaFormat) -> Clock:
     if not dated and fmt.date is not None:
         start += (fmt.date - date(1970, 1, 1)).days * DAY
         notes.append(f"The date {fmt.date} is the format file's.")
-    return Clock(times - float(known.min()), (f"t = 0 is {_moment(start, dated or fmt.date is not None)}.", *notes))
+    return LogClock(times - float(known.min()), (f"t = 0 is {_moment(start, dated or fmt.date is not None)}.", *notes))
 
 
 def _moment(seconds: float, dated: bool) -> str:
@@ -101,7 +101,7 @@ def _unrolled(seconds: np.ndarray) -> tuple[np.ndarray, int]:
     return np.concatenate((seconds[:1], seconds[0] + np.cumsum(step - days * DAY))), int(-days.sum())
 
 
-def _jumped(log: Log, before: int, after: int, back: float, what: str) -> ClockError:
+def _jumped(log: NmeaLog, before: int, after: int, back: float, what: str) -> ClockError:
     return ClockError(
         f"{log.where}, line {log.numbers[after]}: the clock jumps back by {back:.4g} s against line "
         f"{log.numbers[before]} ({what}). Cut the log there and read the parts one by one, or correct the stamps."
@@ -114,7 +114,7 @@ def _midnights(days: int) -> list[str]:
     )
 
 
-def _by_stamps(log: Log) -> tuple[np.ndarray, bool, list[str]]:
+def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
     at = np.flatnonzero(np.isfinite(log.stamps))
     stamps, notes = log.stamps[at], ["The time of a sentence is the logger's stamp."]
     if not log.dated:
@@ -179,7 +179,7 @@ def _utc_of(kind: str, records: Records) -> tuple[np.ndarray, np.ndarray, np.nda
     return records.order[has], utc[has], days
 
 
-def _best_utc(log: Log) -> tuple[str, str] | None:
+def _best_utc(log: NmeaLog) -> tuple[str, str] | None:
     """The sentence and talker that says UTC most often; one alone, because each lags by its own."""
     counts = {
         (kind, talker): len(np.unique(_utc_of(kind, records)[1]))
@@ -190,7 +190,7 @@ def _best_utc(log: Log) -> tuple[str, str] | None:
     return max(counts, key=lambda key: (counts[key], -_WITH_UTC.index(key[0]))) if counts else None
 
 
-def _by_utc(log: Log, kind: str, talker: str) -> tuple[np.ndarray, bool, list[str]]:
+def _by_utc(log: NmeaLog, kind: str, talker: str) -> tuple[np.ndarray, bool, list[str]]:
     order, utc, days = _utc_of(kind, log.records[kind, talker])
     notes = [
         f"The time of a sentence is the UTC of {talker}{kind}, interpolated over the lines between two of them; how long "
@@ -223,7 +223,7 @@ def _by_utc(log: Log, kind: str, talker: str) -> tuple[np.ndarray, bool, list[st
     return times, dated, notes
 
 
-def _with_date(log: Log, times: np.ndarray) -> tuple[np.ndarray, bool, list[str]]:
+def _with_date(log: NmeaLog, times: np.ndarray) -> tuple[np.ndarray, bool, list[str]]:
     """Add the date of another sentence, where one says it."""
     for (kind, talker), records in log.records.items():
         if "day" not in CARRIED[kind][0]:

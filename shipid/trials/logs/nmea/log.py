@@ -37,7 +37,7 @@ class Records:
 
 
 @dataclass(frozen=True)
-class Log:
+class NmeaLog:
     """A log, read.
 
     Attributes
@@ -79,7 +79,7 @@ class Log:
         return shown + (f" and {len(counts) - 12} others" if len(counts) > 12 else "")
 
 
-def read_log(file: Path, fmt: NmeaFormat) -> Log:
+def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
     """Read a log.
 
     Parameters
@@ -91,7 +91,7 @@ def read_log(file: Path, fmt: NmeaFormat) -> Log:
 
     Returns
     -------
-    Log
+    NmeaLog
 
     Raises
     ------
@@ -195,7 +195,7 @@ class _Collector:
         self.addresses.append(self.known.setdefault(address, len(self.known)))
         self.exact += stamp is not None and stamp.exact
 
-    def log(self, where: str) -> Log:
+    def log(self, where: str) -> NmeaLog:
         if not self.contents:
             raise EmptyFileError(
                 f"{where} holds no sentences, only {self.lines} empty or comment lines. Check that the log was written "
@@ -232,7 +232,7 @@ class _Collector:
         has = np.isfinite(stamps)
         majority = bool(dated[has].mean() > 0.5) if has.any() else False
         stamps = np.where(dated == majority, stamps, np.nan)
-        return Log(
+        return NmeaLog(
             where,
             numbers,
             stamps,

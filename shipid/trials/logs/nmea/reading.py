@@ -9,13 +9,13 @@ import numpy as np
 
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
-from shipid.trials.logs.assembly import Raw
 from shipid.trials.logs.nmea.channels import read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
 from shipid.trials.logs.nmea.log import read_log
 from shipid.trials.logs.nmea.resampling import Signal, resample
 from shipid.trials.logs.nmea.settings import NmeaFormat
+from shipid.trials.logs.record import LenientRecord
 
 SHORTEST = 0.1
 """Shortest sampling interval that is taken by itself [s]."""
@@ -27,7 +27,7 @@ _UNITS = {
 }  # fmt: skip
 
 
-def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
+def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ...]]:
     """Read an NMEA 0183 log as raw columns with their units.
 
     Parameters
@@ -39,7 +39,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
 
     Returns
     -------
-    raw : Raw
+    record : LenientRecord
         The columns on one clock, with notes on where each comes from and what was left out.
     comments : tuple of str
         The comment lines at the head of the file.
@@ -65,7 +65,6 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
             f"{log.where}: heading and rudder are nowhere known together ({ends}). Check that both sensors were logged "
             "at once; a longer gap in [nmea] of a format file lets sparse sentences be interpolated."
         )
-    _check_rate(signals, log.where)
     columns = {"t": t} | _columns(t, found, fmt, signals)
     # Sentences count in degrees, and so does what is said of these columns.
     columns |= {name: np.degrees(columns[name]) for name in columns if _UNITS[name].startswith("deg")}
@@ -77,7 +76,9 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[Raw, tuple[str, ...]]:
         seen = ", ".join(f"{address} ({n})" for address, n in log.others.most_common(10))
         rest = len(log.others) - 10
         notes.append(f"Sentences that are not read: {seen}" + (f" and {rest} others." if rest > 0 else "."))
-    return Raw(columns, {name: _UNITS[name] for name in columns}, log.where, notes=notes), log.head
+    stated = {name: _UNITS[name] for name in columns}
+    faults = _rate_fault(signals, log.where)
+    return LenientRecord(file.stem, columns, stated, log.where, notes=tuple(notes), faults=faults), log.head
 
 
 def _columns(
@@ -144,21 +145,23 @@ def _derived(
     return notes
 
 
-def _check_rate(signals: dict[str, Signal], where: str) -> None:
-    """Refuse a ROT that is not in the unit it is said to be in: the heading tells."""
+def _rate_fault(signals: dict[str, Signal], where: str) -> tuple[CalibrationError, ...]:
+    """Return the fault of a ROT that is not in the unit it is said to be in: the heading tells."""
     if "r" not in signals:
-        return
+        return ()
     psi, rate = signals["psi"], signals["r"]
     inside = (psi.t >= rate.t[0]) & (psi.t <= rate.t[-1])
     if inside.sum() < checks.FEWEST_SAMPLES:
-        return
+        return ()
     t = psi.t[inside]
     columns = {"t": t, "psi": psi.values[inside, 0], "r": np.interp(t, rate.t, rate.values[:, 0])}
     try:
         checks.check_angles(columns, {"psi": "deg", "r": "deg/s"}, where)
     except LooksLikeDegreesError as error:
-        finding = str(error).partition("look like ")[2].partition(": ")[2].partition(". Write")[0]
-        raise CalibrationError(
-            f"{where}: ROT does not fit the heading: {finding}. State unit = 'deg/s' (or what the sensor sends) in "
-            "[nmea.rate] of a format file, or leave_out = ['r'] in [nmea]."
-        ) from None
+        return (
+            CalibrationError(
+                f"{where}: ROT does not fit the heading: {error.finding}. State unit = 'deg/s' (or what the sensor sends) in "
+                "[nmea.rate] of a format file, or leave_out = ['r'] in [nmea]."
+            ),
+        )
+    return ()

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from datetime import date, datetime, time
 from typing import Any
 
-from shipid.trials.errors import MissingExtraError
+from shipid.foundation.errors import MissingExtraError
 
 NAN = float("nan")
 _EPOCH_DAY = date(1970, 1, 1).toordinal()
@@ -35,9 +35,7 @@ def parser() -> Callable[[str], Any]:
         from pynmeagps import NMEAReader
         from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEATypeError
     except ImportError:
-        raise MissingExtraError(
-            "NMEA logs need pynmeagps, which is not installed. Install it with: pip install shipid[nmea]."
-        ) from None
+        raise MissingExtraError("an NMEA log", "pynmeagps", "nmea") from None
 
     def parse(text: str) -> Any:
         try:

@@ -32,24 +32,24 @@ Everything is optional; ``--format nmea`` alone stands for an empty table::
     x = "31.5 m"               # forward
     y = "-2.0 m"               # to starboard
 
-    [nmea.sources]             # whom to believe: sentence, or talker and sentence
+    [nmea.sources]             # which source is taken: sentence, or talker and sentence
     psi = "HEHDT"
     position = "GGA"
 """
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
 from math import pi
 from pathlib import Path
-from typing import Any
 
 from shipid.declaration import units
-from shipid.foundation.errors import UnitError
-from shipid.trials.logs.format import TrialFormat, _Parser, read_format
+from shipid.declaration.tables import Table
+from shipid.foundation.errors import UnitError, nearest
+from shipid.trials.errors import FormatFileError
+from shipid.trials.logs.format import TrialFormat, common_entries, parse_format, read_format_table, sign_of
 from shipid.trials.logs.nmea.lines import stamp_reader
 
 #: What a log may hold, by the names of `NmeaFormat.sources` and `NmeaFormat.leave_out`, and the sentences that carry it.
@@ -173,125 +173,94 @@ def chosen_format(given: str | Path | TrialFormat | None) -> TrialFormat | None:
         return given
     if isinstance(given, str) and given.lower() == "nmea":
         return NmeaFormat("nmea", {})
-    path = Path(given)
+    table, name = read_format_table(given), Path(given).stem
+    return _nmea_format(table, name) if "nmea" in table else parse_format(table, name)
+
+
+def _nmea_format(file: Table, name: str) -> NmeaFormat:
+    """Return the format that the table of a file with ``[nmea]`` states."""
+    file.check_keys(_TOP)
+    table = file.table("nmea")
+    table.check_keys(_NMEA)
+    heading, rate, antenna = table.table("heading"), table.table("rate"), table.table("antenna")
+    heading.check_keys(("reference", "variation", "correction"))
+    rate.check_keys(("unit", "sign"))
+    antenna.check_keys(("x", "y"))
+    day = table.content.get("date")
+    if day is not None and type(day) is not date:
+        raise table.fail(f"'date' is {day!r}. Write a date without quotes, as in date = 2026-05-04.")
+    return NmeaFormat(
+        name,
+        {},
+        **common_entries(file),
+        rudder=_calibration(table.table("rudder")),
+        order=_calibration(table.table("order")),
+        stamp=_stamp(table),
+        date=day,
+        step=table.quantity("interval", "s", positive=True),
+        gap=table.quantity("gap", "s", positive=True),
+        speed=table.choice("speed", ("water", "ground")) or "water",
+        leave_out=_unwanted(table),
+        reference=heading.choice("reference", ("true", "magnetic")) or "true",
+        variation=heading.quantity("variation", "rad"),
+        correction=heading.quantity("correction", "rad") or 0.0,
+        rate_unit=_rate_unit(rate),
+        rate_sign=sign_of(rate),
+        antenna=(antenna.quantity("x", "m") or 0.0, antenna.quantity("y", "m") or 0.0) if antenna.content else None,
+        sources=_sources(table.table("sources")),
+    )
+
+
+def _calibration(table: Table) -> Calibration:
+    table.check_keys(_RUDDER)
+    return Calibration(
+        table.choice("use", ("starboard", "port", "mean")),
+        table.quantity("scale", "rad", positive=True) or Calibration.scale,
+        table.quantity("offset", "rad") or 0.0,
+        sign_of(table),
+        "scale" in table,
+    )
+
+
+def _stamp(table: Table) -> str:
+    layout = str(table.value("stamp", str, "auto"))
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError, UnicodeDecodeError):
-        return read_format(path)  # says what is wrong
-    return _NmeaParser(path).parse(content) if "nmea" in content else read_format(path)
+        stamp_reader(layout)
+    except ValueError as error:
+        raise table.fail(
+            f"'stamp' is '{layout}', and {error}. Write auto, iso, epoch, hh:mm:ss, seconds, milliseconds, "
+            "none, or a strptime layout."
+        ) from None
+    return layout
 
 
-class _NmeaParser(_Parser):
-    """Turns the content of a format file with ``[nmea]`` into an `NmeaFormat`."""
+def _rate_unit(table: Table) -> str:
+    unit = str(table.value("unit", str, "deg/min"))
+    try:
+        units.factor(unit, "rad/s", f"{table.where}: 'unit'")
+    except UnitError as error:
+        raise FormatFileError(str(error)) from None
+    return unit
 
-    def parse(self, content: dict[str, Any]) -> NmeaFormat:
-        self.check_keys(content, _TOP, "a file with [nmea]")
-        table = self.section(content, "nmea")
-        self.check_keys(table, _NMEA, "[nmea]")
-        parts = {key: self.part(table, key) for key in ("rudder", "order", "heading", "rate", "antenna", "sources")}
-        heading, rate, antenna = parts["heading"], parts["rate"], parts["antenna"]
-        self.check_keys(heading, ("reference", "variation", "correction"), "[nmea.heading]")
-        self.check_keys(rate, ("unit", "sign"), "[nmea.rate]")
-        self.check_keys(antenna, ("x", "y"), "[nmea.antenna]")
-        day = table.get("date")
-        if day is not None and type(day) is not date:
-            raise self.fail(f"[nmea] date is {day!r}. Write a date without quotes, as in date = 2026-05-04.")
-        where = "[nmea] "
-        return NmeaFormat(
-            self.path.stem,
-            {},
-            encoding=self.encoding(self.typed(content, "encoding", str, "", None)),
-            comment=self.comment(self.typed(content, "comment", str, "", "#")),
-            windows={name: self.window(name, value) for name, value in self.section(content, "windows").items()},
-            **{key: self.typed(content, key, str, "", None) for key in ("ship", "source", "title")},
-            rudder=self.calibration(parts["rudder"], "[nmea.rudder]"),
-            order=self.calibration(parts["order"], "[nmea.order]"),
-            stamp=self.stamp(self.typed(table, "stamp", str, where, "auto")),
-            date=day,
-            step=self.quantity(table["interval"], "s", "nmea.interval") if "interval" in table else None,
-            gap=self.quantity(table["gap"], "s", "nmea.gap") if "gap" in table else None,
-            speed=self.one_of(table, "speed", ("water", "ground"), where),
-            leave_out=self.unwanted(table.get("leave_out", [])),
-            reference=self.one_of(heading, "reference", ("true", "magnetic"), "[nmea.heading] "),
-            variation=self.signed(heading, "variation", "rad", "nmea.heading.") if "variation" in heading else None,
-            correction=self.signed(heading, "correction", "rad", "nmea.heading."),
-            rate_unit=self.rate_unit(self.typed(rate, "unit", str, "[nmea.rate] ", "deg/min")),
-            rate_sign=self.sign(rate, "[nmea.rate]"),
-            antenna=self.place(antenna),
-            sources=self.chosen(parts["sources"]),
-        )
 
-    def part(self, table: dict[str, Any], key: str) -> dict[str, Any]:
-        value = table.get(key, {})
-        if not isinstance(value, dict):
-            raise self.fail(f"nmea.{key} is {value!r}, and must be a table [nmea.{key}].")
-        return value
+def _unwanted(table: Table) -> tuple[str, ...]:
+    names = table.value("leave_out", list, [])
+    if not all(isinstance(name, str) for name in names):
+        raise table.fail(f"'leave_out' is {names!r}, and has to be a list of names.")
+    for name in names:
+        if name not in SIGNALS:
+            raise table.fail(f"'leave_out' names '{name}', which is no signal. {nearest(name, SIGNALS)}")
+    return tuple(names)
 
-    def one_of(self, table: dict[str, Any], key: str, choices: tuple[str, ...], where: str) -> str:
-        value = str(self.typed(table, key, str, where, choices[0]))
-        if value not in choices:
-            raise self.fail(f"{where}{key} is '{value}'. Write one of {', '.join(choices)}.")
-        return value
 
-    def signed(self, table: dict[str, Any], key: str, wanted: str, where: str) -> float:
-        """Read a quantity of either sign; zero where it is not given."""
-        value = table.get(key, f"0 {wanted}")
-        if not isinstance(value, (str, int, float)) or isinstance(value, bool):
-            raise self.fail(f"{where}{key} is {value!r}. Write a value with its unit, as text.")
-        try:
-            return units.to_si(value, wanted, f"{where}{key}")
-        except UnitError as error:
-            raise self.fail(str(error)) from None
-
-    def place(self, table: dict[str, Any]) -> tuple[float, float] | None:
-        x, y = (self.signed(table, key, "m", "nmea.antenna.") for key in ("x", "y"))
-        return (x, y) if table else None
-
-    def sign(self, table: dict[str, Any], where: str) -> int:
-        sign = int(self.typed(table, "sign", int, where + " ", 1))
-        if sign not in (1, -1):
-            raise self.fail(f"{where} sign is {sign}, and must be 1 or -1. A factor is written as scale.")
-        return sign
-
-    def calibration(self, table: dict[str, Any], where: str) -> Calibration:
-        self.check_keys(table, _RUDDER, where)
-        use = self.one_of(table, "use", ("starboard", "port", "mean"), where + " ") if "use" in table else None
-        name = where.strip("[]") + "."
-        scale = self.quantity(table["scale"], "rad", name + "scale") if "scale" in table else Calibration.scale
-        return Calibration(
-            use, scale, self.signed(table, "offset", "rad", name), self.sign(table, where), "scale" in table
-        )
-
-    def stamp(self, layout: str) -> str:
-        try:
-            stamp_reader(layout)
-        except ValueError as error:
-            raise self.fail(
-                f"[nmea] stamp is '{layout}', and {error}. Write auto, iso, epoch, hh:mm:ss, seconds, milliseconds, "
-                "none, or a strptime layout."
-            ) from None
-        return layout
-
-    def rate_unit(self, unit: str) -> str:
-        try:
-            units.factor(unit, "rad/s", "nmea.rate.unit")
-        except UnitError as error:
-            raise self.fail(str(error)) from None
-        return unit
-
-    def unwanted(self, names: Any) -> tuple[str, ...]:
-        if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-            raise self.fail(f"[nmea] leave_out is {names!r}, and must be a list of names.")
-        self.check_keys(dict.fromkeys(names), SIGNALS, "[nmea] leave_out")
-        return tuple(names)
-
-    def chosen(self, table: dict[str, Any]) -> dict[str, str]:
-        self.check_keys(table, SIGNALS, "[nmea.sources]")
-        for name in table:
-            address = self.typed(table, name, str, "[nmea.sources] ", "")
-            if address[-3:] not in SIGNALS[name] or len(address) not in (3, 5):
-                raise self.fail(
-                    f"[nmea.sources] {name} is '{address}'. Write one of {', '.join(SIGNALS[name])}, with the talker "
-                    f"before it or without, as in '{'GP' if name in ('position', 'course') else 'HE'}{SIGNALS[name][0]}'."
-                )
-        return dict(table)
+def _sources(table: Table) -> dict[str, str]:
+    table.check_keys(SIGNALS)
+    sources = {name: str(table.value(name, str)) for name in table}
+    for name, address in sources.items():
+        if address[-3:] not in SIGNALS[name] or len(address) not in (3, 5):
+            talker = "GP" if name in ("position", "course") else "HE"
+            raise table.fail(
+                f"'{name}' is '{address}'. Write one of {', '.join(SIGNALS[name])}, with the talker before it or without, "
+                f"as in '{talker}{SIGNALS[name][0]}'."
+            )
+    return sources

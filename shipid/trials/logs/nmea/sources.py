@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.trials.logs.nmea.errors import NoSuchSourceError
-from shipid.trials.logs.nmea.log import Log
+from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.sentences import CARRIED
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
@@ -20,7 +20,7 @@ Wanted = tuple[str, tuple[str, ...]]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SignalSource:
     """The source of a signal.
 
     Attributes
@@ -66,12 +66,12 @@ class Found:
         return text + (f"; {', '.join(self.others)} not used" if self.others else "")
 
 
-def take(log: Log, times: np.ndarray, kind: str, talker: str, fields: tuple[str, ...]) -> Found | None:
+def take(log: NmeaLog, times: np.ndarray, kind: str, talker: str, fields: tuple[str, ...]) -> SignalSource | None:
     """Return the values of one sentence and talker; None where fewer than two are valid.
 
     Parameters
     ----------
-    log : Log
+    log : NmeaLog
         The log.
     times : ndarray, shape (n,)
         Time of every sentence [s], NaN where it is not known.
@@ -82,7 +82,7 @@ def take(log: Log, times: np.ndarray, kind: str, talker: str, fields: tuple[str,
 
     Returns
     -------
-    Found or None
+    SignalSource or None
     """
     records = log.records.get((kind, talker))
     if records is None:
@@ -96,15 +96,17 @@ def take(log: Log, times: np.ndarray, kind: str, talker: str, fields: tuple[str,
     if last.sum() < 2:
         return None
     rejected, repeated = int((~valid).sum()), int((~last).sum())
-    return Found(kind, talker, fields, t[last], values[timed][last], log.numbers[order[last]], rejected, repeated)
+    return SignalSource(
+        kind, talker, fields, t[last], values[timed][last], log.numbers[order[last]], rejected, repeated
+    )
 
 
-def check_sources(log: Log, sources: Mapping[str, str]) -> None:
+def check_sources(log: NmeaLog, sources: Mapping[str, str]) -> None:
     """Refuse a format file that names a source the log does not hold.
 
     Parameters
     ----------
-    log : Log
+    log : NmeaLog
         The log.
     sources : Mapping of str to str
         Sentence, or talker and sentence, by signal.
@@ -123,8 +125,8 @@ def check_sources(log: Log, sources: Mapping[str, str]) -> None:
 
 
 def choose(
-    log: Log, times: np.ndarray, fmt: NmeaFormat, signal: str, tiers: Sequence[Sequence[Wanted]]
-) -> Found | None:
+    log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, signal: str, tiers: Sequence[Sequence[Wanted]]
+) -> SignalSource | None:
     """Choose the source of a signal.
 
     The format file's choice counts. Else the first tier with a source that goes on for at least half as long as the
@@ -132,7 +134,7 @@ def choose(
 
     Parameters
     ----------
-    log : Log
+    log : NmeaLog
         The log.
     times : ndarray, shape (n,)
         Time of every sentence [s].
@@ -145,13 +147,13 @@ def choose(
 
     Returns
     -------
-    Found or None
+    SignalSource or None
         None where no sentence carries the signal.
     """
     if signal in fmt.leave_out:
         return None
     asked = fmt.sources.get(signal, "")
-    found: list[list[Found]] = []
+    found: list[list[SignalSource]] = []
     for tier in tiers:
         level = []
         for kind, fields in tier:

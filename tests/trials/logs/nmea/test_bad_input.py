@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from shipid.cli import run
-from shipid.foundation.errors import MissingFileError
+from shipid.foundation.errors import MissingExtraError, MissingFileError
 from shipid.trials import errors as e
 from shipid.trials.logs.nmea import errors as n
 from shipid.trials.logs.reading import read_trial
@@ -117,7 +117,7 @@ def test_too_short(log, stamped, basic):
 
 def test_pynmeagps_is_missing(log, stamped, basic, monkeypatch):
     monkeypatch.setitem(sys.modules, "pynmeagps", None)
-    refused(e.MissingExtraError, log(stamped(*basic)), "pip install shipid[nmea]")
+    refused(MissingExtraError, log(stamped(*basic)), "pip install shipid[nmea]")
 
 
 def test_the_last_line_is_cut(log, stamped, basic):
@@ -173,28 +173,29 @@ def test_the_command_line_refuses_with_3(log, stamped, basic, capsys):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("nmea = 3", "nmea is 3"),
-        ("[nmea]\nspede = 1", "no key 'spede'"),
-        ("separator = 'tab'\n[nmea]", "no key 'separator'"),
+        ("nmea = 3", "'nmea' is 3"),
+        ("[nmea]\nspede = 1", "no entry 'spede'"),
+        ("separator = 'tab'\n[nmea]", "no entry 'separator'"),
         ("[nmea]\nstamp = 'noon'", "no directive for the hour"),
         ("[nmea]\nstamp = '%H:%q'", "directive %q"),
         ("[nmea]\ndate = '2026-05-04'", "without quotes"),
         ("[nmea]\ninterval = 0.2", "bare number"),
-        ("[nmea]\ngap = '-3 s'", "positive"),
+        ("[nmea]\ngap = '-3 s'", "greater than zero"),
         ("[nmea]\nspeed = 'air'", "water, ground"),
-        ("[nmea]\nleave_out = 'r'", "list of names"),
-        ("[nmea]\nleave_out = ['q']", "no key 'q'"),
+        ("[nmea]\nleave_out = 'r'", "has to be a list"),
+        ("[nmea]\nleave_out = [1]", "list of names"),
+        ("[nmea]\nleave_out = ['q']", "'leave_out' names 'q'"),
         ("[nmea]\nrudder = 1", "table [nmea.rudder]"),
         ("[nmea.rudder]\nuse = 'left'", "starboard, port, mean"),
         ("[nmea.rudder]\nscale = 0.5", "bare number"),
-        ("[nmea.rudder]\noffset = true", "value with its unit"),
+        ("[nmea.rudder]\noffset = true", "Write '1.0 rad'"),
         ("[nmea.rudder]\nsign = 2", "1 or -1"),
         ("[nmea.heading]\nvariation = '2 m'", "rad"),
         ("[nmea.heading]\nreference = 'grid'", "true, magnetic"),
-        ("[nmea.rate]\nunit = 'kn'", "nmea.rate.unit"),
-        ("[nmea.antenna]\nz = '2 m'", "no key 'z'"),
+        ("[nmea.rate]\nunit = 'kn'", "[nmea.rate]: 'unit'"),
+        ("[nmea.antenna]\nz = '2 m'", "no entry 'z'"),
         ("[nmea.sources]\npsi = 'GPGGA'", "THS, HDT, HDG, HDM, VHW"),
-        ("[nmea.sources]\npsi = 3", "must be text"),
+        ("[nmea.sources]\npsi = 3", "has to be text"),
     ],
 )
 def test_format_files(toml, log, stamped, basic, text, words):

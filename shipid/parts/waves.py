@@ -1,0 +1,83 @@
+"""The waves: the yaw motion that the instruments show and that does not move the path.
+
+Passenier (1989), sections 2.5 and 5.3. The direction is the one the waves run TO.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import constant, derived, given, state
+
+
+class Waves(Component):
+    """The yaw motion by waves: white noise through a narrow filter at the frequency of encounter.
+
+    It moves what the instruments show, and not the path. With white noise of intensity q, the variance of the
+    rate by waves is q / (4 zeta omega).
+    """
+
+    psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", latex=r"\psi_v")
+    r_wave = state("rad/s", "rate of turn by the waves", nominal="0.2 deg/s", latex="r_v")
+    wave_noise = given("rad/s^2", "white noise that drives the waves", default=0.0, latex="w")
+    wave_direction = given("rad", "direction the waves run to", default=0.0, wraps=True, latex=r"\psi_g")
+    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
+    u = given("m/s", "forward speed through the water")
+    wave_frequency = constant("rad/s", "frequency of the waves", default="0.6 rad/s", latex=r"\omega_0")
+    wave_damping = constant("1", "damping ratio of the filter", default=0.15, latex=r"\zeta")
+    g = constant("m/s^2", "acceleration of gravity", default="9.81 m/s^2")
+    encounter = derived("rad/s", "frequency at which the ship meets the waves", latex=r"\omega_e")
+
+    @encounter.equals
+    def frequency_of_encounter(self):
+        """Passenier (1989), eq. (2.90)."""
+        along = self.u * np.cos(self.wave_direction - self.psi)
+        return self.wave_frequency - self.wave_frequency**2 * along / self.g
+
+    @psi_wave.rate
+    def heading(self):
+        """Passenier (1989), section 5.3: the heading by the waves is the integral of their rate."""
+        return self.r_wave
+
+    @r_wave.rate
+    def shaping(self):
+        """Van der Klugt (1987): s / (s^2 + 2 zeta omega s + omega^2), at the frequency of encounter.
+
+        The frequency passes zero in following seas; its size is what counts.
+        """
+        omega = np.abs(self.encounter)
+        damping = 2 * self.wave_damping * omega * self.r_wave
+        return self.wave_noise - damping - omega**2 * self.psi_wave
+
+
+class ColouredWaves(Component):
+    """The yaw motion by waves as a filter uses it: first-order coloured noise, sampled.
+
+    The heading by waves needs no state of its own: (5.40) makes it a fixed multiple of v_f, and with two states
+    their difference would be unobservable.
+    """
+
+    v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.12 deg/s")
+    T_s = given("s", "sampling interval")
+    wave_noise = given(
+        "rad/s", "white noise that drives the waves, per sample", default=0.0, noise="0.45 deg/s", latex="w"
+    )
+    wave_time = constant("s", "time constant of the colouring", default="3 s", latex=r"\tau_f")
+    r_wave = derived("rad/s", "rate of turn by the waves", latex="r_v")
+    psi_wave = derived("rad", "heading by the waves", latex=r"\psi_v")
+
+    @v_f.next
+    def colouring(self):
+        """Passenier (1989), eq. (5.29) with a_f = 1 - T/tau_f and b_f = T/tau_f."""
+        return self.v_f + self.T_s / self.wave_time * (self.wave_noise - self.v_f)
+
+    @r_wave.equals
+    def rate(self):
+        """Passenier (1989), eq. (5.30)."""
+        return self.wave_noise - self.v_f
+
+    @psi_wave.equals
+    def heading(self):
+        """Passenier (1989), eq. (5.40): both sum the same differences, so psi_v is (T/b_f) v_f for good."""
+        return self.wave_time * self.v_f

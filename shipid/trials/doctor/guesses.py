@@ -1,0 +1,169 @@
+"""What the doctor takes a log for where it does not say: names of columns, units, the clock."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.declaration.vocabulary import FIELDS
+from shipid.trials import columns
+from shipid.trials.errors import ColumnUnitError, UnknownColumnError
+from shipid.trials.logs.conversion import in_si, put_right, without_trailing
+from shipid.trials.logs.record import LenientRecord, inside
+from shipid.trials.trial import Trial
+
+#: What loggers call the columns of the vocabulary, in small letters.
+_ALIASES: dict[str, tuple[str, ...]] = {
+    "t": ("time", "tvec", "seconds", "elapsed", "timestamp", "t_s", "sec"),
+    "x": ("n", "north", "northing", "x0", "x_position_mid", "x_pos", "pos_x"),
+    "y": ("e", "east", "easting", "y0", "y_position_mid", "y_pos", "pos_y"),
+    "psi": ("heading", "hdg", "psi_hat", "yaw", "hdt", "compass"),
+    "r": ("rot", "yaw_rate", "yawrate", "r_angvelo", "rate_of_turn", "gyro"),
+    "u": ("u_velo", "surge", "vx", "dx0/dt"),
+    "v": ("vm_velo", "sway", "vy", "dy0/dt"),
+    "U": ("speed", "sog", "stw"),
+    "delta": ("rudder", "delta_rudder", "azi", "azimuth", "rudder_angle", "rsa"),
+    "delta_order": ("rudder_order", "order"),
+    "n": ("rpm", "n_prop", "rev", "revolutions"),
+    "phi": ("roll", "heel"),
+    "p": ("roll_rate", "rollrate"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class GuessedRecord:
+    """A log in SI units, with the names and units that were guessed.
+
+    Attributes
+    ----------
+    record : LenientRecord
+        In the units inside a trial; NaN, repeated stamps and wraps included. `stated` holds a unit for every column.
+    assumed : tuple of str
+        Columns that say no unit that fits, for which the usual one was assumed.
+    """
+
+    record: LenientRecord
+    assumed: tuple[str, ...] = ()
+
+
+def from_trial(trial: Trial) -> GuessedRecord:
+    """Return a trial as a log, of which nothing has to be guessed.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    GuessedRecord
+    """
+    names = trial.table.columns
+    return GuessedRecord(
+        LenientRecord(
+            trial.name,
+            {name: trial[name].astype(float) for name in names},
+            {name: trial.unit(name) for name in names},
+            f"trial '{trial.name}'",
+            trial.source,
+            ship=trial.ship,
+            title=trial.name,
+        )
+    )
+
+
+def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
+    """Return a log in SI units, with guesses for what it does not say.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As printed.
+    treated : bool
+        Whether to apply the signs, factors, frames and the clock of the format file; otherwise only its units count.
+
+    Returns
+    -------
+    GuessedRecord
+        Its window, where one is wanted.
+
+    Raises
+    ------
+    UnknownColumnError
+        If no column can be the clock.
+    """
+    fmt = record.format
+    record = _with_names(record) if fmt is None else _with_clock(record)
+    if "t" not in record.values:
+        raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError))
+    record, assumed = _with_units(record)
+    notes, faults = record.notes, record.faults
+    if treated:
+        record = without_trailing(record)
+    record = in_si(record, fmt if treated else None)
+    if treated and fmt is not None:
+        record = put_right(record, fmt)
+    if record.window is not None:
+        record = record.keep(inside(record.values["t"], record.window))
+    # What is done about a log stands in the findings, not in the notes.
+    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed)
+
+
+def _with_names(record: LenientRecord) -> LenientRecord:
+    """Take columns for those of the vocabulary by their usual names; leave out what says neither name nor unit."""
+    known = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
+    values: dict[str, np.ndarray] = {}
+    stated: dict[str, str] = {}
+    guesses = []
+    for header, column in record.values.items():
+        name = header
+        if name not in FIELDS or (name == "n" and "N" in record.values):
+            alias = known.get(name.lower())
+            name = alias if alias and alias not in record.values else name
+        if name in values or (name not in FIELDS and header not in record.stated):
+            continue
+        values[name] = column
+        if header in record.stated:
+            stated[name] = record.stated[header]
+        if name != header:
+            guesses.append(f"{name} is '{header}'")
+    notes = (f"Columns guessed from their headers: {', '.join(guesses)}.",) if guesses else ()
+    return replace(record, values=values, stated=stated, notes=(*record.notes, *notes))
+
+
+def _with_clock(record: LenientRecord) -> LenientRecord:
+    """Find the clock the log itself prints, where the format file replaces it by an interval."""
+    if "t" in record.values or record.format is None or record.format.interval is None:
+        return record
+    interval, notes = record.format.interval, record.notes
+    t = np.arange(len(record)) * interval
+    for index, column in record.unused.items():
+        sound = column[np.isfinite(column)]
+        runs_on = len(sound) > 9 and np.all(np.diff(sound) >= 0) and sound[-1] > sound[0]
+        if runs_on and 0.9 < (sound[-1] - sound[0]) / (interval * (len(sound) - 1)) < 1.1:
+            t, notes = column, (*notes, f"The log's own clock is column {index}, which the format file replaces.")
+            break
+    return replace(record, values={**record.values, "t": t}, stated={**record.stated, "t": "s"}, notes=notes)
+
+
+def _with_units(record: LenientRecord) -> tuple[LenientRecord, tuple[str, ...]]:
+    """Assume the usual unit of a column of the vocabulary that says none that fits; leave out others that do not."""
+    values, stated, assumed = dict(record.values), dict(record.stated), []
+    for name in record.values:
+        if _fits(name, stated):
+            continue
+        if name in FIELDS:
+            stated[name] = FIELDS[name].display
+            assumed.append(name)
+        else:
+            del values[name]
+    return replace(record, values=values, stated=stated), tuple(assumed)
+
+
+def _fits(name: str, stated: Mapping[str, str]) -> bool:
+    try:
+        return name in stated and bool(columns.to_inside(name, stated[name]))
+    except ColumnUnitError:
+        return False

@@ -1,0 +1,151 @@
+"""From a log to the units and axes of a trial: units, and what the format file puts right."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from shipid.declaration.vocabulary import angle
+from shipid.trials import columns
+from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.record import LenientRecord
+
+GLITCH_WINDOW = 10.0
+"""Heading glitches up to half of this long [s] are told from the ship's motion."""
+
+
+def without_trailing(record: LenientRecord) -> LenientRecord:
+    """Drop the rows at the end of a log in which a column is empty, where the format file says so.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As printed.
+
+    Returns
+    -------
+    LenientRecord
+        A note says how many were dropped.
+    """
+    if record.format is None or not record.format.drop_trailing:
+        return record
+    n = len(record)
+    sound = np.flatnonzero(np.all([np.isfinite(values) for values in record.values.values()], axis=0))
+    keep = int(sound[-1]) + 1 if sound.size else 0
+    if keep == n:
+        return record
+    note = f"{n - keep} empty rows at the end were dropped."
+    return replace(record.keep(np.arange(n) < keep), notes=(*record.notes, note))
+
+
+def in_si(record: LenientRecord, fmt: TrialFormat | None) -> LenientRecord:
+    """Convert a log to the units of a trial, with the signs, the factors and the clock of a format file.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As printed, every unit stated.
+    fmt : TrialFormat or None
+        What to put right besides units; None converts units only.
+
+    Returns
+    -------
+    LenientRecord
+        In the units inside a trial; `stated` is what the log said.
+
+    Raises
+    ------
+    ColumnUnitError
+        If a unit is unknown or does not fit its column.
+    """
+    values: dict[str, np.ndarray] = {}
+    notes = list(record.notes)
+    for name, printed in record.values.items():
+        factor = columns.to_inside(name, record.stated[name], record.where + ": ")
+        if fmt is not None and name in fmt.columns:
+            factor *= fmt.columns[name].sign * fmt.columns[name].scale
+        values[name] = printed * factor
+    if fmt is not None and fmt.interval is not None:
+        values = {"t": np.arange(len(record)) * fmt.interval} | {k: v for k, v in values.items() if k != "t"}
+        notes.append(f"t was rebuilt as n × {fmt.interval:.6g} s: the record's own clock is not used.")
+    return replace(record, values=values, notes=tuple(notes))
+
+
+def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
+    """Put right what a format file names: heading glitches and frames. The notes say each, and the signs and factors.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As `in_si` returns it.
+    fmt : TrialFormat
+        The format.
+
+    Returns
+    -------
+    LenientRecord
+        The heading is unwrapped; it is left alone where a sample is missing or the clock does not rise.
+    """
+    values, notes = dict(record.values), list(record.notes)
+    for name, column in fmt.columns.items():
+        if column.sign == -1:
+            notes.append(f"{name} was turned over: the record counts it positive the other way.")
+        if column.scale != 1.0:
+            notes.append(f"{name} was multiplied by {column.scale:.6g}.")
+        if column.note:
+            notes.append(f"{name}: {column.note}")
+        if column.frame == "from":
+            values[name] = np.mod(values[name] + np.pi, 2 * np.pi)
+            notes.append(f"{name} was turned by 180 deg: the record says where the wind comes from.")
+    sound = all(np.isfinite(v).all() for v in values.values()) and bool(np.all(np.diff(values["t"]) > 0))
+    if "psi" in values and sound:
+        if fmt.glitch_threshold is None:
+            values["psi"] = np.unwrap(values["psi"])
+        else:
+            values["psi"], bad = mended_heading(values["t"], values["psi"], values["r"], fmt.glitch_threshold)
+            if bad:
+                notes.append(
+                    f"{bad} heading samples disagreed with r by more than {angle(fmt.glitch_threshold, 6)} and were "
+                    "replaced by integrating r between good neighbours."
+                )
+    if any(column.frame == "earth" for column in fmt.columns.values()):
+        c, s = np.cos(values["psi"]), np.sin(values["psi"])
+        north, east = values["u"], values["v"]
+        values["u"], values["v"] = north * c + east * s, east * c - north * s
+        notes.append("u and v were rotated from the earth's axes to the ship's with psi.")
+    return replace(record, values=values, notes=tuple(notes))
+
+
+def mended_heading(t: np.ndarray, psi: np.ndarray, r: np.ndarray, threshold: float) -> tuple[np.ndarray, int]:
+    """Unwrap a heading with the help of the rate of turn, and replace samples that disagree with it.
+
+    What is left of the heading when the integral of r is taken off changes slowly (the bias of the gyro). A
+    sample that sticks out of its running median by more than the threshold is a glitch, be it a jump of the
+    compass or an interpolation across 0/360; it is replaced by the integral of r, hung between its neighbours.
+
+    Parameters
+    ----------
+    t, psi, r : ndarray, shape (n,)
+        Time [s], heading as logged [rad], rate of turn [rad/s].
+    threshold : float
+        How far a sample may stick out [rad].
+
+    Returns
+    -------
+    psi : ndarray, shape (n,)
+        Heading, unwrapped.
+    count : int
+        How many samples were replaced.
+    """
+    turned = np.concatenate(([0.0], np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t))))
+    rest = np.exp(1j * (psi - turned))
+    size = max(5, round(GLITCH_WINDOW / float(np.median(np.diff(t))))) | 1
+    middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))
+    off = np.abs(np.angle(rest * np.exp(-1j * middle))) > threshold
+    good = ~off
+    slow = np.unwrap(np.angle(rest[good]))
+    # Keep the turn the log began in: 370 deg stays 370 deg.
+    slow += psi[good][0] - turned[good][0] - slow[0]
+    return np.interp(t, t[good], slow) + turned, int(off.sum())

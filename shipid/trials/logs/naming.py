@@ -1,0 +1,133 @@
+"""Which column of a table is what: by its header, or by the format file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TypeVar
+
+from shipid.foundation.errors import UnknownNameError, nearest
+from shipid.trials import columns
+from shipid.trials.errors import HeaderError, TrialError, UnknownColumnError
+from shipid.trials.logs.format import TrialFormat
+
+T = TypeVar("T")
+
+_LIKE_TIME = ("time", "tvec", "seconds", "elapsed", "timestamp", "t_s")
+
+
+def by_header(
+    found: Mapping[str, T], units: Mapping[str, str], where: str
+) -> tuple[dict[str, T], dict[str, str], list[TrialError]]:
+    """Read names and units from headers.
+
+    Parameters
+    ----------
+    found : Mapping
+        Columns by header; headers without a name are skipped.
+    units : Mapping of str to str
+        Units by name or header, for headers that say none.
+    where : str
+        File or table, for messages.
+
+    Returns
+    -------
+    values : dict
+        The columns by name.
+    stated : dict of str to str
+        Their units, by name; without those of columns that say none.
+    faults : list of TrialError
+        Columns without a unit, a name that stands twice (the first column is kept), the lack of a column ``t``.
+
+    Raises
+    ------
+    UnknownNameError
+        If `units` names a column that is not there.
+    """
+    values: dict[str, T] = {}
+    stated: dict[str, str] = {}
+    faults: list[TrialError] = []
+    for header, column in found.items():
+        name, unit = columns.split_header(header)
+        if not name:
+            continue
+        if name in values:
+            faults.append(HeaderError(f"{where}: the header names '{name}' twice. Rename one of the two columns."))
+            continue
+        values[name] = column
+        unit = unit or units.get(name) or units.get(header)
+        if unit:
+            stated[name] = unit
+        else:
+            faults.append(columns.no_unit(name, where + ", "))
+    for name in units:
+        if name not in values and name not in found:
+            raise UnknownNameError("column", name, values)
+    if "t" not in values:
+        close = [n for n in values if n.lower() in _LIKE_TIME]
+        rename = f"Rename '{close[0]}' to 't [s]'" if close else "Name the time column 't [s]'"
+        faults.append(
+            UnknownColumnError(
+                f"{where}: there is no time column 't' among {', '.join(values)}. {rename}, or map the columns in a "
+                "format file."
+            )
+        )
+    return values, stated, faults
+
+
+def by_format(
+    fmt: TrialFormat, headers: Sequence[str], width: int, where: str, units: Mapping[str, str]
+) -> tuple[dict[str, int], dict[str, str]]:
+    """Find the columns that a format file names.
+
+    Parameters
+    ----------
+    fmt : TrialFormat
+        The format.
+    headers : sequence of str
+        The headers; none, where the log has none.
+    width : int
+        Number of columns.
+    where : str
+        File, for messages.
+    units : Mapping of str to str
+        Units by header, for columns of which neither the format nor the header says one.
+
+    Returns
+    -------
+    found : dict of str to int
+        Index of each column, by name.
+    stated : dict of str to str
+        Unit of each column, by name.
+
+    Raises
+    ------
+    UnknownColumnError
+        If the log has no such column.
+    NoUnitError
+        If nothing says the unit of a column.
+    """
+    by_name = {header: k for k, header in enumerate(headers)}
+    bare = {columns.split_header(header)[0]: k for k, header in enumerate(headers)}
+    found, stated = {}, {}
+    for name, column in fmt.columns.items():
+        if column.column is not None:
+            index = by_name.get(column.column, bare.get(column.column))
+            if index is None:
+                raise UnknownColumnError(
+                    f"{where} has no column '{column.column}', which the format file '{fmt.name}' names for {name}. "
+                    f"{nearest(column.column, bare)}".rstrip()
+                )
+        else:
+            assert column.index is not None
+            index = column.index
+            if index >= width:
+                raise UnknownColumnError(
+                    f"{where} has {width} columns, counted from 0, and the format file '{fmt.name}' wants number "
+                    f"{index} for {name}. Correct the index, or the separator."
+                )
+        header = headers[index] if index < len(headers) == width else ""
+        unit = column.unit or units.get(column.column or "") or columns.split_header(header)[1]
+        if not unit:
+            raise columns.no_unit(name, f"{where}, format file '{fmt.name}': ")
+        found[name], stated[name] = index, unit
+    return found, stated

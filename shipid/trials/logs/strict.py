@@ -1,0 +1,86 @@
+"""From a log to a trial: what is noted is refused, the rest converted, put right and checked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from shipid.declaration.vocabulary import FIELDS
+from shipid.trials import checks, columns
+from shipid.trials.logs.conversion import in_si, put_right, without_trailing
+from shipid.trials.logs.record import LenientRecord
+from shipid.trials.source import Source
+
+
+@dataclass(frozen=True, eq=False)
+class SoundTable:
+    """What a trial is made of.
+
+    Attributes
+    ----------
+    table : pandas.DataFrame
+        Column ``t`` and further columns, in the units inside a trial, every sample finite.
+    source : Source
+        Where it came from, and what was done to it.
+    units : dict of str to str
+        Units of the columns that are not in the vocabulary.
+    """
+
+    table: pd.DataFrame
+    source: Source
+    units: dict[str, str]
+
+
+def sound_table(record: LenientRecord) -> SoundTable:
+    """Make the table of a trial of a log.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        The log, as printed.
+
+    Returns
+    -------
+    SoundTable
+
+    Raises
+    ------
+    TrialError
+        If something is noted about the log, or the record is not sound (`shipid.trials.checks`).
+    """
+    record.refuse()
+    where, line, fmt = record.where, record.line, record.format
+    record = without_trailing(record)
+    checks.check_length(len(record), where)
+    checks.check_finite(record.values, where, line)
+    record = in_si(record, fmt)
+    checks.check_clock(record.values["t"], where, line)
+    checks.check_angles(record.values, record.stated, where)
+    if fmt is not None:
+        record = put_right(record, fmt)
+    values = dict(record.values)
+    if fmt is None and "psi" in values:
+        values["psi"] = np.unwrap(values["psi"])
+    extra = {name: columns.inside_unit(name, record.stated[name]) for name in values if name not in FIELDS}
+    order = ["t", *(c for c in FIELDS if c in values and c != "t"), *extra]
+    table = pd.DataFrame({c: np.ascontiguousarray(values[c], dtype=float) for c in order})
+    notes = (*record.source.notes, *record.notes, *_remarks(table))
+    return SoundTable(table, replace(record.source, notes=notes), extra)
+
+
+def _remarks(table: pd.DataFrame) -> list[str]:
+    """Return what a reader should know and no check refuses."""
+    notes = []
+    t = table["t"].to_numpy()
+    found = checks.gaps(t)
+    if found.size:
+        k = int(found[np.argmax(np.diff(t)[found])])
+        notes.append(f"The clock has {found.size} gaps, the longest from {t[k]:g} to {t[k + 1]:g} s.")
+    if {"delta", "r"} <= set(table) and checks.turns_to_port(t, table["delta"].to_numpy(), table["r"].to_numpy()):
+        notes.append(
+            "WARNING: positive rudder turns this ship to port. shipid counts delta and r positive to starboard: "
+            "state sign = -1 for the column that is not, in a format file."
+        )
+    return notes
