@@ -47,7 +47,10 @@ _HOMES = {
     "plan_trials": "shipid.planning.plan_trials",
     "manoeuvring_criteria": "shipid.criteria.manoeuvring_criteria",
     "design_autopilot": "shipid.autopilot.design.design_autopilot",
-    "read_schedule": "shipid.autopilot.design.schedule_file",
+    "judge": "shipid.autopilot.judgement.judge",
+    "run_on_board": "shipid.autopilot.on_board.run_on_board",
+    "read_schedule": "shipid.autopilot.design.read_schedule",
+    "write_schedule": "shipid.autopilot.design.write_schedule",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }

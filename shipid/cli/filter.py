@@ -153,15 +153,15 @@ def filter_trial(
         kalman = ExtendedKalmanFilter(reduced(found, tuple(sensors)), known, measured=sensors, **settings)
         tell("filtering")
         run = kalman.filter(record)
-        messages = run.observability().messages
+        shown = kalman.observability(run)
         if folder is not None:
             tell("writing the report")
-            _write(run, run.to_dict() | {"observability": run.observability().to_dict()}, folder)
+            _write(run, run.to_dict() | {"observability": shown.to_dict()}, folder, shown)
     if as_json:
-        print_json(run.to_dict() | {"observability": run.observability().to_dict()})
+        print_json(run.to_dict() | {"observability": shown.to_dict()})
         return
     click.echo(repr(run))
-    for message in messages:
+    for message in shown.messages:
         say(message)
     if folder is not None:
         click.echo(f"written: {', '.join(str(folder / n) for n in _FILES)}")
@@ -204,7 +204,7 @@ def _listed(text: str | None) -> dict[str, str]:
     return {} if text is None else assignments(text.split(","))
 
 
-def _write(run: Any, result: dict[str, Any], folder: Path) -> None:
+def _write(run: Any, result: dict[str, Any], folder: Path, reported: Any = None) -> None:
     from shipid.report.write_report import write_report
 
     text = json.dumps(result, indent=1, allow_nan=False, ensure_ascii=False)
@@ -213,6 +213,6 @@ def _write(run: Any, result: dict[str, Any], folder: Path) -> None:
         {
             _FILES[0]: lambda p: run.to_frame().to_csv(p, index=False, float_format="%.9g"),
             _FILES[1]: lambda p: p.write_text(text + "\n", encoding="utf-8"),
-            _FILES[2]: lambda p: write_report(run, p),
+            _FILES[2]: lambda p: write_report(reported or run, p),
         },
     )

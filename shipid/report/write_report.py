@@ -19,7 +19,7 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
 
     Parameters
     ----------
-    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
     path : str or Path
         The file to write.
@@ -53,7 +53,7 @@ def render(result: Any) -> str:
 
     Parameters
     ----------
-    result : Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement or TuningComparison
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
 
     Raises
@@ -61,6 +61,7 @@ def render(result: Any) -> str:
     UsageError
         If there is no report for this kind of result.
     """
+    from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
@@ -73,12 +74,18 @@ def render(result: Any) -> str:
         from shipid.report.views.filter import filter_view
 
         return _page("filter.html", filter_view(result))
+    if isinstance(result, Observability):
+        from shipid.report.views.filter import filter_view
+
+        return _page("filter.html", filter_view(result.run, result))
     if isinstance(result, RecursiveIdentification):
         from shipid.report.views.recursive import recursive_view
 
         return _page("filter.html", recursive_view(result))
     if isinstance(result, Autopilot):
-        result = result.judgement
+        from shipid.report.views.tuning import design_view
+
+        return _page("tuning.html", design_view(result))
     if isinstance(result, Judgement):
         from shipid.report.views.tuning import tuning_view
 
@@ -87,7 +94,7 @@ def render(result: Any) -> str:
         from shipid.report.views.tunings import comparison_view
 
         return _page("tunings.html", comparison_view(result))
-    known = "Fit, FilterRun, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
+    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.estimation.records.observability import observability
 from shipid.report.write_report import render
 
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
@@ -37,9 +38,11 @@ def test_the_page_stands_alone_and_holds_no_nan(run):
 
 
 def test_what_went_wrong_is_said(run):
-    page = render(run)
+    page = render(observability(run))
     assert "5 of 738 samples of psi lay beyond the gate" in page
-    assert "x is not observable" in page
+    assert "x is not observable" in page and "was not worked out" not in page
+    # What nobody asked for is not worked out for the page, and the page says so.
+    assert "Whether the sensors show every state was not worked out" in render(run)
     assert "The innovations of r are not white" in page
     assert run.innovations["psi"].rejected == 5
     assert run.innovations["r"].t.size == 718

@@ -49,13 +49,14 @@ class Page(html.parser.HTMLParser):
 @pytest.fixture(scope="module")
 def judged():
     ship = shipid.find_ship("kvlcc2")  # it states standard deviations
-    return shipid.design_autopilot("norrbin", ship, design="pid", speeds=[6.0, 7.97]).judge(samples=20)
+    pilot = shipid.design_autopilot("norrbin", ship, design="pid", speeds=[6.0, 7.97])
+    return shipid.judge(pilot, samples=20, on_board=shipid.run_on_board(pilot, "yaw-filter"))
 
 
 @pytest.fixture(scope="module")
 def weak():
     """Poles far too quick for the servo, a speed range beyond the table, and no uncertainty known."""
-    return shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2").judge(samples=20)
+    return shipid.judge(shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2"), samples=20)
 
 
 @pytest.fixture(scope="module")
@@ -104,10 +105,23 @@ def test_tables_hold_the_numbers(pages, judged):
     assert "Without the sea filter the rms rudder is" in text
 
 
-def test_a_design_reports_as_its_judgement(judged):
-    pilot = dataclasses.replace(judged.pilot)
-    object.__setattr__(pilot, "judgement", judged)
-    assert render(pilot) == render(judged)
+def test_a_design_that_was_not_judged_says_so(judged):
+    """Gains, poles and warnings of the design, a line that the judgement was not asked for, and nothing of a judgement."""
+    text = render(judged.pilot)
+    page = Page(text)
+    assert page.open == [] and "The design was not judged" in page.text and "Gains against the speed" in page.text
+    for part in ("Weak points", "Margins", "Robustness", "On board"):
+        assert part not in page.text
+    links = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert links <= set(page.ids)
+
+
+def test_runs_on_board_are_reported(pages, judged):
+    text = Page(pages["judged"]).text
+    assert "and by the Kalman filter yaw-filter; the gains are those of the schedule" in text
+    for run in judged.on_board.runs:
+        assert f"{run.changes[-1].rms_rudder_deg:.2f}" in text
+    assert "Kalman filter" not in Page(pages["weak"]).text
 
 
 def test_two_tunings_side_by_side(pages, judged, weak):

@@ -102,7 +102,7 @@ def fit_levels(
     """
     shared, trials = len(problem.estimated), len(problem.trials)
     kalman = make_filter(problem, {**problem.fixed, **dict(zip(problem.estimated, start))}, unit_time)
-    process = [s.name for s in kalman.sources]
+    process = [s.name for s in kalman.design.sources]
     level_names = [f"noise:{n}" for n in process] + [f"sensor:{n}" for n in problem.signals]
     unknowns = [*problem.estimated, *level_names, *(f"bias:{n}" for n in problem.biases)]
     inputs = kalman.model.inputs

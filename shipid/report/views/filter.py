@@ -13,7 +13,9 @@ from markupsafe import Markup
 import shipid
 from shipid.declaration.model import Entry
 from shipid.declaration.units import factor, pretty
-from shipid.estimation.records.run import FilterRun, Innovations, ParameterEstimate
+from shipid.estimation.estimate import Estimate
+from shipid.estimation.records.observability import Observability
+from shipid.estimation.records.run import FilterRun, Innovations
 from shipid.generation.typesetting import symbol, typeset
 from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.typography.numbers import fixed, interval, number, uncertain
@@ -25,6 +27,7 @@ _Z95 = 1.959963984540054
 _COLOURED = 0.01
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
+_NOT_ASKED = "Whether the sensors show every state was not worked out; ask ExtendedKalmanFilter.observability."
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,38 +53,37 @@ class FilterView:
     versions: dict[str, str]
 
 
-def filter_view(run: FilterRun) -> FilterView:
+def filter_view(run: FilterRun, shown: Observability | None = None) -> FilterView:
     """Return what the page says of a filtered record.
 
     Parameters
     ----------
     run : FilterRun
         The run.
+    shown : Observability, optional
+        What the record shows of the state, where that was worked out.
     """
-    kalman = run.filter
-    seen = run.observability()
+    design = run.design
     return FilterView(
-        title=f"{kalman.base.name} on {run.record}",
+        title=f"{design.base.name} on {run.record}",
         answer=_answer(run),
-        warnings=list(seen.messages),
-        cautions=_cautions(run),
-        parameters=[parameter_row(run.parameters[n], run.filter.base[n]) for n in run.parameters],
+        warnings=[] if shown is None else list(shown.messages),
+        cautions=_cautions(run) if shown is not None else [*_cautions(run), _NOT_ASKED],
+        parameters=[parameter_row(run.parameters[n], run.design.base[n]) for n in run.parameters],
         parameter_figure=parameter_figure(
-            run.t, {n: (run[n], run.std_of(n), kalman.base[n].unit) for n in run.parameters}
+            run.t, {n: (run[n], run.std_of(n), design.base[n].unit) for n in run.parameters}
         ),
         innovations=[_innovation(run, n, i) for n, i in run.innovations.items()],
         innovation_figure=_innovation_figure(run),
         consistency_figure=_consistency_figure(run),
         signal_figure=_signal_figure(run),
-        states=[_state(run, n) for n in run.states if n not in kalman.parameters.values()],
-        sensors=[
-            _sensor(run, n, level) for n, level in zip(kalman.measured, kalman.constants[kalman.layout.constants["r"]])
-        ],
-        sources=[_source(run, s) for s in kalman.sources],
+        states=[_state(run, n) for n in run.states if n not in design.parameters.values()],
+        sensors=[_sensor(run, n, level) for n, level in zip(design.measured, design.r)],
+        sources=[_source(run, s) for s in design.sources],
         equations=[
-            {"plain": e.plain, "source": e.source, "where": f"{e.component}.{e.method}"} for e in typeset(kalman.base)
+            {"plain": e.plain, "source": e.source, "where": f"{e.component}.{e.method}"} for e in typeset(design.base)
         ],
-        model_name=kalman.base.name,
+        model_name=design.base.name,
         record=f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s",
         versions={"shipid": shipid.__version__, **{n: metadata.version(n) for n in ("casadi", "numpy", "scipy")}},
     )
@@ -94,8 +96,8 @@ def shown_size(unit: str) -> tuple[float, str]:
 
 
 def _answer(run: FilterRun) -> list[str]:
-    kind = "Kalman filter" if run.filter.linear else "extended Kalman filter"
-    said = [f"The {kind} of model {run.filter.base.name} went through {run.t.size} samples of {run.record}."]
+    kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
+    said = [f"The {kind} of model {run.design.base.name} went through {run.t.size} samples of {run.record}."]
     for name, p in run.parameters.items():
         said.append(f"{name} ended at {uncertain(p.value, p.std)} {pretty(p.unit)}.")
     return said
@@ -124,12 +126,12 @@ def _cautions(run: FilterRun) -> list[str]:
     return said
 
 
-def parameter_row(p: ParameterEstimate, entry: Entry) -> dict[str, Any]:
+def parameter_row(p: Estimate, entry: Entry) -> dict[str, Any]:
     """Return a row of the table of parameters.
 
     Parameters
     ----------
-    p : ParameterEstimate
+    p : Estimate
         The estimate.
     entry : Entry
         The parameter in its model.
@@ -139,29 +141,29 @@ def parameter_row(p: ParameterEstimate, entry: Entry) -> dict[str, Any]:
         "name": p.name,
         "value": uncertain(p.value, p.std),
         "unit": pretty(p.unit),
-        "interval": interval(p.interval, p.std),
-        "determined": p.determined,
+        "interval": interval(p.ci95, p.std),
+        "determined": p.identifiable,
         "meaning": p.meaning,
     }
 
 
 def _state(run: FilterRun, name: str) -> dict[str, Any]:
-    size, shown = shown_size(run.filter.model[name].unit)
+    size, shown = shown_size(run.design.model[name].unit)
     return {
         "name": name,
         "value": uncertain(float(run[name][-1]) / size, float(run.std_of(name)[-1]) / size),
         "unit": shown,
-        "meaning": run.filter.model[name].quantity.meaning,
+        "meaning": run.design.model[name].quantity.meaning,
     }
 
 
 def _sensor(run: FilterRun, name: str, level: float) -> dict[str, str]:
-    size, shown = shown_size(run.filter.model[name].unit)
+    size, shown = shown_size(run.design.model[name].unit)
     return {"name": name, "level": number(level / size, 3), "unit": shown}
 
 
 def _source(run: FilterRun, source: Any) -> dict[str, str]:
-    size, shown = shown_size(run.filter.model[source.name].unit)
+    size, shown = shown_size(run.design.model[source.name].unit)
     root = "" if not source.density else "/√s" if source.place == "state" else "·√s"
     return {
         "name": source.name,
@@ -173,7 +175,7 @@ def _source(run: FilterRun, source: Any) -> dict[str, str]:
 
 
 def _innovation(run: FilterRun, name: str, i: Innovations) -> dict[str, Any]:
-    size, shown = shown_size(run.filter.model[name].unit)
+    size, shown = shown_size(run.design.model[name].unit)
     rms = float(np.sqrt(np.mean(i.values[i.taken] ** 2))) / size if i.taken.any() else None
     return {
         "label": LABELS.get(name, name),
@@ -209,7 +211,7 @@ def parameter_figure(t: np.ndarray, courses: Mapping[str, tuple[np.ndarray, np.n
 def _innovation_figure(run: FilterRun) -> Markup:
     panels = []
     for name, i in run.innovations.items():
-        size, shown = shown_size(run.filter.model[name].unit)
+        size, shown = shown_size(run.design.model[name].unit)
         bound = _Z95 * np.sqrt(i.variances) / size
         curves = [Curve("innovation", i.t, i.values / size)]
         curves += [Curve("95 % bounds", i.t, s * bound) for s in (-1, 1)]
@@ -237,11 +239,11 @@ def _consistency_figure(run: FilterRun) -> Markup:
 
 def _signal_figure(run: FilterRun) -> Markup | None:
     panels, arranged = [], run.arranged
-    for j, name in enumerate(run.filter.measured):
-        shows = run.filter.model[name].quantity.measures or name
+    for j, name in enumerate(run.design.measured):
+        shows = run.design.model[name].quantity.measures or name
         if shows not in run.states:
             continue
-        size, shown = shown_size(run.filter.model[shows].unit)
+        size, shown = shown_size(run.design.model[shows].unit)
         there = arranged.there[:, j]
         curves = [
             Curve("measured", arranged.t[there], arranged.z[there, j] / size),

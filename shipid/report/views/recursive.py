@@ -26,21 +26,19 @@ def recursive_view(run: RecursiveIdentification) -> FilterView:
     run : RecursiveIdentification
         The run.
     """
-    identifier, model, output = run.identifier, run.identifier.model, run.identifier.output
+    design, model, output = run.design, run.design.model, run.design.output
     size, unit = shown_size(model[output].unit)
     label = LABELS.get(output, output)
     taken = np.isfinite(run.innovations)
     e, bound = run.innovations[taken] / size, _Z95 * np.sqrt(run.innovation_variances[taken]) / size
     t = run.t[taken]
     white = run.white_p
-    answer = [
-        f"{identifier.method.line[:1].upper()}{identifier.method.line[1:]}; {run.t.size} samples of {run.record}."
-    ]
+    answer = [f"{design.method.line[:1].upper()}{design.method.line[1:]}; {run.t.size} samples of {run.record}."]
     answer += [f"{n} ended at {uncertain(p.value, p.std)}." for n, p in run.parameters.items()]
     measured = run.arranged.z[run.arranged.shown, 0] / size
     there = run.arranged.there[run.arranged.shown, 0]
     return FilterView(
-        title=f"{model.name} on {run.record}, by {identifier.method.name}",
+        title=f"{model.name} on {run.record}, by {design.method.name}",
         answer=answer,
         warnings=[f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
         cautions=[]
@@ -85,7 +83,7 @@ def recursive_view(run: RecursiveIdentification) -> FilterView:
             "Measured signal, and as the recursion remembers it",
         ),
         states=[],
-        sensors=[{"name": identifier.sensor, "level": number(run.noise_level / size, 3), "unit": unit}],
+        sensors=[{"name": design.sensor, "level": number(run.noise_level / size, 3), "unit": unit}],
         sources=[],
         equations=[
             {"plain": e.plain, "source": e.source, "where": f"{e.component}.{e.method}"} for e in typeset(model)

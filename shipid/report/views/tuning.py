@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from markupsafe import Markup
 
 import shipid
+from shipid.autopilot.course_changes.course_changes import CourseChange
+from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
-from shipid.autopilot.judgement.judge import SAMPLE_CHANGE
-from shipid.autopilot.judgement.judgement import LIMITS, CourseChange, Judgement
+from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, Judgement, Weakest
+from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.declaration.units import pretty
-from shipid.report.figures.tuning import tuning_figures
+from shipid.foundation.aliases import Plain
+from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.typography.numbers import fixed, number
 
 #: Warnings that begin so stand in red: they say that the design may not hold.
-_GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain")
+_GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain",
+          "on board")  # fmt: skip
 _ADVICE = {
     "disk margin": "A lower natural frequency or more trials of this ship raise it.",
     "gain margin": "A lower natural frequency raises it.",
@@ -33,6 +37,15 @@ _DESIGNS = {
 }
 
 
+#: The control law of each mode as the page writes it.
+_LAWS = {
+    "course": "Kp (heading ordered − heading) − Kd rate of turn",
+    "rate": "Kd (rate of turn ordered − rate of turn) + Kp integral of (rate of turn ordered − rate of turn)",
+}
+#: Said instead of a judgement.
+NOT_JUDGED = "The design was not judged: margins, robustness and course changes are those of shipid.judge, which was not asked for."
+
+
 @dataclass(frozen=True, eq=False)
 class TuningView:
     """Everything the template of one tuning reads; see the template for where it stands."""
@@ -41,13 +54,9 @@ class TuningView:
     answer: list[str]
     warnings: list[str]
     cautions: list[str]
-    schedules: list[dict[str, Any]]
-    margins: list[dict[str, Any]]
-    limits: dict[str, str]
-    points: list[dict[str, Any]]
-    robust: list[dict[str, Any]]
-    steps: dict[str, Any]
-    weather: dict[str, Any]
+    law: str
+    schedules: list[dict[str, Plain]]
+    judged: dict[str, Plain] | None
     figures: dict[str, Markup]
     ship: str
     model: str
@@ -63,26 +72,60 @@ def tuning_view(judged: Judgement) -> TuningView:
     judged : Judgement
         The design and its judgement.
     """
-    pilot = judged.pilot
-    grave = [w for w in judged.warnings if w.startswith(_GRAVE)]
+    conditions = range(len(judged.pilot.ships))
+    parts = {
+        "margins": [_margins(judged, j) for j in conditions],
+        "limits": {n: number(v, 2) for n, v in LIMITS.items()},
+        "points": [_point(w) for w in _worst_of_each(judged)],
+        "robust": [_robust(judged, j) for j in conditions],
+        "steps": _steps(judged),
+        "weather": _weather(judged),
+        "on_board": None if judged.on_board is None else _on_board(judged.on_board),
+    }
+    return _view(judged.pilot, answer(judged), judged.warnings, parts, tuning_figures(judged))
+
+
+def design_view(pilot: Autopilot) -> TuningView:
+    """Return what the page says of an autopilot that was not judged.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    """
+    return _view(pilot, [_what(pilot), NOT_JUDGED], pilot.warnings, None, design_figures(pilot))
+
+
+def _view(
+    pilot: Autopilot,
+    words: list[str],
+    warnings: Sequence[str],
+    judged: dict[str, Plain] | None,
+    figures: dict[str, Markup],
+) -> TuningView:
+    grave = [w for w in warnings if w.startswith(_GRAVE)]
     return TuningView(
         title=f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
-        answer=answer(judged),
+        answer=words,
         warnings=grave,
-        cautions=[w for w in judged.warnings if w not in grave],
-        schedules=[_schedule(judged, j) for j in range(len(pilot.ships))],
-        margins=[_margins(judged, j) for j in range(len(pilot.ships))],
-        limits={n: number(v, 2) for n, v in LIMITS.items()},
-        points=[_point(w) for w in _worst_of_each(judged)],
-        robust=[_robust(judged, j) for j in range(len(pilot.ships))],
-        steps=_steps(judged),
-        weather=_weather(judged),
-        figures=tuning_figures(judged),
+        cautions=[w for w in warnings if w not in grave],
+        law=_LAWS[pilot.mode]
+        + (" + Ki integral of (heading ordered − heading)" if "Ki" in pilot.schedule.gains else ""),
+        schedules=[_schedule(pilot, j) for j in range(len(pilot.ships))],
+        judged=judged,
+        figures=figures,
         ship=pilot.ship.name + (f" ({pilot.ship.title})" if pilot.ship.title else ""),
         model=pilot.model.name,
-        facts=_facts(judged),
+        facts=_facts(pilot),
         version=shipid.__version__,
     )
+
+
+def _what(pilot: Autopilot) -> str:
+    first, last = pilot.speeds[0], pilot.speeds[-1]
+    speeds = f"{first:.3g} to {last:.3g} m/s" if len(pilot.speeds) > 1 else f"{first:.3g} m/s"
+    kind = "heading" if pilot.mode == "course" else "rate-of-turn"
+    return f"A {kind} autopilot for {pilot.ship.name} from {speeds}: {_DESIGNS[pilot.design]}."
 
 
 def answer(judged: Judgement) -> list[str]:
@@ -94,12 +137,7 @@ def answer(judged: Judgement) -> list[str]:
         The design and its judgement.
     """
     pilot, weakest = judged.pilot, judged.weakest
-    speeds = (
-        f"{pilot.speeds[0]:.3g} to {pilot.speeds[-1]:.3g} m/s"
-        if len(pilot.speeds) > 1
-        else f"{pilot.speeds[0]:.3g} m/s"
-    )
-    sentences = [f"A heading autopilot for {pilot.ship.name} from {speeds}: {_DESIGNS[pilot.design]}."]
+    sentences = [_what(pilot)]
     own = [s for s in judged.steps if s.change_deg == SAMPLE_CHANGE and abs(s.speed - pilot.service_speed) < 1e-6]
     if own and own[0].overshoot_deg is not None and own[0].settling_s is not None:
         sentences.append(
@@ -126,8 +164,7 @@ def answer(judged: Judgement) -> list[str]:
     return sentences
 
 
-def _facts(judged: Judgement) -> list[tuple[str, str]]:
-    pilot = judged.pilot
+def _facts(pilot: Autopilot) -> list[tuple[str, str]]:
     names = {"omega_n": ("Natural frequency at the ship's own speed", "rad/s"), "damping": ("Damping ratio", ""),
              "integral": ("Third pole over the natural frequency", ""), "rudder_weight": ("Weight of the rudder", "")}  # fmt: skip
     found = [("Design", _DESIGNS[pilot.design])]
@@ -139,12 +176,11 @@ def _facts(judged: Judgement) -> list[tuple[str, str]]:
     return [*found, ("Steering machine", pilot.actuator.__name__)]
 
 
-def _schedule(judged: Judgement, condition: int) -> dict[str, Any]:
-    pilot = judged.pilot
+def _schedule(pilot: Autopilot, condition: int) -> dict[str, Plain]:
     rows = []
     for i, speed in enumerate(pilot.speeds):
         gains = [number(table[condition][i], 4) for table in pilot.schedule.gains.values()]
-        rows.append({"speed": fixed(speed, 2), "gains": gains, "poles": _poles(pilot.poles(float(speed), condition))})
+        rows.append({"speed": fixed(speed, 2), "gains": gains, "poles": _poles(pilot.poles[condition][i])})
     heads = [f"{n} [{pretty(GAINS[n][0])}]" if pretty(GAINS[n][0]) != "1" else n for n in pilot.schedule.gains]
     return {"name": pilot.conditions[condition], "heads": heads, "rows": rows}
 
@@ -160,7 +196,7 @@ def _poles(poles: np.ndarray) -> str:
     return "; ".join(words)
 
 
-def _margins(judged: Judgement, condition: int) -> dict[str, Any]:
+def _margins(judged: Judgement, condition: int) -> dict[str, Plain]:
     rows = []
     both = [(m, "") for m in judged.margins[condition]] + [(m, "between") for m in judged.between[condition]]
     for m, place in sorted(both, key=lambda b: b[0].speed):
@@ -182,8 +218,8 @@ def _margins(judged: Judgement, condition: int) -> dict[str, Any]:
     return {"name": judged.pilot.conditions[condition], "rows": rows}
 
 
-def _worst_of_each(judged: Judgement) -> list[Any]:
-    worst: dict[tuple[str, bool], Any] = {}
+def _worst_of_each(judged: Judgement) -> list[Weakest]:
+    worst: dict[tuple[str, bool], Weakest] = {}
     for point in judged.points():
         key = (point.what, "uncertainty" in point.where)
         if key not in worst or point.share < worst[key].share:
@@ -191,12 +227,12 @@ def _worst_of_each(judged: Judgement) -> list[Any]:
     return sorted(worst.values(), key=lambda w: w.share)
 
 
-def _point(w: Any) -> dict[str, Any]:
+def _point(w: Weakest) -> dict[str, Plain]:
     return {"what": w.what, "where": w.where, "value": number(w.value, 3), "limit": number(w.limit, 3), "unit": w.unit,
             "within": w.share >= 1}  # fmt: skip
 
 
-def _robust(judged: Judgement, condition: int) -> dict[str, Any]:
+def _robust(judged: Judgement, condition: int) -> dict[str, Plain]:
     robust = judged.robust[condition]
     overshoot = [_or(v, lambda x: fixed(x, 2)) for v in robust.overshoot_deg]
     settling = [_or(v, lambda x: fixed(x, 0)) for v in robust.settling_s]
@@ -223,11 +259,11 @@ def _robust(judged: Judgement, condition: int) -> dict[str, Any]:
     }
 
 
-def _or(value: float | None, show: Any) -> str:
-    return "not reached" if value is None else str(show(value))
+def _or(value: float | None, show: Callable[[float], str]) -> str:
+    return "not reached" if value is None else show(value)
 
 
-def _steps(judged: Judgement) -> dict[str, Any]:
+def _steps(judged: Judgement) -> dict[str, Plain]:
     groups: dict[tuple[str, float], list[CourseChange]] = {}
     for s in judged.steps:
         groups.setdefault((s.weather, s.speed), []).append(s)
@@ -247,7 +283,7 @@ def _steps(judged: Judgement) -> dict[str, Any]:
     return {"columns": columns, "rows": rows}
 
 
-def _weather(judged: Judgement) -> dict[str, Any]:
+def _weather(judged: Judgement) -> dict[str, Plain]:
     w = judged.weather
     head = (
         f"Wind {number(w['wind_m_s'], 2)} m/s and waves at {number(w['wave_frequency_rad_s'], 2)} rad/s that yaw a ship at rest by "
@@ -266,11 +302,11 @@ def _weather(judged: Judgement) -> dict[str, Any]:
                 "reversals": _or(s.reversals, lambda x: fixed(x, 1)),
                 "track": _or(s.cross_track_m, lambda x: number(x, 3)),
             }
-            for s in judged.weathered
+            for s in judged.in_weather
             if bool(s.change_deg) == changing and s.sea_filter
         ]
 
-    raw = [s for s in judged.weathered if not s.sea_filter]
+    raw = [s for s in judged.in_weather if not s.sea_filter]
     without = [max((getattr(s, n) or 0.0 for s in raw), default=0.0) for n in ("rms_rudder_deg", "reversals")]
     words = (
         f"Without the sea filter the rms rudder is {fixed(without[0], 2)} deg at worst, with {fixed(without[1], 1)} reversals a "
@@ -282,4 +318,37 @@ def _weather(judged: Judgement) -> dict[str, Any]:
         "kept": rows(False),
         "turned": rows(True),
         "change": fixed(SAMPLE_CHANGE, 0),
+    }
+
+
+def _on_board(found: OnBoardRuns) -> dict[str, Plain]:
+    adapted = {
+        "none": "the gains are those of the schedule",
+        "gains": "by the filter the gains are adapted to the ship it estimates",
+        "reference": "by the filter the gains are those of a reference that follows the ship it estimates, and rudder compensates the difference",
+    }
+    sensors = ", ".join(f"{n} {level}" for n, level in found.sensors.items())
+    return {
+        "head": (
+            f"Course changes one after the other, with a sample every {number(found.interval, 3)} s: by the instruments ({sensors}), "
+            f"and by the Kalman filter {found.kalman}; {adapted[found.adaptation]}."
+        ),
+        "rows": [
+            {
+                "feedback": run.feedback,
+                "weather": run.weather,
+                "change": fixed(c.change_deg, 0),
+                "overshoot": "ran away"
+                if c.lost
+                else _or(c.overshoot_deg, lambda x: fixed(x, 2))
+                if c.change_deg
+                else "",
+                "settling": _or(c.settling_s, lambda x: fixed(x, 0)) if c.change_deg and run.weather == "calm" else "",
+                "rms": _or(c.rms_error_deg, lambda x: fixed(x, 2)),
+                "rudder": _or(c.rms_rudder_deg, lambda x: fixed(x, 2)),
+                "reversals": _or(c.reversals, lambda x: fixed(x, 1)),
+            }
+            for run in found.runs
+            for c in run.changes
+        ],
     }

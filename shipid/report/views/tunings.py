@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import shipid
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
+from shipid.foundation.aliases import Plain
 from shipid.report.figures.tuning import comparison_figures
 from shipid.report.typography.numbers import number
 from shipid.report.views.tuning import answer
 
 
-def comparison_view(found: TuningComparison) -> dict[str, Any]:
+def comparison_view(found: TuningComparison) -> dict[str, Plain]:
     """Return what the page says of two tunings side by side.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.linalg import toeplitz
+from scipy.linalg import solve_discrete_lyapunov, toeplitz
 from scipy.signal import lfilter
 
 from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
@@ -14,6 +14,32 @@ from shipid.identification.uncertainty.covariance import gathered
 def first_order(phi: float, count: int, seed: int) -> np.ndarray:
     noise = np.random.default_rng(seed).standard_normal(count + 500)
     return lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], noise)[500:]
+
+
+#: Two signals, of which the first drives the second: A(1), A(2) and the covariance of what drives both.
+COUPLED = np.array([[[0.7, 0.0], [0.4, 0.5]], [[0.1, -0.2], [0.3, 0.1]]])
+DRIVE = np.array([[1.0, 0.3], [0.3, 0.5]])
+
+
+def coupled(count: int, seed: int) -> np.ndarray:
+    """The residuals that the definition of the autoregression gives, shape (2, count)."""
+    driven = np.random.default_rng(seed).standard_normal((count + 500, 2)) @ np.linalg.cholesky(DRIVE).T
+    for t in range(2, len(driven)):
+        driven[t] += COUPLED[0] @ driven[t - 1] + COUPLED[1] @ driven[t - 2]
+    return driven[500:].T
+
+
+def coupled_covariance(count: int) -> np.ndarray:
+    """Their covariance, shape (2, count, 2, count): Lyapunov's equation of the pair of samples (e(t), e(t - 1))."""
+    step = np.block([[COUPLED[0], COUPLED[1]], [np.eye(2), np.zeros((2, 2))]])
+    both = solve_discrete_lyapunov(step, np.kron(np.diag([1.0, 0.0]), DRIVE))
+    lags = [(np.linalg.matrix_power(step, k) @ both)[:2, :2] for k in range(count)]
+    whole = np.empty((2, count, 2, count))
+    for late in range(count):
+        for early in range(late + 1):
+            whole[:, late, :, early] = lags[late - early]
+            whole[:, early, :, late] = lags[late - early].T
+    return whole
 
 
 def test_white_residuals_are_of_order_zero():
@@ -39,6 +65,44 @@ def test_the_spectrum_gives_the_covariance_matrix():
     shaped = found.shaped(jacobian)
     assert shaped.T @ shaped == pytest.approx(wanted, rel=1e-8)
     assert found.spread(jacobian)[0] == pytest.approx(c @ jacobian[0], rel=1e-8)
+
+
+def test_signals_that_drive_each_other_have_the_covariance_of_lyapunov():
+    count = 240
+    c = coupled_covariance(count)
+    colour = Autoregression(COUPLED, DRIVE)
+    jacobian = np.random.default_rng(4).standard_normal((2, count, 3))
+    shaped = colour.shaped(jacobian)
+    assert shaped.T @ shaped == pytest.approx(np.einsum("inp,injm,jmq->pq", jacobian, c, jacobian), rel=1e-8)
+    assert colour.spread(jacobian) == pytest.approx(np.einsum("injm,jmq->inq", c, jacobian), rel=1e-8, abs=1e-8)
+
+
+def test_signals_that_drive_each_other_are_found():
+    colour = autoregression_of(coupled(40_000, 5))
+    assert colour.order == 2
+    # The standard errors of the coefficients, of which this is four, are 0.008 at the most (Luetkepohl 2005, 3.2).
+    assert colour.steps == pytest.approx(COUPLED, abs=0.03)
+    assert colour.drive == pytest.approx(DRIVE, abs=0.03)
+
+
+def test_no_more_past_samples_are_taken_than_there_are():
+    """Four signals of first order: a second past sample has 16 numbers, which reach 16 log(500) once in 10^13 times."""
+    found = [
+        autoregression_of(np.array([first_order(0.6, 500, 4 * seed + k) for k in range(4)])).order for seed in range(60)
+    ]
+    assert found == [1] * 60
+
+
+def test_of_signals_that_drive_each_other_everything_is_put_back():
+    """Unknowns for every sample leave no residual: what is put back is the whole covariance, but for the ends."""
+    count = 400
+    everything = np.eye(2 * count).reshape(2, count, 2 * count)
+    colour = Autoregression(COUPLED, DRIVE)
+    shaped = colour.shaped(everything)
+    found = corrected(colour, np.zeros((2, count)), everything, np.eye(2 * count), shaped.T @ shaped)
+    # A lag of k samples is an average of N - k products over N.
+    assert found.steps == pytest.approx(COUPLED, abs=0.02)
+    assert found.drive == pytest.approx(DRIVE, abs=0.03)
 
 
 def test_what_a_fit_took_up_is_put_back():

@@ -5,20 +5,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shipid.estimation.recursion.step import MISSING, REJECTED, TAKEN
+from shipid.estimation.records.smoother import smooth
+from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 
 SENSORS = {"psi": 0.01, "r": 5e-4}
 TRUE = {"log_K": np.log(0.07), "log_tau": np.log(40.0), "K": 0.07, "psi": 0.4}
 
 
 def sailed(hand: Any, t: np.ndarray, swing: Any, **first: float) -> dict[str, np.ndarray]:
-    levels = hand.kalman.constants[hand.kalman.layout.constants["r"]]
+    levels = hand.kalman.design.r
     x0 = np.array([(TRUE | first).get(s, 0.0) for s in hand.states])
     return hand.sail(t, {"delta": swing(t)}, x0, levels, np.random.default_rng(8))[0]
 
 
 def fates(run: Any, sensor: str) -> np.ndarray:
-    return run._rows("fate")[:, run.filter.measured.index(sensor)]
+    return run.rows("fate")[:, run.design.measured.index(sensor)]
 
 
 def test_outliers_are_rejected_as_if_they_were_missing(setup: Any, swing: Any) -> None:
@@ -55,7 +56,7 @@ def test_none_takes_in_all(setup: Any, swing: Any) -> None:
     run = hand.kalman.filter(record)
     assert np.all(fates(run, "psi") == TAKEN)
     # Nothing is remembered for a gate that is not there.
-    assert run._start.size == hand.kalman.layout.carried["P"].stop
+    assert run.start.size == hand.kalman.design.layout.carried["P"].stop
 
 
 def test_patience(setup: Any, swing: Any) -> None:
@@ -148,7 +149,7 @@ def test_angles_wrap(setup: Any, swing: Any, turns: int) -> None:
 
 def test_an_output_wraps_with_what_it_measures(setup: Any) -> None:
     hand = setup("waved", {"compass": 0.01, "r": 1e-3})
-    assert list(hand.kalman.wraps) == [True, False]
+    assert list(hand.kalman.design.step_settings.wraps) == [True, False]
 
 
 def test_ranges(setup: Any, swing: Any) -> None:
@@ -173,9 +174,9 @@ def test_held_parameters_are_considered(setup: Any, swing: Any) -> None:
     run = kalman.filter(record, adapt=adapt)
     intervals, u, z = hand.rows(record)
     R = np.diag([0.01**2, 0.0005**2])
-    n = kalman.layout.n
-    x = run._start[kalman.layout.carried["x"]].copy()
-    P = np.diag(run._start[kalman.layout.carried["P"]][np.cumsum(np.arange(1, n + 1)) - 1])
+    n = kalman.design.layout.n
+    x = run.start[kalman.design.layout.carried["x"]].copy()
+    P = np.diag(run.start[kalman.design.layout.carried["P"]][np.cumsum(np.arange(1, n + 1)) - 1])
     i = run.states.index("K")
     for k, T in enumerate(intervals):
         if k:
@@ -211,9 +212,7 @@ def test_held_throughout_is_as_unsure_as_it_says(setup: Any, swing: Any) -> None
     run = hand.kalman.filter(record, adapt=False)
     off = (run.x - truth) / run.std
     assert np.sqrt(np.mean(off**2)) < 1.6 and np.all(run["K"] == 0.05)
-    certain = setup("yaw", SENSORS, density={"r": 1e-5}, start={}).kalman
-    certain._p[certain.system.coefficients.index("K")] = 0.05
-    fixed = certain.filter(record)
+    fixed = setup("yaw", SENSORS, density={"r": 1e-5}, values={"K": 0.05}).kalman.filter(record)
     wrong = (fixed.x - truth[:, :2]) / fixed.std
     assert np.sqrt(np.mean(wrong**2)) > 3
 
@@ -235,7 +234,7 @@ def test_single_precision(setup: Any, swing: Any) -> None:
     double = setup("yaw", SENSORS, **options).kalman.filter(record)
     kalman = setup("yaw", SENSORS, form="square-root", single=True, **options).kalman
     root = kalman.filter(record)
-    assert kalman.loop(full=True).dtype is np.float32 and root.x.dtype == np.float64
+    assert kalman.design.loop(full=True).dtype is np.float32 and root.x.dtype == np.float64
     assert np.all(np.abs(root.x - double.x) <= 0.02 * double.std + 1e-6)
     assert root.std == pytest.approx(double.std, rel=0.01)
     plain = setup("yaw", SENSORS, single=True, **options).kalman.filter(record)
@@ -258,8 +257,8 @@ def test_what_insists_is_followed_at_once(setup: Any, swing: Any) -> None:
     assert run.std_of("K")[209] < 1.05 * before.std_of("K")[209]
     assert abs(run["K"][-1] - before["K"][-1]) < before.std_of("K")[-1]
     # The smoother does not believe in a heading that leapt before it did.
-    smoothed = run.smooth()
-    assert np.all(np.abs(smoothed["psi"] - before.smooth()["psi"])[:195] < 0.02)
+    smoothed = smooth(run)
+    assert np.all(np.abs(smoothed["psi"] - smooth(before)["psi"])[:195] < 0.02)
     assert np.all(smoothed.std <= run.std * (1 + 1e-9)) and np.all(smoothed.std[:, 0] > 0)
 
 
@@ -272,8 +271,8 @@ def test_a_leap_by_formula(setup: Any, swing: Any, form: str) -> None:
     record["psi"][40:] += 0.5
     record["r"][49] = np.nan
     run = hand.kalman.filter(record)
-    full = hand.kalman.layout.full
-    row = run._out[49]
+    full = hand.kalman.design.layout.full
+    row = run.out[49]
     ahead, packed = row[full["ahead"]], row[full["P_ahead"]]
     P = np.array([[packed[0], packed[1]], [packed[1], packed[2]]])
     e = record["psi"][49] - ahead[0]

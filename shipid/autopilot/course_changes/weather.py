@@ -1,24 +1,31 @@
 """The weather an autopilot is judged in: one wind, one sea, one current, in proportion to the ship.
 
-A ship of 100 m and longer meets a fresh wind and a sea that yaws it; a smaller one meets them smaller by Froude's law, as a model
-on a pond does. It is a yardstick and no forecast: every autopilot meets the same.
+A ship of 100 m and longer meets a fresh wind and a sea that yaws it; a smaller one meets them smaller by Froude's law, as a ship
+model does. It is a standard for comparison and no forecast: every autopilot meets the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
+from shipid.declaration.vocabulary import to_display
 from shipid.parts.environment import Waves, Wind
 
-#: From this length on the weather is that of the sea.
+#: From this length on, in m, the weather is that of the sea.
 _FULL = 100.0
+#: What a model may read of wind, waves and current, in calm.
+CALM: Mapping[str, float] = MappingProxyType({
+    "wind_speed": 0.0, "wind_direction": 0.0, "wave_direction": 0.0, "current_north": 0.0, "current_east": 0.0,
+    "r_disturbance": 0.0, "u_disturbance": 0.0,
+})  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -35,6 +42,8 @@ class Weather:
         Root mean square of the heading by the waves, the ship at rest, in rad.
     current : float
         In m/s, to the side of the wind.
+    damping : float
+        Damping ratio of the filter that makes waves of white noise.
     """
 
     wind: float
@@ -89,7 +98,7 @@ class Weather:
             found["L"] = length
         for name in ("N_w", "F_w"):
             if name in model.parameters and ship.find(model, name) is None:
-                found[name] = (model[name].number("start") or 0.0) * prime_factor(model[name].unit, length, 1.0)
+                found[name] = Scale(length, 1.0).start_of(model[name]) or 0.0
         return {n: v for n, v in found.items() if n in model}
 
     def noise(self, count: int, interval: np.ndarray, seed: int) -> np.ndarray:
@@ -110,18 +119,23 @@ class Weather:
         draws = np.random.default_rng([seed, 7]).standard_normal((count, interval.size))
         return np.asarray(draws * np.sqrt(intensity / interval))
 
+    @property
+    def wave_rate(self) -> float:
+        """Root mean square of the rate of turn by the waves, the ship at rest, in rad/s."""
+        return self.wave_frequency * self.wave_heading
+
     def to_dict(self) -> Mapping[str, float]:
         """Return plain values."""
         return {
             "wind_m_s": self.wind,
             "wave_frequency_rad_s": self.wave_frequency,
-            "wave_heading_rms_deg": float(np.rad2deg(self.wave_heading)),
+            "wave_heading_rms_deg": to_display(self.wave_heading, "psi"),
             "current_m_s": self.current,
         }
 
 
-def yardstick(length: float, speed: float) -> Weather:
-    """Return the weather a ship is judged in: 12 m/s of wind, waves of 0.6 rad/s, 1 m/s of current, or less.
+def standard_weather(length: float, speed: float) -> Weather:
+    """Return the weather an autopilot is judged in: 12 m/s of wind, waves of 0.6 rad/s, 1 m/s of current, or less.
 
     Parameters
     ----------
