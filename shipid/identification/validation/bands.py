@@ -25,7 +25,6 @@ from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.closed_loop import helmsman_of, zigzag_simulator
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
-from shipid.identification.validation.predictions import warm_up_samples
 from shipid.identification.validation.trial_measures import measured_circle
 from shipid.trials.measuring.measures import TurningCircle, ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
@@ -88,8 +87,8 @@ def _runs(identified: Identified, comparison: Comparison, draws: Draws, index: i
     problem, q, model = identified.problem, identified.solution.q, identified.model
     trial, inputs, biases = comparison.trial, identified.model.inputs, comparison.biases
     if index is None:
-        count = warm_up_samples(trial, scale_of(identified.ship, [trial]).unit_time)
-        data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), count)
+        unit_time = scale_of(identified.ship, [trial]).unit_time
+        data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), unit_time)
     else:
         data = problem.trials[index]
     start = {**data.start, **comparison.initial}
