@@ -16,9 +16,9 @@ from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
 from shipid.generation.step import make_step
-from shipid.parts.waves import Waves
 from shipid.parts.helm import ZigzagHelm
 from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.waves import Waves
 
 DEG = np.pi / 180
 KNOT = 1852 / 3600
