@@ -12,9 +12,9 @@ Noise of states and coefficients is a density, so that it means the same at anot
 from __future__ import annotations
 
 from shipid import Component, derived, given, join, parameter, state
-from shipid.parts.waves import ColouredWaves
 from shipid.parts.planar_motion import SpeedScaled
 from shipid.parts.sensors import Compass, Gyro
+from shipid.parts.waves import ColouredWaves
 
 
 class AdaptiveYaw(SpeedScaled):

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.signal import lfilter
 
 import shipid
 from shipid import Component, given, parameter, state
@@ -32,18 +33,22 @@ def drift():
 
 @pytest.fixture(scope="session")
 def drifting():
-    """Make a record of the linear model with white noise on its heading, and the matrix of its linear regression."""
+    """Make a record of the linear model with noise on its heading, and the matrix of its linear regression.
 
-    def make(sigma: float, count: int, seed: int, rudder: float = np.deg2rad(10), name: str = "linear"):
+    The noise is white, or of first order where its correlation from sample to sample is given.
+    """
+
+    def make(sigma: float, count: int, seed: int, rudder: float = np.deg2rad(10), correlation: float = 0.0):
         t = np.arange(count, dtype=float)
         delta = rudder * np.sign(np.sin(2 * np.pi * t / 60))
         # Between samples the rudder runs straight: the integral is the trapezoid's.
         turned = np.concatenate([[0.0], np.cumsum(0.5 * (delta[1:] + delta[:-1]))])
         design = np.column_stack([turned, t, np.ones(count)])
-        noise = sigma * np.random.default_rng(seed).standard_normal(count)
+        white = np.random.default_rng(seed).standard_normal(count)
+        noise = sigma * lfilter([np.sqrt(1 - correlation**2)], [1.0, -correlation], white)
         psi = design @ np.array([0.05, 1e-4, 0.0]) + noise
         table = pd.DataFrame({"t [s]": t, "delta [rad]": delta, "psi [rad]": psi, "u [m/s]": np.full(count, 5.0)})
-        return shipid.Trial.from_frame(table, name=name), design
+        return shipid.Trial.from_frame(table, name="linear"), design
 
     return make
 

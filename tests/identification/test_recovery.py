@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.declaration.scale import Scale
 from shipid.declaration.vocabulary import FIELDS
+from shipid.identification.problem.box import box_of
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.ship_scale import guessed_unit_time
+from shipid.identification.uncertainty.estimates import estimates_of
 
 #: Model, ship, manoeuvres: what together determine all coefficients the model estimates by itself.
 CASES = [
@@ -135,6 +140,28 @@ def test_an_identified_ship_goes_on_as_a_ship(sail, tmp_path):
     assert back.sections["norrbin"]["a"].std == pytest.approx(fit.parameters["a"].std)
     assert "identified" in back.sections["norrbin"]["a"].source
     assert back.particular("L", "m") == 45
+
+
+def test_published_and_prime_coefficients_have_closed_forms():
+    """Norrbin: K = a / b1 and tau = 1 / b1, with errors propagated to first order; K' = K L/U, tau' = tau U/L."""
+    values, spread, correlation = np.array([0.012, 0.05]), np.array([0.0006, 0.004]), 0.8
+    covariance = np.outer(spread, spread) * np.array([[1.0, correlation], [correlation, 1.0]])
+    box = box_of({"a": (0.01, 0.0, 1.0), "b1": (0.05, -1.0, 1.0)})
+    model, length, speed = shipid.find_model("norrbin"), 45.0, 5.0
+    problem = make_problem(model, [], ("psi",), ("a", "b1"), {"b3": 10.0}, np.ones(1), ())
+    found = estimates_of(problem, values, covariance, box, Scale(length, speed))
+    relative = spread / values
+    gain, constant = found["K"], found["tau"]
+    assert (gain.value, constant.value) == pytest.approx((0.24, 20.0))
+    assert gain.std == pytest.approx(0.24 * np.sqrt(relative @ relative - 2 * correlation * relative.prod()))
+    assert constant.std == pytest.approx(20.0 * relative[1])
+    prime = {n: found[n].prime for n in ("a", "b1", "K", "tau")}
+    assert prime == pytest.approx({"a": 0.012 * 81, "b1": 0.05 * 9, "K": 0.24 * 9, "tau": 20.0 / 9})
+
+
+def test_the_time_of_a_ship_of_unknown_length_is_a_ninth_of_the_rudder_s_period(drifting):
+    trial, _ = drifting(0.001, 600, seed=1)
+    assert guessed_unit_time([trial]) == pytest.approx(60 / 9, rel=0.01)
 
 
 def test_the_same_trials_give_the_same_numbers(sail):

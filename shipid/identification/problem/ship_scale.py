@@ -63,7 +63,8 @@ def guessed_unit_time(trials: Sequence[Trial]) -> float:
     """
     guesses = []
     for trial in trials:
-        delta = trial["delta"] - np.median(trial["delta"])
+        # The middle of its range: a rudder that lies to one side for more than half of the time has its median there.
+        delta = trial["delta"] - np.mean(np.quantile(trial["delta"], [0.05, 0.95]))
         changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
         guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
     return float(np.median(guesses))

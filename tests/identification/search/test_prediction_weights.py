@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,8 +11,9 @@ import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.problem.box import box_of
 from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.prior import Prior
 from shipid.identification.problem.trial_data import prepare
-from shipid.identification.search.least_squares import minimise
+from shipid.identification.search.least_squares import minimise, thinned_to
 from shipid.identification.search.prediction_weights import correlation_times, independent_samples, weigh_again
 from shipid.identification.search.solution import Solution, residual_levels
 
@@ -64,6 +67,14 @@ def test_samples_that_repeat_each_other_are_left_out_and_their_times_kept(proble
     assert np.array_equal(again.measured, whole.measured[:, ::15])
     assert again.intervals[0] == pytest.approx(15 * whole.intervals[0])
     assert independent_samples(problem, 10 * whole.intervals[0]).trials[0] is whole
+
+
+@pytest.mark.parametrize(("strength", "thinned"), [(20.0, 4.0), (3.0, 1.0)])
+def test_beliefs_are_thinned_with_the_samples_but_count_once(problem, strength, thinned):
+    believing = replace(problem, prior=Prior({}, {}, {}, {"r": 0.01}, strength=strength))
+    few = thinned_to(believing, [problem.trials[0].intervals.size // 5])
+    assert few.prior.strength == pytest.approx(thinned, rel=0.02)
+    assert few.prior.initial == believing.prior.initial
 
 
 def test_a_disturbed_signal_loses_weight_and_the_others_keep_theirs(sail):

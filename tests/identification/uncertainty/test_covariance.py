@@ -232,9 +232,9 @@ def test_beliefs_cost_what_normal_densities_say(steered):
     for k, (_, spread) in enumerate(parameters.values()):
         logarithm += norm.logpdf(offset[k], 0.0, spread) - norm.logpdf(0.0, 0.0, spread)
 
-    residual, slope = problem.beliefs(moved, prior)
+    residual, slope = problem.prior_residuals(moved, prior)
     assert 0.5 * residual @ residual == pytest.approx(-9.0 * logarithm, rel=1e-9)
-    least, _ = problem.beliefs(mean, prior)
+    least, _ = problem.prior_residuals(mean, prior)
     assert least == pytest.approx(np.zeros_like(least), abs=1e-9)
     assert slope @ offset == pytest.approx(residual - least, rel=1e-9, abs=1e-9)
 

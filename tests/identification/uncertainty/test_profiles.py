@@ -8,11 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 import shipid
 from shipid import Component, given, parameter, state
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.identification.uncertainty.directions import sparse_basis
+from shipid.identification.uncertainty.residuals import residuals_of
+
+SIGMA = np.deg2rad(0.5)
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +36,44 @@ def test_a_well_determined_coefficient_has_a_parabola(fit, name):
     json.dumps(profile.to_dict(), allow_nan=False)
     assert list(profile.to_frame().columns) == [name, "cost"]
     assert "95 % from" in repr(profile)
+
+
+def test_samples_that_repeat_each_other_widen_the_parabola(drift, drifting):
+    """Of a linear model under lasting residuals: the parabola of the standard deviation that allows for them, exactly."""
+    trial, design = drifting(SIGMA, 600, seed=8, correlation=0.8)
+    noise = {"psi": (SIGMA, "rad")}
+    fit = shipid.identify(drift, [trial], noise=noise, rudder_bias=False, signals=["psi"], starts=1)
+    profile, estimate = fit.profile("gain"), fit.parameters["gain"]
+    white = SIGMA * np.sqrt(np.linalg.inv(design.T @ design)[0, 0])
+    assert estimate.std > 1.3 * white
+    parabola = 0.5 * ((profile.values - estimate.value) / estimate.std) ** 2
+    assert profile.cost == pytest.approx(parabola, rel=1e-3, abs=1e-6)
+    assert profile.excess == pytest.approx((estimate.std / white) ** 2, rel=1e-3)
+
+
+def test_the_residuals_of_a_linear_regression(drift, drifting):
+    """The sum of squares over the samples less the three unknowns, as the reduced chi-square is defined."""
+    trial, design = drifting(SIGMA, 40, seed=9)
+    noise = {"psi": (SIGMA, "rad")}
+    fit = shipid.identify(drift, [trial], noise=noise, rudder_bias=False, signals=["psi"], starts=1)
+    (squares,) = np.linalg.lstsq(design, trial["psi"], rcond=None)[1]
+    assert shipid.assess(fit, bands=False, findings=False).assessment.residuals["psi"].chi_square == pytest.approx(
+        squares / SIGMA**2 / (40 - 3), rel=1e-6
+    )
+    assert fit.chi_square == pytest.approx(squares / SIGMA**2 / (40 - 3), rel=1e-6)
+
+
+def test_the_statistic_of_ljung_and_box_for_residuals_that_alternate(drift, drifting):
+    """Their autocorrelation is (-1)^k (N - k) / N: N (N + 2) sum of it squared over N - k, for 20 lags."""
+    count = 200
+    trial, design = drifting(SIGMA, count, seed=1)
+    noise = {"psi": (SIGMA, "rad")}
+    fit = shipid.identify(drift, [trial], noise=noise, rudder_bias=False, signals=["psi"], starts=1)
+    alternating = replace(fit.identified.solution, residual=(-1.0) ** np.arange(count), jacobian=design / SIGMA)
+    found = residuals_of(replace(fit.identified, solution=alternating))["psi"]
+    assert found.degrees == 20
+    assert found.ljung_box == pytest.approx((count + 2) / count * (20 * count - 210), rel=1e-9)
+    assert found.p_value == pytest.approx(chi2.sf(found.ljung_box, 20), abs=1e-12)
 
 
 def test_a_coefficient_that_no_data_have_seen_has_an_open_interval(sail):

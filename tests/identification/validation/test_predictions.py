@@ -12,6 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.identification.validation.predictions import warm_up_samples
+from shipid.trials.measuring.measure import measure
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"
 FORMATS = Path(__file__).resolve().parents[3] / "studies" / "formats"
@@ -41,6 +42,25 @@ def test_what_comes_after_the_first_seconds_does_not_touch_the_prediction(fit, s
     first, second = (fit.validate([t]).validation[0] for t in (trial, spoiled))
     assert second.predicted["psi"] == pytest.approx(first.predicted["psi"], abs=1e-12)
     assert second.rmse["psi"] > 10 * first.rmse["psi"]
+
+
+@pytest.mark.parametrize(("interval", "samples"), [("0.5 s", 50), ("2 s", 13), ("5 s", 10)])
+def test_the_first_seconds_are_a_quarter_of_the_ship_s_time(sail, interval, samples):
+    """Of L/U = 100 s they are 25 s, and never fewer than ten samples."""
+    assert warm_up_samples(sail("nomoto", "zeefakkel", sampling=interval), 100.0) == samples
+
+
+def test_what_was_learnt_before_the_first_reversal_is_judged_on_the_rest(fit, sail):
+    """Half a radian on the heading of the last third of the record: the error of the rest is that, by its share."""
+    trial = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
+    table, begin = trial.table.copy(), 2 * len(trial) // 3
+    table.loc[begin:, "psi"] += 0.5
+    clean, spoiled = (fit.validate([t]).validation[0] for t in (trial, replace(trial, table=table)))
+    reversal = np.searchsorted(trial["t"], measure(trial).executes[0])
+    share = (len(trial) - begin) / (len(trial) - reversal)
+    assert np.rad2deg(clean.warm["psi"]) < 1.0
+    assert spoiled.warm["psi"] == pytest.approx(0.5 * np.sqrt(share), rel=0.03)
+    assert spoiled.warm["r"] == pytest.approx(clean.warm["r"], rel=1e-6)
 
 
 def test_refitting_the_bias_is_reported_apart(fit, sail):
