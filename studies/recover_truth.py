@@ -22,7 +22,7 @@ from scipy.stats import chi2
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.trials.manoeuvres.simulate import standard_noise
+from shipid.parts.sensors import standard_noise
 
 #: De Keizer's container; alpha3, K_u and tau_u are assumed.
 TRUTH = {"K": 1.6, "tau": 1.7, "alpha3": 2.0, "gamma": 0.573, "K_u": 0.9, "tau_u": 2.5}

@@ -6,8 +6,9 @@ others. Passenier (1989), section 5.2 and 5.3: waves move the heading and its ra
 
 from __future__ import annotations
 
-from shipid.declaration.component import Component
+from shipid.declaration.component import Component, declared_quantities
 from shipid.declaration.quantity import given, output
+from shipid.declaration.units import to_si
 
 
 class Compass(Component):
@@ -65,3 +66,13 @@ class PositionSensor(Component):
     def east(self):
         """Passenier (1989), section 5.4: the fix shows the position over the ground."""
         return self.y
+
+
+#: The sensors that a ship has on board.
+STANDARD_SENSORS: tuple[type[Component], ...] = (Compass, Gyro, Log, PositionSensor)
+
+
+def standard_noise() -> dict[str, float]:
+    """Return the standard deviation per sample of the standard sensors, SI, by the quantity they measure."""
+    shown = [q for sensor in STANDARD_SENSORS for q in declared_quantities(sensor).values() if q.kind == "output"]
+    return {q.measures: to_si(q.noise, q.unit, f"noise of {q.name}") for q in shown if q.measures and q.noise}

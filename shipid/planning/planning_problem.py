@@ -19,7 +19,7 @@ from shipid.identification.uncertainty.information import Experiment
 from shipid.parameters.draws import normal_draws
 from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
 from shipid.parts.steering_machine import SteeringMachine
-from shipid.trials.manoeuvres.simulate import parse_noise
+from shipid.trials.manoeuvres.noise import parse_noise
 
 #: Shortest manoeuvre, longest, and the steady approach between two, in L/U.
 _SHORTEST, _LONGEST, _BETWEEN = 8.0, 150.0, 5.0

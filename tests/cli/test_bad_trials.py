@@ -143,12 +143,12 @@ def broken(old: str, new: str) -> str:
         (broken('unit = "deg"', 'unti = "deg"'), ("[columns.psi]", "'unti'", "Did you mean unit")),
         (broken('"deg"', '"blorp"'), ("'blorp' is not a unit",)),
         (broken('column = "psi"', 'column = "heading"'), ("no column 'heading'", "for psi")),
-        (broken("[50, 150]", "[150, 50]"), ("windows.middle", "start before end")),
-        (broken("[50, 150]", "50"), ("windows.middle",)),
+        (broken("[50, 150]", "[150, 50]"), ("[windows]: 'middle'", "start before end")),
+        (broken("[50, 150]", "50"), ("'middle' has to be [start, end]",)),
         (broken("header_lines = 1", 'header_lines = "x"'), ("header_lines",)),
-        ("[[", ("not readable TOML",)),
+        ("[[", ("is not valid TOML",)),
         ("", ("names no columns",)),
-        ("columns = 3\n", ("columns is 3",)),
+        ("columns = 3\n", ("'columns' is 3",)),
     ],
 )
 def test_format_file(refused, changed, tmp_path, fitted, text, words):

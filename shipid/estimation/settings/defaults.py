@@ -7,7 +7,7 @@ from collections.abc import Collection
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
 from shipid.estimation.settings.instruments import Amount, column_of
-from shipid.trials.manoeuvres.simulate import standard_noise
+from shipid.parts.sensors import standard_noise
 
 _TRACK = ("x", "y")
 

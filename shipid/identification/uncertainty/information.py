@@ -22,7 +22,7 @@ from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.steering_machine import SteeringMachine
-from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
+from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 
 #: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
 PER_UNIT_TIME = 12
@@ -143,8 +143,7 @@ class Experiment:
         unit, interval = self.length / speed, self.interval(speed)
         planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration)
         steered = _steered(self.model, planned.helm)  # type: ignore[arg-type]  # a class is hashable
-        # The clock of helmsman and steering machine, as in `shipid.trials.manoeuvres.simulate.simulate`.
-        fine = max(1, int(np.ceil(interval / min(0.02 * unit, 0.25) - 1e-9)))
+        fine = steps_of_helm(interval, unit)
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
         schedule = planned.scheduled(t) if planned.schedule else 0.0
         inputs = _approach(speed) | {"helm_schedule": schedule}

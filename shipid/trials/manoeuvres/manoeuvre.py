@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -61,7 +61,17 @@ class PlannedManoeuvre:
     schedule: list[tuple[float, float]] = field(default_factory=list)
 
     def scheduled(self, t: np.ndarray) -> np.ndarray:
-        """Return the schedule at the times `t`, shape of `t`."""
+        """Return the schedule at some times.
+
+        Parameters
+        ----------
+        t : ndarray, shape (n,)
+            Times in s.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+        """
         begins, values = (np.array(c) for c in zip(*self.schedule))
         return values[np.clip(np.searchsorted(begins, t + 1e-9, side="right") - 1, 0, None)]
 
@@ -131,79 +141,100 @@ def plan(
         Of the random telegraph.
     duration : float, optional
         In s; by default long enough for five executes, a full circle with pull-out, or all steps.
+
+    Returns
+    -------
+    PlannedManoeuvre
     """
-    start = manoeuvre.approach * unit_time
-    makers: dict[str, Any] = {
-        "zigzag": _zigzag,
-        "turn": _turn,
-        "spiral": _spiral,
-        "reversed-spiral": _reversed_spiral,
-        "course": _course,
-        "telegraph": _telegraph,
-    }
-    made: PlannedManoeuvre = makers[manoeuvre.kind](manoeuvre.numbers, start, unit_time, course, limit, seed, duration)
-    return made
+    asked = _Asked(manoeuvre.numbers, manoeuvre.approach * unit_time, unit_time, course, limit, seed, duration)
+    return _PLANS[manoeuvre.kind](asked)
 
 
-def _approach(start: float, course: float, rudder: float) -> dict[str, float]:
-    return {"helm_start": start, "helm_course": course, "helm_rudder": rudder}
+def steps_of_helm(interval: float, unit_time: float) -> int:
+    """Return how many steps of helmsman and steering machine one sample of the record takes: they want a finer clock.
+
+    Parameters
+    ----------
+    interval : float
+        Sampling interval of the record in s.
+    unit_time : float
+        L/U in s.
+    """
+    return max(1, int(np.ceil(interval / min(0.02 * unit_time, 0.25) - 1e-9)))
 
 
-def _zigzag(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    constants = _approach(start, course, n[0]) | {"helm_heading": n[1]}
-    return PlannedManoeuvre(ZigzagHelm, constants, duration or start + 30 * unit)
+@dataclass(frozen=True)
+class _Asked:
+    """What a plan is made of: the numbers of the manoeuvre, begin of the manoeuvre in s, and the arguments of `plan`."""
+
+    numbers: tuple[float, ...]
+    start: float
+    unit: float
+    course: float
+    limit: float
+    seed: int
+    duration: float | None
+
+    def second(self, otherwise: float) -> float:
+        """Return the second number of the manoeuvre, which may be left out."""
+        return self.numbers[1] if len(self.numbers) > 1 else otherwise
+
+    def approach(self) -> dict[str, float]:
+        """Return the constants of a helmsman who begins after a straight approach."""
+        return {"helm_start": self.start, "helm_course": self.course, "helm_rudder": self.numbers[0]}
 
 
-def _turn(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    constants = _approach(start, course, n[0]) | {"helm_turn": n[1] if len(n) > 1 else 3 * np.pi}
-    return PlannedManoeuvre(TurningHelm, constants, duration or start + 60 * unit)
+def _zigzag(asked: _Asked) -> PlannedManoeuvre:
+    constants = asked.approach() | {"helm_heading": asked.numbers[1]}
+    return PlannedManoeuvre(ZigzagHelm, constants, asked.duration or asked.start + 30 * asked.unit)
 
 
-def _stairs(levels: np.ndarray, start: float, step: float) -> list[tuple[float, float]]:
+def _turn(asked: _Asked) -> PlannedManoeuvre:
+    constants = asked.approach() | {"helm_turn": asked.second(3 * np.pi)}
+    return PlannedManoeuvre(TurningHelm, constants, asked.duration or asked.start + 60 * asked.unit)
+
+
+def _stairs(largest: float, start: float, step: float) -> list[tuple[float, float]]:
+    """Down and back up in steps that get finer near amidships, where a loop would show."""
+    fractions = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0])
+    levels = largest * np.concatenate([fractions, fractions[-2::-1]])
     return [(0.0, 0.0), *((start + i * step, float(v)) for i, v in enumerate(levels))]
 
 
-def _spiral_levels(largest: float) -> np.ndarray:
-    """Down and back up in steps that get finer near amidships, where a loop would show."""
-    fractions = np.array([1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0, -0.05, -0.1, -0.2, -0.4, -0.6, -0.8, -1.0])
-    return largest * np.concatenate([fractions, fractions[-2::-1]])
+def _spiral(asked: _Asked) -> PlannedManoeuvre:
+    step = 12 * asked.unit
+    schedule = _stairs(asked.numbers[0], asked.start, step)
+    return PlannedManoeuvre(ScheduledOrder, {}, asked.duration or schedule[-1][0] + step, schedule)
 
 
-def _spiral(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    schedule = _stairs(_spiral_levels(n[0]), start, 12 * unit)
-    return PlannedManoeuvre(ScheduledOrder, {}, duration or schedule[-1][0] + 12 * unit, schedule)
+def _reversed_spiral(asked: _Asked) -> PlannedManoeuvre:
+    step = 15 * asked.unit
+    schedule = _stairs(asked.numbers[0] / asked.unit, asked.start, step)
+    constants = {"helm_limit": asked.limit, "helm_gain": 3 * asked.unit, "helm_reset": 2 * asked.unit}
+    return PlannedManoeuvre(RateHelm, constants, asked.duration or schedule[-1][0] + step, schedule)
 
 
-def _reversed_spiral(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    schedule = _stairs(_spiral_levels(n[0] / unit), start, 15 * unit)
-    constants = {"helm_limit": limit, "helm_gain": 3 * unit, "helm_reset": 2 * unit}
-    return PlannedManoeuvre(RateHelm, constants, duration or schedule[-1][0] + 15 * unit, schedule)
+def _course(asked: _Asked) -> PlannedManoeuvre:
+    constants = {"helm_limit": asked.second(asked.limit), "helm_damping": 1.5 * asked.unit}
+    schedule = [(0.0, asked.course), (asked.start, asked.course + asked.numbers[0])]
+    return PlannedManoeuvre(CourseHelm, constants, asked.duration or asked.start + 30 * asked.unit, schedule)
 
 
-def _course(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    constants = {"helm_limit": n[1] if len(n) > 1 else limit, "helm_damping": 1.5 * unit}
-    return PlannedManoeuvre(
-        CourseHelm, constants, duration or start + 30 * unit, [(0.0, course), (start, course + n[0])]
-    )
-
-
-def _telegraph(
-    n: Any, start: float, unit: float, course: float, limit: float, seed: int, duration: float | None
-) -> PlannedManoeuvre:
-    length = duration or start + 40 * unit
-    rng = np.random.default_rng([seed, 1])
+def _telegraph(asked: _Asked) -> PlannedManoeuvre:
+    length = asked.duration or asked.start + 40 * asked.unit
+    rng = np.random.default_rng([asked.seed, 1])
     # Exponential holding times with a mean of 2 L/U, but long enough for the rudder to arrive.
-    holds = np.maximum(rng.exponential(2 * unit, size=int(length / unit) + 2), 0.3 * unit)
-    levels = np.where(np.arange(holds.size) % 2 == 0, n[0], -n[0])
-    begins = start + np.concatenate([[0.0], np.cumsum(holds)[:-1]])
+    holds = np.maximum(rng.exponential(2 * asked.unit, size=int(length / asked.unit) + 2), 0.3 * asked.unit)
+    levels = np.where(np.arange(holds.size) % 2 == 0, asked.numbers[0], -asked.numbers[0])
+    begins = asked.start + np.concatenate([[0.0], np.cumsum(holds)[:-1]])
     return PlannedManoeuvre(ScheduledOrder, {}, length, [(0.0, 0.0), *zip(begins.tolist(), levels.tolist())])
+
+
+_PLANS: dict[str, Callable[[_Asked], PlannedManoeuvre]] = {
+    "zigzag": _zigzag,
+    "turn": _turn,
+    "spiral": _spiral,
+    "reversed-spiral": _reversed_spiral,
+    "course": _course,
+    "telegraph": _telegraph,
+}

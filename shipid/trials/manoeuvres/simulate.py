@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 import shipid
-from shipid.declaration.component import Component, declared_quantities
+from shipid.declaration.component import Component
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
-from shipid.generation.record import make_record
-from shipid.parameters.catalogue import find_ship
+from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.generation.simulator import make_simulator
+from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.parts import sensors
 from shipid.parts.helm import DirectRudder
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.parts.wind import Wind
-from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
+from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
+from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
 
@@ -31,9 +30,10 @@ RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
 #: Steps that still fit into memory, with room to spare.
 _MOST_STEPS = 1e7
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
-
-
 _ROLES = {"given": "an input", "state": "a state", "output": "a sensor"}
+
+#: Speed and direction of a current or a wind, each with a unit or in SI.
+Flow = tuple["str | float", "str | float"]
 
 
 class SimulationDivergedError(ShipidError):
@@ -42,59 +42,9 @@ class SimulationDivergedError(ShipidError):
     exit_code = 4
 
 
-def standard_noise() -> dict[str, float]:
-    """Return the standard deviation per sample of the standard sensors, SI, by the quantity they measure."""
-    found: dict[str, float] = {}
-    for thing in vars(sensors).values():
-        if isinstance(thing, type) and issubclass(thing, Component):
-            for q in declared_quantities(thing).values():
-                if q.kind == "output" and q.measures and q.noise:
-                    found[q.measures] = to_si(q.noise, q.unit, f"noise of {q.name}")
-    return found
-
-
-def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float]:
-    """Read sensor noise: ``"none"``, ``"standard"``, or ``"psi=0.2 deg,r=0.02 deg/s"``.
-
-    Returns
-    -------
-    dict of str to float
-        Standard deviation per sample by column, SI.
-
-    Raises
-    ------
-    UsageError, UnitError, UnknownNameError
-        If the text does not say a column and a value with a unit.
-    """
-    if text is None or text == "none":
-        return {}
-    if text == "standard":
-        return standard_noise()
-    pairs: Mapping[str, str | float]
-    if isinstance(text, str):
-        parts = [p.partition("=") for p in text.split(",")]
-        if not all(sign and value.strip() for _, sign, value in parts):
-            raise UsageError(
-                f"the noise '{text}' is neither none nor standard nor a list such as psi=0.2 deg,r=0.02 deg/s."
-            )
-        pairs = {n.strip(): v for n, _, v in parts}
-    else:
-        pairs = text
-    for name in pairs:
-        if name not in FIELDS:
-            raise UnknownNameError("column to put noise on called", name, FIELDS)
-    deviations = {
-        n: to_si(v, FIELDS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
-    }
-    for name, deviation in deviations.items():
-        if not 0 <= deviation < np.inf:
-            raise UsageError(f"the noise on {name} is {pairs[name]}: a standard deviation is zero or more.")
-    return deviations
-
-
 def simulate(
-    model: Model,
-    ship: ParameterSet | str,
+    model: Model | type[Component] | str,
+    ship: ParameterSet | str | Path | None,
     manoeuvre: Manoeuvre | str,
     *,
     speed: str | float | None = None,
@@ -102,8 +52,8 @@ def simulate(
     sampling: str | float | None = None,
     heading: str | float = 0.0,
     noise: str | Mapping[str, str | float] | None = None,
-    current: tuple[str | float, str | float] | None = None,
-    wind: tuple[str | float, str | float] | None = None,
+    current: Flow | None = None,
+    wind: Flow | None = None,
     steering: bool = True,
     values: Mapping[str, str | float] | None = None,
     seed: int = 0,
@@ -113,10 +63,10 @@ def simulate(
 
     Parameters
     ----------
-    model : Model
-        A ship model with a heading ``psi`` that reads the rudder angle ``delta``.
-    ship : ParameterSet or str
-        The ship, or its name.
+    model : Model, component class or str
+        A ship model with a heading ``psi`` that reads the rudder angle ``delta``, or its name.
+    ship : ParameterSet, str or Path
+        The ship, its name or its file.
     manoeuvre : Manoeuvre or str
         Such as ``"zigzag:20/20"``; see `shipid.trials.manoeuvres.manoeuvre.KINDS`.
     speed : str or float, optional
@@ -150,71 +100,66 @@ def simulate(
     UsageError
         If the manoeuvre, the speed or another argument does not fit, or the model does not read a current or wind
         that is asked for.
+    UnstatedInputError
+        If the model reads another input that declares no default.
     ParameterSetError
         If the ship lacks something the model needs.
     SimulationDivergedError
         If the model runs away.
     """
-    ship = find_ship(ship) if isinstance(ship, str) else ship
+    model, ship = model_of(model), ship_of(ship)
     manoeuvre = parse_manoeuvre(manoeuvre) if isinstance(manoeuvre, str) else manoeuvre
-    u0 = _speed(ship, speed)
-    length = ship.particular("L", "m")
-    if length is None or length <= 0:
-        raise ParameterSetError(
-            f"ship {ship.name} has no length L greater than zero, which sets the pace of a manoeuvre."
-        )
+    u0, length = _speed(ship, speed), _length(ship)
+    unit_time = length / u0
     course = _si(heading, "rad", "the heading")
-    limit = ship.particular("delta_max", "rad") or 35 * np.pi / 180
+    limit = ship.particular("delta_max", "rad") or np.deg2rad(35)
     seconds = None if duration is None else _si(duration, "s", "the duration")
     if seconds is not None and not 0 < seconds < np.inf:
         raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
-    sailed = plan(manoeuvre, length / u0, course, limit, seed, seconds)
-    interval = _interval(length / u0) if sampling is None else _si(sampling, "s", "the sampling interval")
-    if not 0 < interval < sailed.duration:
-        raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {sailed.duration:g} s.")
+    planned = plan(manoeuvre, unit_time, course, limit, seed, seconds)
+    interval = _interval(unit_time) if sampling is None else _si(sampling, "s", "the sampling interval")
+    if not 0 < interval < planned.duration:
+        raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
-    for flow, quantity in (("current", "current_north"), ("wind", "r_disturbance")):
-        asked = current if flow == "current" else wind
-        if asked is not None and quantity not in model.inputs:
-            raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
-    whole = _with_steering(model, sailed.helm, steering, wind is not None)
-    replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in (values or {}).items()}
-    for n in replaced:
-        if whole[n].quantity.kind not in ("parameter", "constant", "derived"):
-            raise UsageError(f"'{n}' is {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
-    published = [n for n in replaced if whole[n].quantity.kind == "derived"]
-    whole = whole.impose(published) if published else whole
-    known = ship.values(whole, speed=u0) | replaced | sailed.constants
+    _check_flows(model, current, wind)
+    whole = _with_steering(model, planned.helm, steering, wind is not None)
+    whole, replaced = _with_values(whole, values or {})
+    known = ship.values(whole, speed=u0) | replaced | planned.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
     if lacking:
         raise lacking
 
-    # The steering machine and the helmsman want a finer clock than the record.
-    fine = max(1, int(np.ceil(interval / min(0.02 * length / u0, 0.25) - 1e-9)))
-    if sailed.duration / interval * fine > _MOST_STEPS:
+    fine = steps_of_helm(interval, unit_time)
+    if planned.duration / interval * fine > _MOST_STEPS:
         raise UsageError(
-            f"{manoeuvre} for {sailed.duration:.3g} s at {interval:.3g} s takes more than {_MOST_STEPS:.0e} steps. "
+            f"{manoeuvre} for {planned.duration:.3g} s at {interval:.3g} s takes more than {_MOST_STEPS:.0e} steps. "
             "Ask for a shorter duration."
         )
-    count = round(sailed.duration / interval) + 1
+    count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
-    inputs = _inputs(whole, u0, sailed, t, current, wind)
-    x0 = {s: whole[s].number("start") or 0.0 for s in whole.states}
-    x0 |= {s: v for s, v in {"u": u0, "psi": course}.items() if s in x0}
-    shown = tuple(n for n in RECORDED if n in whole)
-    record = make_record(whole, shown, hold="zero", compiled=False)
-    p = record.system.vector(record.system.coefficients, known)
-    y, _ = record(np.array(list(x0.values())), inputs, np.diff(t, append=t[-1]), p)
-    if not np.isfinite(y).all():
-        first = t[int(np.argmin(np.isfinite(y).all(axis=0)))]
+    inputs = {"u": u0, "cruise": u0} | _flows(current, wind)
+    if planned.schedule:
+        inputs["helm_schedule"] = planned.scheduled(t)
+    # Not compiled: a model that is simulated once is sooner run than compiled.
+    simulator = make_simulator(whole, [n for n in RECORDED if n in whole], hold="zero", compiled=False)
+    run = simulator(t, known, inputs, {"u": u0, "psi": course})
+    if not run.finite.all():
+        first = t[int(np.argmin(run.finite))]
         raise SimulationDivergedError(
             f"model {model.name} with ship {ship.name} runs away {first:.4g} s into {manoeuvre} at {u0:.3g} m/s. "
             "Less rudder keeps it within the range the model describes."
         )
     deviations = parse_noise(noise)
-    table = _measured(shown, y[:, ::fine], t[::fine], deviations, seed)
-    story = _story(model, ship, manoeuvre, u0, deviations, current, wind, seed)
-    source = Source(simulated=True, comment=story, notes=(story,))
+    table = measured({n: column[::fine] for n, column in run.columns.items()}, t[::fine], deviations, seed)
+    noises = ", ".join(f"{n} {d:.4g} {FIELDS[n].unit}" for n, d in deviations.items()) or "none"
+    acting = "".join(
+        f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None
+    )
+    comment = (
+        f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
+        f"{u0:.4g} m/s, noise {noises}, seed {seed}{acting}"
+    )
+    source = Source(simulated=True, comment=comment, notes=(comment,))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
@@ -234,6 +179,15 @@ def _speed(ship: ParameterSet, speed: str | float | None) -> float:
     return u0
 
 
+def _length(ship: ParameterSet) -> float:
+    length = ship.particular("L", "m")
+    if length is None or length <= 0:
+        raise ParameterSetError(
+            f"ship {ship.name} has no length L greater than zero, which sets the pace of a manoeuvre."
+        )
+    return length
+
+
 def _interval(unit_time: float) -> float:
     return max((i for i in _INTERVALS if i <= unit_time / 20), default=_INTERVALS[0])
 
@@ -246,63 +200,29 @@ def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bo
     return join(model.name, model, rudder, helm, *extra)
 
 
-def _inputs(
-    whole: Model,
-    u0: float,
-    sailed: Any,
-    t: np.ndarray,
-    current: tuple[str | float, str | float] | None,
-    wind: tuple[str | float, str | float] | None,
-) -> np.ndarray:
-    known: dict[str, Any] = {"u": u0, "cruise": u0}
-    if sailed.schedule:
-        known["helm_schedule"] = sailed.scheduled(t)
+def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model, dict[str, float]]:
+    """Return the model, published coefficients imposed on it, and the values of a user in SI."""
+    replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in values.items()}
+    for n in replaced:
+        if whole[n].quantity.kind not in ("parameter", "constant", "derived"):
+            raise UsageError(f"'{n}' is {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
+    published = [n for n in replaced if whole[n].quantity.kind == "derived"]
+    return (whole.impose(published) if published else whole), replaced
+
+
+def _check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
+    for flow, asked, quantity in (("current", current, "current_north"), ("wind", wind, "r_disturbance")):
+        if asked is not None and quantity not in model.inputs:
+            raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
+
+
+def _flows(current: Flow | None, wind: Flow | None) -> dict[str, float | np.ndarray]:
+    """Return current and wind as inputs of a model, SI."""
+    inputs: dict[str, float | np.ndarray] = {}
     if current is not None:
         rate, direction = _si(current[0], "m/s", "the current"), _si(current[1], "rad", "direction of the current")
-        known |= {"current_north": rate * np.cos(direction), "current_east": rate * np.sin(direction)}
+        inputs |= {"current_north": rate * np.cos(direction), "current_east": rate * np.sin(direction)}
     if wind is not None:
-        known |= {
-            "wind_speed": _si(wind[0], "m/s", "the wind"),
-            "wind_direction": _si(wind[1], "rad", "direction of the wind"),
-        }
-    rows = np.empty((len(whole.inputs), t.size))
-    for i, name in enumerate(whole.inputs):
-        default = whole[name].number("default")
-        if name not in known and default is None:
-            raise UsageError(
-                f"model {whole.name} reads '{name}' ({whole[name].quantity.meaning}), which nothing states."
-            )
-        rows[i] = known.get(name, default)
-    return rows
-
-
-def _measured(
-    shown: tuple[str, ...], y: np.ndarray, t: np.ndarray, deviations: Mapping[str, float], seed: int
-) -> pd.DataFrame:
-    rng = np.random.default_rng([seed, 0])
-    table = {"t": t}
-    unmeasured = {"u", "v"} - set(deviations) if deviations else set()
-    for name, row in zip(shown, y):
-        # Drawn for every column, so that the noise on one does not depend on which others carry noise.
-        draw = rng.standard_normal(t.size)
-        if name not in unmeasured:
-            table[name] = row + deviations.get(name, 0.0) * draw
-    return pd.DataFrame(table)
-
-
-def _story(
-    model: Model,
-    ship: ParameterSet,
-    manoeuvre: Manoeuvre,
-    u0: float,
-    deviations: Mapping[str, float],
-    current: tuple[str | float, str | float] | None,
-    wind: tuple[str | float, str | float] | None,
-    seed: int,
-) -> str:
-    noise = ", ".join(f"{n} {d:.4g} {FIELDS[n].unit}" for n, d in deviations.items()) or "none"
-    flows = "".join(f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None)
-    return (
-        f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s, noise {noise}, seed {seed}{flows}"
-    )
+        inputs["wind_speed"] = _si(wind[0], "m/s", "the wind")
+        inputs["wind_direction"] = _si(wind[1], "rad", "direction of the wind")
+    return inputs

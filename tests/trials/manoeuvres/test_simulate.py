@@ -9,7 +9,9 @@ import pytest
 from shipid import ParameterSet, Trial, find_model, find_ship, read_trial, simulate, write_trial
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
-from shipid.trials.manoeuvres.simulate import SimulationDivergedError, parse_noise, standard_noise
+from shipid.parts.sensors import standard_noise
+from shipid.trials.manoeuvres.noise import parse_noise
+from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
 DEG = np.pi / 180
 

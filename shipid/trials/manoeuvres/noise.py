@@ -1,0 +1,92 @@
+"""The noise of the sensors in a simulated trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.parts.sensors import standard_noise
+
+#: Speeds through the water, which a trial with sensors holds only where one of them measures it.
+_THROUGH_WATER = {"u", "v"}
+
+
+def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float]:
+    """Read the noise of the sensors: ``"none"``, ``"standard"``, or ``"psi=0.2 deg,r=0.02 deg/s"``.
+
+    Parameters
+    ----------
+    text : str, mapping or None
+        As above, or standard deviations by column, with a unit or in SI.
+
+    Returns
+    -------
+    dict of str to float
+        Standard deviation per sample by column, SI.
+
+    Raises
+    ------
+    UsageError, UnitError, UnknownNameError
+        If the text does not say a column and a value with a unit.
+    """
+    if text is None or text == "none":
+        return {}
+    if text == "standard":
+        return standard_noise()
+    pairs: Mapping[str, str | float]
+    if isinstance(text, str):
+        parts = [p.partition("=") for p in text.split(",")]
+        if not all(sign and value.strip() for _, sign, value in parts):
+            raise UsageError(
+                f"the noise '{text}' is neither none nor standard nor a list such as psi=0.2 deg,r=0.02 deg/s."
+            )
+        pairs = {n.strip(): v for n, _, v in parts}
+    else:
+        pairs = text
+    for name in pairs:
+        if name not in FIELDS:
+            raise UnknownNameError("column to put noise on called", name, FIELDS)
+    deviations = {
+        n: to_si(v, FIELDS[n].unit, f"noise on {n}") if isinstance(v, str) else float(v) for n, v in pairs.items()
+    }
+    for name, deviation in deviations.items():
+        if not 0 <= deviation < np.inf:
+            raise UsageError(f"the noise on {name} is {pairs[name]}: a standard deviation is zero or more.")
+    return deviations
+
+
+def measured(
+    columns: Mapping[str, np.ndarray], t: np.ndarray, deviations: Mapping[str, float], seed: int
+) -> pd.DataFrame:
+    """Return what the sensors show of a simulated run.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (n,)
+        The run.
+    t : ndarray, shape (n,)
+        Time [s].
+    deviations : mapping of str to float
+        Standard deviation per sample by column, SI; none, where the trial has no sensors.
+    seed : int
+        Of the noise.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Column ``t``, and the others without a speed through the water that no sensor measures.
+    """
+    rng = np.random.default_rng([seed, 0])
+    table = {"t": t}
+    unmeasured = _THROUGH_WATER - set(deviations) if deviations else set()
+    for name, column in columns.items():
+        # Drawn for every column, so that the noise on one does not depend on which others carry noise.
+        draw = rng.standard_normal(t.size)
+        if name not in unmeasured:
+            table[name] = column + deviations.get(name, 0.0) * draw
+    return pd.DataFrame(table)
