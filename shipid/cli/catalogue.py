@@ -49,7 +49,7 @@ def show(model: str, as_json: bool, latex: bool) -> None:
     """
     from shipid.declaration.component import SAMPLING_INTERVAL
     from shipid.declaration.units import pretty
-    from shipid.generation.typesetting import typeset
+    from shipid.generation.typesetting.typeset import typeset
     from shipid.parameters.catalogue import find_model
 
     found = find_model(model)

@@ -14,7 +14,8 @@ import shipid
 from shipid.declaration.model import Entry
 from shipid.declaration.units import factor, pretty
 from shipid.estimation.records.run import FilterRun, Innovations, ParameterEstimate
-from shipid.generation.typesetting import symbol, typeset
+from shipid.generation.typesetting.symbols import symbol
+from shipid.generation.typesetting.typeset import typeset
 from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.typography.numbers import fixed, interval, number, uncertain
 from shipid.report.typography.symbols import html_symbol

@@ -11,7 +11,8 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.units import pretty
-from shipid.generation.typesetting import symbol, typeset
+from shipid.generation.typesetting.symbols import symbol
+from shipid.generation.typesetting.typeset import typeset
 from shipid.identification.fit import Estimate, Fit
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.typography.numbers import fixed, given, interval, number, uncertain

@@ -7,7 +7,7 @@ from importlib import metadata
 import numpy as np
 
 import shipid
-from shipid.generation.typesetting import typeset
+from shipid.generation.typesetting.typeset import typeset
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.typography.numbers import fixed, number, uncertain
