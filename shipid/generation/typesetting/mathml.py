@@ -62,6 +62,9 @@ class _Pieces:
         class Printer(MathMLPresentationPrinter):  # type: ignore[misc]
             """SymPy's printer with the declared symbols, and cases side by side."""
 
+            def text(self, expression: sympy.Expr) -> str:
+                return _serial(self._print(expression))
+
             def _print_Symbol(self, sym: sympy.Symbol, style: str = "plain") -> minidom.Element:
                 return _element(symbols.get(sym.name) or f"<mi>{escape(sym.name)}</mi>")
 
@@ -69,8 +72,8 @@ class _Pieces:
                 rows = ""
                 for value, condition in expr.args:
                     when = "otherwise" if condition == True else "if"  # noqa: E712 - SymPy's true
-                    shown = "" if when == "otherwise" else _serial(self._print(condition))
-                    rows += f"<mtr><mtd>{_serial(self._print(value))}</mtd><mtd><mtext>{when}\u00a0</mtext>{shown}</mtd></mtr>"
+                    shown = "" if when == "otherwise" else self.text(condition)
+                    rows += f"<mtr><mtd>{self.text(value)}</mtd><mtd><mtext>{when}\u00a0</mtext>{shown}</mtd></mtr>"
                 table = f'<mtable columnalign="left left" columnspacing="1em">{rows}</mtable>'
                 return _element(f'<mrow><mo fence="true" stretchy="true">{{</mo>{table}</mrow>')
 
@@ -97,18 +100,15 @@ class _Pieces:
         operator = "−" if negative else "" if first else "+"
         sign = f'<mo form="prefix">{operator}</mo>' if first else f"<mo {_AROUND}>{operator}</mo>"
         sign = sign if operator else ""
-        top, bottom = sympy.fraction(term)
+        top = sympy.fraction(term)[0]
         sums = [f for f in sympy.Mul.make_args(top) if f.is_Add and f.count_ops() > _LONG]
         if not sums:
-            return [f"<mrow>{sign}{self._serial(term)}</mrow>"]
+            return [f"<mrow>{sign}{self.printer.text(term)}</mrow>"]
         inside = self.of(sums[0])
         outside = term / sums[0]
-        factor = "" if outside == 1 else self._serial(outside) + _TIMES
+        factor = "" if outside == 1 else self.printer.text(outside) + _TIMES
         opening = f"<mrow>{sign}{factor}{_OPEN_LOW}{inside[0]}</mrow>"
         return [opening, *inside[1:-1], f"<mrow>{inside[-1]}{_CLOSE_LOW}</mrow>"]
-
-    def _serial(self, expression: sympy.Expr) -> str:
-        return _serial(self.printer._print(expression))  # noqa: SLF001 - doprint() leaves a "<" as it is
 
 
 def _element(text: str) -> minidom.Element:

@@ -17,7 +17,6 @@ from shipid.generation.typesetting.mathml import equation_mathml
 from shipid.generation.typesetting.symbols import symbol, symbol_mathml
 from shipid.generation.typesetting.tracing import right_hand_sides
 
-
 _NEXT = '<mo stretchy="false">(</mo><mi>k</mi><mo>+</mo><mn>1</mn><mo stretchy="false">)</mo>'
 
 
