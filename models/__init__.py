@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from typing import Any
+from types import ModuleType
 
 from shipid import parts
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> type[Component] | Model | ModuleType:
     if name.startswith("_"):
         raise AttributeError(name)
     for package in (__name__, parts.__name__):

@@ -96,6 +96,11 @@ class CrossFlow(SpeedScaled):
         A section that has only just met the flow has hardly any drag: it grows with the way the flow went across it, which
         is w/u times the distance from the bow (the impulsively started cylinder of Sarpkaya, 1966). So it goes by w^3 where
         w/u is small, as the cubic models have it, and by |w| w where it is large.
+
+        Parameters
+        ----------
+        power : {0, 1}
+            Of the distance along the hull: 0 for the side force, 1 for the yaw moment.
         """
         flow = [self.v + xi * self.L * self.r for xi in _POINTS]
         late = (self.w_0 * self.way) ** 2

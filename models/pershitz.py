@@ -114,7 +114,13 @@ class PershitzDiscrete(PershitzCoefficients):
     r = derived("rad/s", "rate of turn, positive to starboard")
 
     def steady_drift(self, delta):
-        """beta_0, Semerdjiev and Mihaylova (2000), below eq. (6): drift angle of the steady turn, without sign."""
+        """beta_0, Semerdjiev and Mihaylova (2000), below eq. (6): drift angle of the steady turn, without sign.
+
+        Parameters
+        ----------
+        delta : Expression
+            Rudder angle in rad.
+        """
         q = self.q21 * self.r31 - self.q31 * self.r21
         s = self.r21 * self.s31 - self.r31 * self.s21
         h = self.h1 * self.r31

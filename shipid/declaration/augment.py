@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from shipid.declaration.component import Component, Scope
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 
@@ -60,7 +60,7 @@ def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None
     return replace(model, entries=entries)
 
 
-def _stays(self: Scope) -> Any:
+def _stays(self: Scope) -> Expression:
     """Random walk: the expected value does not change."""
     return 0.0
 
@@ -85,19 +85,16 @@ def _log_state(entry: Entry, entries: dict[str, Entry]) -> dict[str, Entry]:
         name=log_name,
     )
 
-    def from_log(self: Scope) -> Any:
+    def from_log(self: Scope) -> Expression:
         """The parameter from its logarithm, so that it stays positive."""
         return getattr(self, one_unit.name) * np.exp(getattr(self, log_name))
 
-    owner: Any = type(f"Log_{entry.name}", (_LogScale,), {})
-    owner._quantities = {q.name: q for q in (log_state, one_unit)}
     parameter = replace(entry.quantity, kind="derived")
+    walk, value = Equation(log_state, "rate", _stays), Equation(parameter, "equals", from_log)
+    members = {log_name: log_state, one_unit.name: one_unit, entry.name: parameter, "stays": walk, "from_log": value}
+    owner = type(f"Log_{entry.name}", (Component,), {"__doc__": "The logarithm of a positive parameter.", **members})
     return {
-        log_name: Entry(log_state, owner, Equation(log_state, "rate", _stays)),
+        log_name: Entry(log_state, owner, walk),
         one_unit.name: Entry(one_unit, owner),
-        entry.name: Entry(parameter, owner, Equation(parameter, "equals", from_log)),
+        entry.name: Entry(parameter, owner, value),
     }
-
-
-class _LogScale(Component):
-    """The logarithm of a positive parameter as a state."""

@@ -26,8 +26,8 @@ class Component:
     equation. Components are never instantiated: `shipid.join` makes a model of them.
     """
 
-    _quantities: ClassVar[dict[str, Quantity]] = {}
-    _equations: ClassVar[dict[str, Equation]] = {}
+    __quantities__: ClassVar[dict[str, Quantity]] = {}
+    __equations__: ClassVar[dict[str, Equation]] = {}
 
     def __init_subclass__(cls, **kwargs: object) -> None:
         super().__init_subclass__(**kwargs)
@@ -41,9 +41,9 @@ class Component:
                 elif isinstance(member, Equation):
                     methods[name] = member
                 elif isinstance(member, types.FunctionType) and name in methods:
-                    methods[name] = Equation(methods[name]._quantity, methods[name].kind, member)
-        cls._quantities = quantities
-        cls._equations = _by_target(cls, methods)
+                    methods[name] = Equation(methods[name].quantity, methods[name].kind, member)
+        cls.__quantities__ = quantities
+        cls.__equations__ = _by_target(cls, methods)
         for name, quantity in quantities.items():
             _check_quantity(cls, name, quantity)
 
@@ -61,7 +61,7 @@ def declared_quantities(component: type[Component]) -> Mapping[str, Quantity]:
     component : type[Component]
         The component.
     """
-    return MappingProxyType(component._quantities)
+    return MappingProxyType(component.__quantities__)
 
 
 def declared_equations(component: type[Component]) -> Mapping[str, Equation]:
@@ -72,7 +72,7 @@ def declared_equations(component: type[Component]) -> Mapping[str, Equation]:
     component : type[Component]
         The component.
     """
-    return MappingProxyType(component._equations)
+    return MappingProxyType(component.__equations__)
 
 
 def slug(component: type[Component]) -> str:
@@ -106,7 +106,7 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
         raise DeclarationError(
             f"component {cls.__name__} states '{SAMPLING_INTERVAL}', which is the sampling interval: declare it as given('s', ...)."
         )
-    equation = cls._equations.get(name)
+    equation = cls.__equations__.get(name)
     if quantity.kind == "state" and equation is None:
         raise DeclarationError(f"state '{name}' of {cls.__name__} has no equation: add a method under @{name}.rate.")
     if quantity.kind in ("derived", "output") and equation is None:
@@ -118,7 +118,15 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
 
 
 class Scope:
-    """What an equation sees as ``self``: the quantities its component declares, its helpers, and nothing else."""
+    """What an equation sees as ``self``: the quantities its component declares, its helpers, and nothing else.
+
+    Parameters
+    ----------
+    component : type[Component]
+        The component whose equation runs.
+    lookup : callable
+        Returns the value of a quantity by its name.
+    """
 
     __slots__ = ("_component", "_lookup")
 
@@ -128,7 +136,7 @@ class Scope:
 
     def __getattr__(self, name: str) -> Expression:
         component = self._component
-        if name in component._quantities:
+        if name in component.__quantities__:
             return self._lookup(name)
         member = getattr(component, name, None)
         if isinstance(member, types.FunctionType):
@@ -139,5 +147,5 @@ class Scope:
             return member
         raise DeclarationError(
             f"an equation of {component.__name__} reads '{name}', which the component does not declare. "
-            f"{nearest(name, component._quantities)}Declare what another component states as given(...)."
+            f"{nearest(name, component.__quantities__)}Declare what another component states as given(...)."
         )

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from inspect import getattr_static
-from typing import Any
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, declared_equations, declared_quantities
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
 from shipid.declaration.unit_check import check_units
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnitError
 
 
@@ -69,7 +69,7 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     return model
 
 
-def _entries(part: Any) -> list[Entry]:
+def _entries(part: Expression) -> list[Entry]:
     if isinstance(part, Model):
         return list(part.entries.values())
     if isinstance(part, type) and issubclass(part, Component):
@@ -128,7 +128,7 @@ def _inherit_the_same(first: Entry, second: Entry) -> bool:
     return all(_same_helper(getattr_static(first.owner, n), getattr_static(second.owner, n)) for n in helpers)
 
 
-def _same_helper(first: Any, second: Any) -> bool:
+def _same_helper(first: Expression, second: Expression) -> bool:
     # Quantities are connected by name, and equations are compared where their own quantity is.
     return first is second or isinstance(first, Quantity | Equation) or isinstance(second, Quantity | Equation)
 

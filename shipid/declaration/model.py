@@ -14,6 +14,7 @@ from typing import Any
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope
 from shipid.declaration.quantity import Equation, Kind, Quantity
 from shipid.declaration.units import to_si
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 
@@ -46,7 +47,13 @@ class Entry:
         return self.quantity.unit
 
     def number(self, attribute: str) -> float | None:
-        """Return ``start``, ``low``, ``high``, ``nominal`` or ``default`` as an SI number, or None."""
+        """Return a declared number in SI, or None where the declaration says none.
+
+        Parameters
+        ----------
+        attribute : {"start", "low", "high", "nominal", "default"}
+            Which one.
+        """
         value = getattr(self.quantity, attribute)
         if value is None:
             return None
@@ -88,7 +95,7 @@ class Model:
     def __hash__(self) -> int:
         return hash((self.name, self.components, tuple(self.entries)))
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         return Model, (self.name, dict(self.entries), self.components)
 
     def _names(self, *kinds: Kind) -> tuple[str, ...]:
@@ -171,7 +178,7 @@ class Model:
             taken.add(parameter)
             instead = self._equation(parameter)
             entries[name] = replace(published, quantity=replace(published.quantity, kind="constant"), equation=None)
-            equation = Equation(instead._quantity, "equals", instead.function)
+            equation = Equation(instead.quantity, "equals", instead.function)
             entries[parameter] = replace(
                 self[parameter], quantity=replace(self[parameter].quantity, kind="derived"), equation=equation
             )
@@ -182,8 +189,13 @@ class Model:
     def partner(self, published: str, taken: Iterable[str] = ()) -> str | None:
         """Return the parameter whose ``@p.instead`` defines it by the published coefficient, or None.
 
-        Two published coefficients may define the same two parameters (a pair of time constants does); those in
-        `taken` have their coefficient already.
+        Parameters
+        ----------
+        published : str
+            The published coefficient.
+        taken : iterable of str
+            Parameters that have their coefficient already: two published coefficients may define the same two parameters
+            (a pair of time constants does).
         """
         own = [p for p in self.parameters if self[p].equation is not None and p not in set(taken)]
         for parameter in own:
@@ -213,7 +225,7 @@ class Evaluation:
         self._missing = missing
         self._path: list[str] = []
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Expression:
         if name in self._known:
             return self._known[name]
         entry = self._model[name]
@@ -224,7 +236,7 @@ class Evaluation:
             return self._missing(name)
         raise DeclarationError(f"the {entry.quantity.kind} '{name}' of model {self._model.name} has no value.")
 
-    def _call(self, name: str, entry: Entry) -> Any:
+    def _call(self, name: str, entry: Entry) -> Expression:
         if name in self._path:
             loop = " -> ".join([*self._path[self._path.index(name) :], name])
             owners = ", ".join(dict.fromkeys(f"{self._model[n].owner.__name__}.{n}" for n in self._path))
@@ -238,13 +250,25 @@ class Evaluation:
         finally:
             self._path.pop()
 
-    def equation(self, entry: Entry) -> Any:
-        """Return the right-hand side of an entry's equation."""
+    def equation(self, entry: Entry) -> Expression:
+        """Return the right-hand side of an entry's equation.
+
+        Parameters
+        ----------
+        entry : Entry
+            A quantity that an equation defines.
+        """
         assert entry.equation is not None
         return entry.equation.function(Scope(entry.owner, self.__getitem__))
 
     def right_hand_sides(self, kind: str) -> dict[str, Any]:
-        """Return ``{name: right-hand side}`` of all equations of one kind: "rate", "next" or "equals"."""
+        """Return ``{name: right-hand side}`` of all equations of one kind.
+
+        Parameters
+        ----------
+        kind : {"rate", "next", "equals"}
+            Which kind.
+        """
         return {
             n: self[n] if kind == "equals" else self.equation(e)
             for n, e in self._model.entries.items()
@@ -253,12 +277,20 @@ class Evaluation:
 
 
 def reads_of(model: Model, entry: Entry) -> frozenset[str]:
-    """Return the names an entry's equation reads directly, found by running it over numbers."""
+    """Return the names an entry's equation reads directly, found by running it over numbers.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    entry : Entry
+        A quantity of it that an equation defines.
+    """
     import numpy as np
 
     read: set[str] = set()
 
-    def lookup(name: str) -> Any:
+    def lookup(name: str) -> Expression:
         read.add(name)
         return np.float64(0.7311)
 
@@ -269,7 +301,20 @@ def reads_of(model: Model, entry: Entry) -> frozenset[str]:
 
 
 def find_loops(model: Model, advice: str = "") -> None:
-    """Raise a `DeclarationError` if derived quantities define each other in a circle."""
+    """Refuse derived quantities that define each other in a circle.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    advice : str
+        What to do, at the end of the message.
+
+    Raises
+    ------
+    DeclarationError
+        With the names along the circle.
+    """
     import numpy as np
 
     plain = {n: np.float64(0.7311) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError
 
 Kind = Literal["state", "given", "derived", "constant", "parameter", "output"]
@@ -37,22 +38,22 @@ class Equation:
 
     Attributes
     ----------
-    target : str
-        Name of the quantity it defines.
+    quantity : Quantity
+        What it defines.
     kind : {"rate", "next", "equals", "instead"}
         Time derivative, next sample, value, or the value in terms of published coefficients.
     function : callable
         The method; it takes the scope (``self``) and returns the right-hand side.
     """
 
-    _quantity: Quantity = field(repr=False)
+    quantity: Quantity = field(repr=False)
     kind: EquationKind
     function: Callable[[Any], Any] = field(repr=False)
 
     @property
     def target(self) -> str:
         """Name of the quantity it defines."""
-        return self._quantity.name
+        return self.quantity.name
 
     @property
     def name(self) -> str:
@@ -70,9 +71,9 @@ class Equation:
         code = self.function.__code__
         return f"{code.co_filename}:{code.co_firstlineno}"
 
-    def __reduce__(self) -> Any:
+    def __reduce__(self) -> tuple[object, ...]:
         # pickle finds a function by its name, and under that name the class holds this equation.
-        return _restore, (self._quantity, self.kind, self.function.__module__, self.function.__qualname__)
+        return _restore, (self.quantity, self.kind, self.function.__module__, self.function.__qualname__)
 
 
 def _restore(quantity: Quantity, kind: EquationKind, module: str, qualname: str) -> Equation:
@@ -99,6 +100,8 @@ class Quantity:
         Standard deviation of what is believed of a parameter, or of the initial value of a state, about `start`.
     nominal : float, str or None
         A typical size, used for scaling.
+    name : str
+        The name of the class attribute it is assigned to.
     latex : str or None
         The symbol in print; derived from the name when not given.
     wraps : bool
@@ -151,19 +154,59 @@ class Quantity:
         return Equation(self, kind, function)
 
     def rate(self, function: Callable[[Any], Any]) -> Equation:
-        """Decorate the method that returns the time derivative of a state."""
+        """Decorate the method that returns the time derivative of a state.
+
+        Parameters
+        ----------
+        function : callable
+            The method; its docstring cites the source of the equation.
+
+        Returns
+        -------
+        Equation
+        """
         return self._equation("rate", function)
 
     def next(self, function: Callable[[Any], Any]) -> Equation:
-        """Decorate the method that returns a state one sampling interval ``T_s`` later."""
+        """Decorate the method that returns a state one sampling interval ``T_s`` later.
+
+        Parameters
+        ----------
+        function : callable
+            The method; its docstring cites the source of the equation.
+
+        Returns
+        -------
+        Equation
+        """
         return self._equation("next", function)
 
     def equals(self, function: Callable[[Any], Any]) -> Equation:
-        """Decorate the method that returns a derived quantity or an output."""
+        """Decorate the method that returns a derived quantity or an output.
+
+        Parameters
+        ----------
+        function : callable
+            The method; its docstring cites the source of the equation.
+
+        Returns
+        -------
+        Equation
+        """
         return self._equation("equals", function)
 
     def instead(self, function: Callable[[Any], Any]) -> Equation:
-        """Decorate the method that returns a parameter in terms of the coefficients that are published instead."""
+        """Decorate the method that returns a parameter in terms of the coefficients that are published instead.
+
+        Parameters
+        ----------
+        function : callable
+            The method; its docstring cites the source of the equation.
+
+        Returns
+        -------
+        Equation
+        """
         return self._equation("instead", function)
 
 
@@ -177,7 +220,7 @@ def state(
     latex: str | None = None,
     spread: Number = None,
     noise: str | None = None,
-) -> Any:
+) -> Expression:
     """Declare a state: it needs ``@x.rate`` (continuous) or ``@x.next`` (discrete).
 
     Parameters
@@ -198,6 +241,11 @@ def state(
         Standard deviation of the initial value, where a filter starts.
     noise : str, optional
         The white noise a filter lets drive it: per sample, or per root second.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity(
         "state", unit, meaning, start=start, nominal=nominal, wraps=wraps, latex=latex, spread=spread, noise=noise
@@ -212,7 +260,7 @@ def given(
     latex: str | None = None,
     wraps: bool = False,
     noise: str | None = None,
-) -> Any:
+) -> Expression:
     """Declare what the equations read and this component does not state: an input or another's quantity.
 
     Parameters
@@ -223,22 +271,32 @@ def given(
         Its value where no component states it and no trial holds it.
     noise : str, optional
         White noise it carries in a filter: per sample, or times root second.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity("given", unit, meaning, default=default, latex=latex, wraps=wraps, noise=noise)
 
 
-def derived(unit: str, meaning: str, *, latex: str | None = None, wraps: bool = False) -> Any:
+def derived(unit: str, meaning: str, *, latex: str | None = None, wraps: bool = False) -> Expression:
     """Declare a quantity that follows from the others: it needs ``@y.equals``.
 
     Parameters
     ----------
     unit, meaning, latex, wraps
         As for `state`.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity("derived", unit, meaning, latex=latex, wraps=wraps)
 
 
-def constant(unit: str, meaning: str, *, default: Number = None, latex: str | None = None) -> Any:
+def constant(unit: str, meaning: str, *, default: Number = None, latex: str | None = None) -> Expression:
     """Declare a particular of the ship; components that name the same constant share it.
 
     Parameters
@@ -247,6 +305,11 @@ def constant(unit: str, meaning: str, *, default: Number = None, latex: str | No
         As for `state`.
     default : float or str, optional
         Its value where no parameter set holds it.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity("constant", unit, meaning, default=default, latex=latex)
 
@@ -265,7 +328,7 @@ def parameter(
     prime: bool = False,
     estimated: bool = True,
     noise: str | None = None,
-) -> Any:
+) -> Expression:
     """Declare a coefficient that identification may estimate.
 
     Parameters
@@ -285,6 +348,11 @@ def parameter(
         Whether it is estimated unless the user chooses.
     noise : str, optional
         How it may wander where a filter estimates it: per sample, or per root second.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity(
         "parameter",
@@ -303,7 +371,7 @@ def parameter(
     )
 
 
-def output(unit: str, meaning: str, *, measures: str | None = None, noise: str | None = None) -> Any:
+def output(unit: str, meaning: str, *, measures: str | None = None, noise: str | None = None) -> Expression:
     """Declare what a sensor shows, where that is not simply a quantity: it needs ``@z.equals``.
 
     Parameters
@@ -314,5 +382,10 @@ def output(unit: str, meaning: str, *, measures: str | None = None, noise: str |
         The quantity it measures.
     noise : str, optional
         Its standard deviation per sample, as in ``"0.2 deg"``.
+
+    Returns
+    -------
+    Quantity
+        In the class body; in an equation ``self.NAME`` is its value.
     """
     return Quantity("output", unit, meaning, measures=measures, noise=noise)

@@ -202,7 +202,7 @@ def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
 
 
 def is_finite(number: Plain) -> bool:
-    """Whether a value is a finite number (a truth value is none).
+    """Return whether a value is a finite number (a truth value is none).
 
     Parameters
     ----------

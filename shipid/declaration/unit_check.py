@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import traceback
 import types
-from typing import Any
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
 _SOME_NUMBER = 0.7311
@@ -37,7 +37,7 @@ def check_units(model: Model) -> None:
 
     quantity = units.registry().Quantity
 
-    def value(name: str, unit: str) -> Any:
+    def value(name: str, unit: str) -> Expression:
         return quantity(np.float64(_SOME_NUMBER), units.unit(unit))
 
     plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
@@ -55,7 +55,7 @@ def check_units(model: Model) -> None:
 class _Checked(Evaluation):
     """An evaluation over quantities with units that checks the unit of every result."""
 
-    def equation(self, entry: Entry) -> Any:
+    def equation(self, entry: Entry) -> Expression:
         equation = entry.equation
         assert equation is not None
         where = f"model {self._model.name}, equation {entry.owner.__name__}.{equation.name}"
@@ -83,7 +83,7 @@ def _named(error: ShipidError, where: str, place: str) -> ShipidError:
     return error if text.startswith("model ") else DeclarationError(f"{where} ({place}): {text}")
 
 
-def _checked(result: Any, wanted: str, where: str, place: str, entry: Entry) -> Any:
+def _checked(result: Expression, wanted: str, where: str, place: str, entry: Entry) -> Expression:
     ureg = units.registry()
     unit = units.unit(wanted)
     if not hasattr(result, "dimensionality"):
@@ -103,7 +103,7 @@ def _kind(entry: Entry) -> str:
     return entry.equation.kind if entry.equation else ""
 
 
-def _unit_words(unit: Any) -> str:
+def _unit_words(unit: Expression) -> str:
     return f"{units.registry().Quantity(1, unit).to_base_units().units:~P}" or "1"
 
 
@@ -114,7 +114,7 @@ def _in_words(error: Exception) -> str:
     return f"{_either(first)} against {_either(second)}"
 
 
-def _either(unit: Any) -> str:
+def _either(unit: Expression) -> str:
     try:
         return f"{units.registry().Unit(unit):~P}" or "1"
     except Exception:  # pint hands over text such as "a dimensionless quantity" at times

@@ -70,13 +70,19 @@ def unit(text: str) -> PintUnit:
     if isinstance(parsed, (int, float)) or parsed.magnitude != 1:
         raise UnitError(f"'{text}' is not a unit: it contains a number.")
     result = parsed.units
-    if not registry().Quantity(1, result)._is_multiplicative:
+    if registry().Quantity(0, result).to_base_units().magnitude != 0:
         raise UnitError(f"'{text}' has an offset; shipid takes no such unit.")
     return result
 
 
 def pretty(text: str) -> str:
-    """Return a unit the way it is printed: ``s^2/deg^2`` becomes ``s²/deg²``, and 1 stays 1."""
+    """Return a unit the way it is printed: ``s^2/deg^2`` becomes ``s²/deg²``, and 1 stays 1.
+
+    Parameters
+    ----------
+    text : str
+        The unit.
+    """
     shown = _tidy(text)
     if shown in ("", "1", "-"):
         return "1"
@@ -90,20 +96,38 @@ def _raise(digits: str) -> str:
 
 @functools.cache
 def angle_exponent(text: str) -> float:
-    """Return the power of the angle in a unit: 1 for ``deg/s`` and ``rpm``, -2 for ``s^2/deg^2``, 0 for ``1/s``."""
-    root = registry().Quantity(1, unit(text)).to_root_units().units
-    return float(root._units.get("radian", 0))
+    """Return the power of the angle in a unit: 1 for ``deg/s`` and ``rpm``, -2 for ``s^2/deg^2``, 0 for ``1/s``.
+
+    Parameters
+    ----------
+    text : str
+        The unit.
+    """
+    root = registry().Quantity(1, unit(text)).to_root_units()
+    return float(dict(root.unit_items()).get("radian", 0))
 
 
 @functools.cache
 def is_coherent_si(text: str) -> bool:
-    """Whether a unit is made of SI base units and radians alone, so that its values need no factor."""
-    return abs(registry().Quantity(1.0, unit(text)).to_base_units().magnitude - 1) < 1e-12
+    """Return whether a unit is made of SI base units and radians alone, so that its values need no factor.
+
+    Parameters
+    ----------
+    text : str
+        The unit.
+    """
+    return bool(abs(registry().Quantity(1.0, unit(text)).to_base_units().magnitude - 1) < 1e-12)
 
 
 @functools.cache
 def same_dimension(first: str, second: str) -> bool:
-    """Whether two units measure the same thing (an angle counts as a number, as in equations it must)."""
+    """Return whether two units measure the same thing (an angle counts as a number, as in equations it must).
+
+    Parameters
+    ----------
+    first, second : str
+        The units.
+    """
     return bool(unit(first).dimensionality == unit(second).dimensionality)
 
 
@@ -135,7 +159,12 @@ def factor(given: str, wanted: str, what: str = "the value") -> float:
 
 
 def split(text: str) -> tuple[float, str | None]:
-    """Split ``"9 kn"`` into ``(9.0, "kn")``; the unit is None where there is only a number.
+    """Return the number and the unit of ``"9 kn"``: ``(9.0, "kn")``; the unit is None where there is only a number.
+
+    Parameters
+    ----------
+    text : str
+        A number, and a unit behind it.
 
     Raises
     ------
@@ -149,7 +178,7 @@ def split(text: str) -> tuple[float, str | None]:
 
 
 def to_si(value: str | float | tuple[float, str], wanted: str, what: str = "the value") -> float:
-    """Turn a value with a unit into a number in the wanted (SI) unit.
+    """Return a value with a unit as a number in the wanted (SI) unit.
 
     Parameters
     ----------

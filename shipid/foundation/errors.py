@@ -47,7 +47,17 @@ class ParameterSetError(ShipidError):
 
 
 def nearest(name: str, known: Iterable[str], count: int = 4) -> str:
-    """Say which known names are closest to a misspelt one (a sentence ending in a full stop and a space)."""
+    """Return a sentence that says which known names are closest to a misspelt one; it ends in a full stop and a space.
+
+    Parameters
+    ----------
+    name : str
+        The misspelt name.
+    known : iterable of str
+        The names there are.
+    count : int
+        How many to offer at most.
+    """
     known = sorted(known)
     lowered = {k.lower(): k for k in known}
     hits = [lowered[h] for h in difflib.get_close_matches(name.lower(), lowered, n=count, cutoff=0.5)]

@@ -19,6 +19,7 @@ from typing import Any
 
 import casadi as ca
 
+from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.cache import cache_folder
 
 FLAGS = ("-O3", "-fPIC", "-shared")
@@ -54,7 +55,7 @@ def _notice(reason: str) -> None:
     )
 
 
-def compile_function(function: Any) -> Any:
+def compile_function(function: CasadiFunction) -> CasadiFunction:
     """Return the compiled form of a CasADi function, from the cache where it has been compiled before.
 
     Parameters
@@ -71,7 +72,7 @@ def compile_function(function: Any) -> Any:
     return _compiled(function, lambda path: ca.external(function.name(), str(path))) or function
 
 
-def compile_library(function: Any, beside: str, single: bool = False) -> Any:
+def compile_library(function: CasadiFunction, beside: str, single: bool = False) -> CasadiFunction:
     """Compile a CasADi function together with C code of our own that calls it.
 
     Parameters
@@ -91,7 +92,9 @@ def compile_library(function: Any, beside: str, single: bool = False) -> Any:
     return _compiled(function, lambda path: ctypes.CDLL(str(path)), beside, single)
 
 
-def _compiled(function: Any, load: Callable[[Path], Any], beside: str = "", single: bool = False) -> Any:
+def _compiled(
+    function: CasadiFunction, load: Callable[[Path], Any], beside: str = "", single: bool = False
+) -> CasadiFunction:
     """Generate, compile and load; None where that is not to be had."""
     if os.environ.get("SHIPID_COMPILE") == "0":
         return None

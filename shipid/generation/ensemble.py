@@ -130,7 +130,13 @@ class Ensemble:
 
 
 def steps_of(count: int) -> int:
-    """Return the steps a run takes for at least `count` of them: whole blocks."""
+    """Return the steps a run takes: whole blocks.
+
+    Parameters
+    ----------
+    count : int
+        Steps that are wanted at least.
+    """
     return max(1, -(-count // BLOCK)) * BLOCK
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.generation.system import System, generate
 
@@ -54,7 +54,7 @@ class Linearisation:
         values = np.linalg.eigvals(self.A)
         return values[np.argsort(-values.real)]
 
-    def to_state_space(self) -> Any:
+    def to_state_space(self) -> Expression:
         """Return the python-control state-space system, with names."""
         import control
 

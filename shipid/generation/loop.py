@@ -13,11 +13,11 @@ import os
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.compiling import compile_library
 
 #: The loop: two copies of the carried state take turns, since a step may not write over what it still reads.
@@ -68,13 +68,15 @@ class Loop:
         Whether it runs as machine code.
     single : bool
         Whether it computes in single precision (compiled only).
+    call, library : ctypes objects or None
+        The loop as machine code, and the library that holds it; None where nothing is compiled.
     """
 
-    step: Any
+    step: CasadiFunction
     compiled: bool
     single: bool
-    _call: Any = field(repr=False, default=None)
-    _library: Any = field(repr=False, default=None)
+    call: CasadiFunction = field(repr=False, default=None)
+    library: CasadiFunction = field(repr=False, default=None)
 
     @property
     def sizes(self) -> tuple[int, int, int, int]:
@@ -83,7 +85,7 @@ class Loop:
         return z, c, p, self.step.size1_out(1)
 
     @property
-    def dtype(self) -> Any:
+    def dtype(self) -> type[np.floating]:
         """Type of the numbers it computes with."""
         return np.float32 if self.single else np.float64
 
@@ -105,6 +107,11 @@ class Loop:
             State after the last sample.
         out : ndarray, shape (N, out)
             Outputs, one row a sample.
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit the step.
         """
         nz, nc, n_p, no = self.sizes
         z0, p = (np.ascontiguousarray(a, dtype=self.dtype) for a in (z0, p))
@@ -113,10 +120,10 @@ class Loop:
         # The machine code reads plain memory: a wrong shape would not be found there.
         if z0.shape != (nz,) or p.shape != (n_p,) or controls.shape != (count, nc):
             raise ValueError(f"shapes {z0.shape}, {controls.shape}, {p.shape} do not fit the step {self.sizes}")
-        if self._call is None:
+        if self.call is None:
             return self._interpreted(z0, controls, p)
         z, out = np.empty(nz, self.dtype), np.empty((count, no), self.dtype)
-        self._call(z0.ctypes.data, controls.ctypes.data, p.ctypes.data, z.ctypes.data, out.ctypes.data, count)
+        self.call(z0.ctypes.data, controls.ctypes.data, p.ctypes.data, z.ctypes.data, out.ctypes.data, count)
         return z, out
 
     def _interpreted(self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,9 +149,14 @@ class Loop:
             As for one record, one entry each.
         threads : int, optional
             How many; by default one for each processor.
+
+        Returns
+        -------
+        list of tuple of ndarray
+            As for one record, one entry each.
         """
         workers = threads or os.cpu_count() or 1
-        if workers == 1 or self._call is None:
+        if workers == 1 or self.call is None:
             return [self(*each) for each in zip(z0, controls, p)]
         with ThreadPoolExecutor(workers) as pool:
             return list(pool.map(self, z0, controls, p))
@@ -183,13 +195,13 @@ class Stepper:
             raise ValueError(f"shapes {self.z.shape}, {self.p.shape} do not fit the step {loop.sizes}")
         self.control, self.out = np.zeros(nc, loop.dtype), np.zeros(no, loop.dtype)
         self._loop = loop
-        if loop._call is None:
+        if loop.call is None:
             self.step = self._interpreted
         else:
             # The state is copied in before it is written out, so one array serves as both.
             places = (self.z, self.control, self.p, self.z, self.out)
             self._pointers = (ctypes.c_void_p * len(places))(*(a.ctypes.data for a in places))
-            once = loop._library.shipid_once
+            once = loop.library.shipid_once
             once.argtypes, once.restype = [ctypes.c_void_p], ctypes.c_int
             self.step = functools.partial(once, ctypes.addressof(self._pointers))
 
@@ -200,14 +212,14 @@ class Stepper:
 
 
 @functools.lru_cache(maxsize=256)
-def _accumulated(loop: Loop, count: int) -> Any:
+def _accumulated(loop: Loop, count: int) -> CasadiFunction:
     nz, nc, n_p, _ = loop.sizes
     z0, controls, p = ca.MX.sym("z0", nz), ca.MX.sym("c", nc, count), ca.MX.sym("p", n_p)
     z, out = loop.step.mapaccum(count)(z0, controls, ca.repmat(p, 1, count))
     return ca.Function("record", [z0, controls, p], [z, out])
 
 
-def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
+def make_loop(step: CasadiFunction, compiled: bool = True, single: bool = False) -> Loop:
     """Compile a step together with the loop over its samples.
 
     Parameters
@@ -222,6 +234,11 @@ def make_loop(step: Any, compiled: bool = True, single: bool = False) -> Loop:
     Returns
     -------
     Loop
+
+    Raises
+    ------
+    ValueError
+        If the step does not return what it carries.
     """
     nz, no = step.size1_in(0), step.size1_out(1)
     # The state of one sample is copied into the next: another length would run over the memory.

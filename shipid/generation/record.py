@@ -5,12 +5,12 @@ from __future__ import annotations
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import Expression
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
@@ -44,7 +44,7 @@ class Record:
     seed: np.ndarray = field(repr=False)
 
     @property
-    def step(self) -> Any:
+    def step(self) -> Expression:
         """The CasADi function of one sample that the loop runs over."""
         return self.loop.step
 
@@ -159,13 +159,13 @@ def make_record(
 
 
 def _direct(
-    expression: Any,
+    expression: Expression,
     system: System,
-    step: Any,
+    step: Expression,
     coefficients: Sequence[str],
     initial: Sequence[str],
     biases: Sequence[str],
-) -> Any:
+) -> Expression:
     """Derivative of an expression by the unknowns at fixed states."""
     by_p = ca.jacobian(expression, system.p)
     by_u = ca.jacobian(expression, system.u)

@@ -63,7 +63,9 @@ def initial_state(model: Model, start: Named | None = None) -> np.ndarray:
     """
     given = start or {}
     rows = [given.get(name, model[name].number("start") or 0.0) for name in model.states]
-    return np.stack(np.broadcast_arrays(*(np.asarray(r, dtype=float) for r in rows))) if rows else np.zeros(0)
+    if not rows:
+        return np.zeros(0)
+    return np.array(np.broadcast_arrays(*(np.asarray(r, dtype=float) for r in rows)))
 
 
 def input_rows(
@@ -155,7 +157,7 @@ class Simulation:
     @property
     def finite(self) -> np.ndarray:
         """Whether every output of a sample is finite, shape (N,)."""
-        return np.isfinite(np.stack(list(self.columns.values()))).all(axis=0)
+        return np.asarray(np.isfinite(np.stack(list(self.columns.values()))).all(axis=0))
 
 
 @dataclass(frozen=True, eq=False)

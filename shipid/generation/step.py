@@ -11,6 +11,7 @@ from typing import Any
 
 import casadi as ca
 
+from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.system import System
 
@@ -62,7 +63,7 @@ class Step:
     x_next: Any
 
     @property
-    def function(self) -> Any:
+    def function(self) -> CasadiFunction:
         """The CasADi function ``(x, u0, u1, p, T) -> x_next``."""
         s = self.system
         u1 = ca.SX.sym("u1", s.u.shape[0])
@@ -118,7 +119,9 @@ def make_step(system: System, method: str = "rk4", hold: str = "linear", substep
     return Step(system, system.u, u1, x_next)
 
 
-def _advance(tableau: Tableau, rates: Any, system: System, u1: Any, x: Any, begin: float, length: float) -> Any:
+def _advance(
+    tableau: Tableau, rates: Expression, system: System, u1: Expression, x: Expression, begin: float, length: float
+) -> Expression:
     """Advance by a fraction of the sampling interval."""
     h = system.T * length
     slopes: list[Any] = []

@@ -13,6 +13,7 @@ import numpy as np
 
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Evaluation, Model
+from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 # CasADi asks which of two behaviours NumPy functions have on its symbols; equations need a symbol in, a symbol out.
@@ -63,8 +64,13 @@ class System:
         """Names along `p`: the parameters, then the constants."""
         return self.model.parameters + self.model.constants
 
-    def expression(self, names: Sequence[str]) -> Any:
+    def expression(self, names: Sequence[str]) -> Expression:
         """Return the named quantities as one column.
+
+        Parameters
+        ----------
+        names : sequence of str
+            Quantities of the model.
 
         Raises
         ------
@@ -76,7 +82,7 @@ class System:
             raise UnknownNameError(f"quantity in model {self.model.name} called", unknown[0], self.values)
         return ca.vertcat(*(self.values[n] for n in names)) if names else ca.SX(0, 1)
 
-    def function(self, names: Sequence[str]) -> Any:
+    def function(self, names: Sequence[str]) -> CasadiFunction:
         """Return the CasADi function ``(x, u, p) -> quantities``.
 
         Parameters
@@ -87,7 +93,7 @@ class System:
         return ca.Function("quantities", [self.x, self.u, self.p], [self.expression(names)], ["x", "u", "p"], ["y"])
 
     @functools.cached_property
-    def right_hand_side(self) -> Any:
+    def right_hand_side(self) -> CasadiFunction:
         """The CasADi function ``(x, u, p) -> dx/dt``.
 
         Raises
@@ -100,7 +106,7 @@ class System:
             raise DeclarationError(f"model {self.model.name} has no right-hand side: {sampled} is sampled. Use a step.")
         return ca.Function("right_hand_side", [self.x, self.u, self.p], [self.rates], ["x", "u", "p"], ["dx"])
 
-    def jacobian(self, of: str, by: str) -> Any:
+    def jacobian(self, of: str, by: str) -> CasadiFunction:
         """Return the CasADi function ``(x, u, p) -> Jacobian``, exact.
 
         Parameters
@@ -143,7 +149,7 @@ class System:
         return tuple(n for n, used in zip(self.inputs, needed.tolist()) if used)
 
     @property
-    def _moves(self) -> Any:
+    def _moves(self) -> Expression:
         """What moves each state: its rate, or its next sample."""
         moves = self.rates + 0
         for index, expression in self.nexts.items():
@@ -151,7 +157,16 @@ class System:
         return moves
 
     def vector(self, names: Sequence[str], values: Mapping[str, float], default: float | None = None) -> np.ndarray:
-        """Return named numbers in the order of `names`, shape (len(names),).
+        """Return named numbers in an order, shape (len(names),).
+
+        Parameters
+        ----------
+        names : sequence of str
+            The order.
+        values : mapping of str to float
+            By name, SI; a number that is not there takes the declared default.
+        default : float, optional
+            For a number that declares none either.
 
         Raises
         ------
@@ -184,7 +199,7 @@ class System:
         return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _dependence(of: Any, by: Any) -> np.ndarray:
+def _dependence(of: Expression, by: Expression) -> np.ndarray:
     """Which entries of a column can depend on which symbols, shape (of, by)."""
     return np.asarray(ca.DM(ca.jacobian(of, by).sparsity(), 1).full(), dtype=bool)
 

@@ -16,6 +16,7 @@ import traceback
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
+from typing import TypeGuard
 
 from shipid import parts
 from shipid.declaration.component import Component, declared_quantities, slug
@@ -73,8 +74,9 @@ def known_component(name: str) -> type[Component]:
         If there is none.
     """
     for module in _mentioning(f"class {name}("):
-        if _is_component(vars(module).get(name)):
-            return vars(module)[name]
+        found = vars(module).get(name)
+        if _is_component(found):
+            return found
     classes = {n: c for m in (*_parts(), *modules()) for n, c in vars(m).items() if _is_component(c)}
     if name not in classes:
         raise UnknownNameError("component", name, classes)
@@ -127,8 +129,15 @@ def _from_file(name: str) -> Model:
 
 
 def whole_ship(component: type[Component]) -> Model:
-    """Join a component with planar motion, unless it states the heading itself."""
-    if "psi" in declared_quantities(component) and declared_quantities(component)["psi"].kind != "given":
+    """Return a component joined with planar motion, unless it states the heading itself.
+
+    Parameters
+    ----------
+    component : type[Component]
+        The component.
+    """
+    heading = declared_quantities(component).get("psi")
+    if heading is not None and heading.kind != "given":
         return join(slug(component), component)
     return join(slug(component), component, PlanarMotion)
 
@@ -212,7 +221,7 @@ def _load(path: Path) -> ModuleType:
     return module
 
 
-def _is_component(thing: object) -> bool:
+def _is_component(thing: object) -> TypeGuard[type[Component]]:
     return isinstance(thing, type) and issubclass(thing, Component) and thing is not Component
 
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import ndtri
 
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor
 from shipid.parameters.parameter_set import ParameterSet
-
-if TYPE_CHECKING:
-    import numpy as np
 
 #: Spread of a coefficient that the trials left open: of its logarithm, or in its own size.
 _LOOSE = 1.0
@@ -55,10 +54,13 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
         Number of draws.
     seed : int
         Of the draws, which are the same each time by default.
-    """
-    import numpy as np
 
-    joint, speed, length = ship.joint.get(model.name), ship.particular("speed", "m/s"), ship.particular("L", "m")
+    Returns
+    -------
+    Drawn
+    """
+    joint = ship.joint.get(model.name)
+    scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
     names, nominal, spread, box = [], [], [], []
     open_ones = []
     for name in model.parameters:
@@ -68,10 +70,8 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
             continue
         entry = model[name]
         value = found.at(None, entry.unit, f"ship {ship.name}")
-        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
-        low, high = (entry.number(side) for side in ("low", "high"))
-        low = -np.inf if low is None else min(low * scale, value)
-        high = np.inf if high is None else max(high * scale, value)
+        # A value from the ship's own set is believed over a declared bound.
+        low, high = (bound(b, value) for bound, b in zip((min, max), scale.bounds_of(entry)))
         in_log = low > 0 and value > 0
         if found.std:
             deviation = found.std * factor(found.unit, entry.unit)
@@ -79,7 +79,7 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
         else:
             open_ones.append(name)
             span = np.log(high / low) if in_log and np.isfinite(high) else high - low
-            loose = _LOOSE if in_log else _LOOSE * max(abs(value), abs(entry.number("start") or 0.0) * scale)
+            loose = _LOOSE if in_log else _LOOSE * max(abs(value), abs(scale.start_of(entry) or 0.0))
             deviation = min(span / 4, loose) if np.isfinite(span) else loose
         names.append(name)
         nominal.append(value)
@@ -110,7 +110,7 @@ def _in_words(ship: ParameterSet, model: Model, names: list[str], open_ones: lis
 
 
 def normal_draws(size: int, count: int, seed: int) -> np.ndarray:
-    """Return standard normal numbers, shape (count, size), spread evenly: each column has one in every stratum.
+    """Return standard normal numbers, shape (count, size): a Latin hypercube, each column with one number in every stratum.
 
     Parameters
     ----------
@@ -118,11 +118,13 @@ def normal_draws(size: int, count: int, seed: int) -> np.ndarray:
         Columns and rows.
     seed : int
         Of the draws.
-    """
-    import numpy as np
-    from scipy.special import ndtri
 
-    rng = np.random.default_rng([seed, 3])
-    # A Latin hypercube; SciPy's generators of such numbers live in a package that takes half a second to load.
-    strata = np.column_stack([rng.permutation(count) for _ in range(size)]) if size else np.zeros((count, 0))
-    return np.asarray(ndtri((strata + rng.random(strata.shape)) / count))
+    Returns
+    -------
+    ndarray, shape (count, size)
+    """
+    from scipy.stats import qmc  # loads all of scipy.stats, a third of a second
+
+    if not size:
+        return np.zeros((count, 0))
+    return np.asarray(ndtri(qmc.LatinHypercube(size, rng=np.random.default_rng([seed, 3])).random(count)))

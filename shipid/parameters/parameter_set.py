@@ -33,6 +33,10 @@ class Value:
         Standard deviation in `unit`, where known.
     speed : tuple of float
         Speeds of the table in `speed_unit`; empty for a single value.
+    speed_unit : str
+        Unit of `speed`.
+    note : str
+        What a reader has to know; empty where there is nothing.
     """
 
     name: str
@@ -257,6 +261,8 @@ def parse_value(model: Model, assignment: str) -> tuple[str, float]:
         If the value has no unit, or one that does not fit; the message shows both units.
     UnknownNameError
         If the model has no such quantity.
+    DeclarationError
+        If it is a state or an output, which take no value.
     """
     name, sign, text = assignment.partition("=")
     name, text = name.strip(), text.strip()

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import Component, constant, derived, given, parameter, state
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import constant, derived, given, parameter, state
 
 
 class UniformCurrent(Component):

@@ -6,12 +6,11 @@ the simulation; between them the order stands.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, derived, given, state
+from shipid.foundation.aliases import Expression
 
 
 class ScheduledOrder(Component):
@@ -21,7 +20,7 @@ class ScheduledOrder(Component):
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     @delta_order.equals
-    def order(self) -> Any:
+    def order(self) -> Expression:
         """The order as scheduled."""
         return self.helm_schedule
 
@@ -37,11 +36,11 @@ class _AfterApproach(Component):
     helm_clock = state("s", "time since the beginning")
 
     @helm_clock.next
-    def tick(self) -> Any:
+    def tick(self) -> Expression:
         """The clock."""
         return self.helm_clock + self.T_s
 
-    def begun(self) -> Any:
+    def begun(self) -> Expression:
         """Whether the approach is over (half an interval of slack for the rounding of the clock)."""
         return self.helm_clock >= self.helm_start - 0.5 * self.T_s
 
@@ -54,12 +53,12 @@ class ZigzagHelm(_AfterApproach):
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     @delta_order.equals
-    def order(self) -> Any:
+    def order(self) -> Expression:
         """Amidships on the approach, then the rudder angle to the side of the swing."""
         return np.where(self.begun(), self.helm_side * self.helm_rudder, 0.0 * self.helm_rudder)
 
     @helm_side.next
-    def execute(self) -> Any:
+    def execute(self) -> Expression:
         """Reverse when the heading change on the side of the rudder reaches the execute angle."""
         swing = self.helm_side * np.sign(self.helm_rudder) * (self.psi - self.helm_course)
         return np.where(swing >= self.helm_heading, -self.helm_side, self.helm_side)
@@ -73,13 +72,13 @@ class TurningHelm(_AfterApproach):
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     @delta_order.equals
-    def order(self) -> Any:
+    def order(self) -> Expression:
         """Amidships, the rudder angle, amidships again."""
         steering = np.logical_and(self.begun(), self.helm_released < 0.5)
         return np.where(steering, self.helm_rudder, 0.0 * self.helm_rudder)
 
     @helm_released.next
-    def release(self) -> Any:
+    def release(self) -> Expression:
         """Amidships for good once the turn is complete."""
         return np.where(np.abs(self.psi - self.helm_course) >= self.helm_turn, 1.0, self.helm_released)
 
@@ -96,7 +95,7 @@ class CourseHelm(Component):
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
     @delta_order.equals
-    def order(self) -> Any:
+    def order(self) -> Expression:
         """Proportional and derivative, limited."""
         wanted = self.helm_gain * (self.helm_schedule - self.psi) - self.helm_damping * self.r
         return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
@@ -114,17 +113,17 @@ class RateHelm(Component):
     helm_integral = state("rad", "integral of the error in the rate of turn")
     delta_order = derived("rad", "rudder order, positive turns to starboard")
 
-    def error(self) -> Any:
-        """Rate wanted less rate kept."""
+    def error(self) -> Expression:
+        """Return the rate wanted less the rate kept."""
         return self.helm_schedule - self.r
 
     @helm_integral.next
-    def integrate(self) -> Any:
+    def integrate(self) -> Expression:
         """Euler's rule, on the samples."""
         return self.helm_integral + self.T_s * self.error()
 
     @delta_order.equals
-    def order(self) -> Any:
+    def order(self) -> Expression:
         """Proportional and integral, limited."""
         wanted = self.helm_gain * (self.error() + self.helm_integral / self.helm_reset)
         return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
@@ -137,6 +136,6 @@ class DirectRudder(Component):
     delta = derived("rad", "rudder angle, positive turns to starboard")
 
     @delta.equals
-    def direct(self) -> Any:
+    def direct(self) -> Expression:
         """No lag."""
         return self.delta_order

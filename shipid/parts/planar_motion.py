@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import Component, constant, derived, given, state
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import constant, derived, given, state
 
 #: Below this share of the cruising speed, the equations that divide by the speed use the share instead, and turning
 #: slows the ship in proportion to the way she still has. A model that is scaled with the speed says nothing about a

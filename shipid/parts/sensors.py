@@ -6,7 +6,8 @@ others. Passenier (1989), section 5.2 and 5.3: waves move the heading and its ra
 
 from __future__ import annotations
 
-from shipid import Component, given, output
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import given, output
 
 
 class Compass(Component):

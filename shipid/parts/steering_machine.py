@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid import Component, constant, given, state
+from shipid.declaration.component import Component
+from shipid.declaration.quantity import constant, given, state
 
 
 class SteeringMachine(Component):

@@ -6,6 +6,7 @@ import json
 import tomllib
 
 import pytest
+import tomli_w
 
 import shipid
 
@@ -88,5 +89,7 @@ def test_refusals(refused, tuned, tmp_path, own_ship):
     schedule = str(tuned / "schedule.toml")
     refused(2, ["tune", "de-keizer", "--compare", schedule, schedule], "leave MODEL and --ship out")
     edited = tmp_path / "edited.toml"
-    edited.write_text((tuned / "schedule.toml").read_text().replace("\nKp = { value = [", "\nKp = { value = [-"))
+    table = tomllib.loads((tuned / "schedule.toml").read_text())
+    table["schedule"]["Kp"]["value"][0] *= -1
+    edited.write_text(tomli_w.dumps(table))
     refused(3, ["tune", "--compare", schedule, str(edited)], "unstable")

@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 from filterpy.kalman import ExtendedKalmanFilter as Oracle
 
+from shipid import Component, ExtendedKalmanFilter, find_model, find_ship, join, parameter, state
 from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.settings.initial import bounds_of
+from shipid.parameters.parameter_set import ParameterSet, Value
 
 
 class _Moved(Oracle):
@@ -170,3 +173,49 @@ def test_runs_away_is_an_error(setup: Any) -> None:
     record = {"t": t, "thrust": np.full(400, -5.0), "log": np.where(t < 1, -1.0, np.nan)}
     with pytest.raises(FilterDivergedError, match=r"model surge runs away .* s into the record\. Start nearer"):
         hand.kalman.filter(record)
+
+
+def test_noise_of_a_parameter_in_its_own_unit(setup: Any) -> None:
+    """K = 0.07 1/s, estimated by its logarithm: a walk of 0.0014 1/s in a root second is one of 0.02 of the logarithm."""
+    kalman = setup("yaw", {"psi": 0.01}, estimated=["K"], density={"K": 0.0014}).kalman
+    assert {s.name: s.level for s in kalman.sources} == {"log_K": pytest.approx(0.02)}
+    t = np.array([0.0, 100.0])
+    run = kalman.filter({"t": t, "psi": np.array([0.0, np.nan]), "delta": np.zeros(2)})
+    first, last = run.std[:, run.states.index("log_K")]
+    assert last**2 - first**2 == pytest.approx(0.02**2 * 100)
+
+
+def test_a_first_sample_hardly_counts_twice() -> None:
+    """A coarse sensor, and nothing else known of the heading: after its first sample the estimate is as sure as that sample."""
+    kalman = ExtendedKalmanFilter(find_model("de-keizer"), find_ship("soesterberg"), measured={"psi": "60 deg"})
+    run = kalman.filter({"t": np.arange(3.0), "psi": np.zeros(3), "delta": np.zeros(3), "cruise": np.full(3, 9.5)})
+    assert run.std[0, run.states.index("psi")] == pytest.approx(np.pi / 3, rel=0.01)
+
+
+def test_bounds_follow_the_prime_system() -> None:
+    """L = 100 m and U = 5 m/s: a coefficient in 1/s within -2 and 3 in the prime system lies within -0.1 and 0.15 1/s."""
+
+    class Damped(Component):
+        r = state("rad/s", "rate of turn")
+        damping = parameter("1/s", "damping", start=0.5, low=-2.0, high=3.0, prime=True)
+
+        @r.rate
+        def yaw(self) -> Any:
+            """A first-order lag."""
+            return -self.damping * self.r
+
+    base = join("damped", Damped)
+    particulars = {"L": Value("L", 100.0, "m", "assumed"), "speed": Value("speed", 5.0, "m/s", "assumed")}
+    known = ParameterSet("ship", sections={"particulars": particulars})
+    kalman = ExtendedKalmanFilter(
+        base, known, measured={"r": "0.001 rad/s"}, estimated=["damping"], log=[], noise={"damping": "0.05 1/s/s^0.5"}
+    )
+    low, high = bounds_of(base, kalman.model, {"damping": "damping"}, 100.0, 5.0)
+    place = kalman.model.states.index("damping")
+    assert (low[place], high[place]) == pytest.approx((-0.1, 0.15))
+    # A rate that dies away faster than the upper bound allows, and one that grows faster than the lower one does.
+    t = np.arange(0.0, 40.0, 0.5)
+    for sign, bound in ((-1.0, 0.15), (1.0, -0.1)):
+        run = kalman.filter({"t": t, "r": 0.01 * np.exp(sign * 0.3 * t)})
+        assert np.abs(run["damping"] - bound).min() == pytest.approx(0.0, abs=1e-12)
+        assert run["damping"].min() >= -0.1 - 1e-12 and run["damping"].max() <= 0.15 + 1e-12

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as some
 
 SENSORS = {"psi": 0.01, "r": 5e-4}
@@ -44,6 +44,19 @@ def records(draw: Any, wild: bool = True) -> dict[str, np.ndarray]:
     return {"t": t, "psi": psi, "r": r, "delta": delta}
 
 
+def rounding(run: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return what rounding may leave in a standard deviation and in a normalised innovation, shapes (N,), up to each sample.
+
+    ``P - K H P`` takes numbers of the size of the innovation variance S from each other and leaves one of the size of the
+    sensor's R: the relative error of the covariance, and of the gain, is the rounding of one number times S/R. The gain
+    multiplies the innovation. Later samples carry both errors on. Of 12000 records the worst left 0.2 and 0.5 of these.
+    """
+    spread = np.max([run.innovations[n].variances / level**2 for n, level in SENSORS.items()], axis=0)
+    beyond = np.max([np.abs(run.innovations[n].normalised) for n in SENSORS], axis=0)
+    covariance = np.finfo(float).eps * np.maximum.accumulate(spread)
+    return covariance, covariance * np.maximum.accumulate(np.maximum(beyond, 1.0))
+
+
 @FEW
 @given(record=records(), which=some.sampled_from(["gated", "root"]))
 def test_covariances_are_symmetric_and_positive(
@@ -52,9 +65,13 @@ def test_covariances_are_symmetric_and_positive(
     run = filters[which].filter(record)
     P = run.covariance
     assert np.array_equal(P, P.transpose(0, 2, 1)) and np.isfinite(run.x).all()
+    # A root is positive in any case. A difference of covariances is so as far as digits are left of it (`rounding`).
+    spread = [np.max(run.innovations[n].variances, initial=0.0) / level**2 for n, level in SENSORS.items()]
+    lost = 0.0 if which == "root" else 10 * np.finfo(float).eps * max(spread)
+    assume(lost < 1e-2)
     scale = np.sqrt(np.diagonal(P, axis1=1, axis2=2))
     assert np.all(scale > 0) and scale == pytest.approx(run.std)
-    assert np.linalg.eigvalsh(P / (scale[:, :, None] * scale[:, None, :])).min() > -1e-9
+    assert np.linalg.eigvalsh(P / (scale[:, :, None] * scale[:, None, :])).min() > -1e-9 - lost
     # What was taken in never makes a state less sure than the prediction, unless it leapt.
     smoothed = run.smooth()
     assert np.isfinite(smoothed.x).all() and np.all(smoothed.std >= 0)
@@ -65,10 +82,14 @@ def test_covariances_are_symmetric_and_positive(
 def test_the_order_of_sensors_does_not_matter(filters: dict[str, Any], record: dict[str, np.ndarray]) -> None:
     """All are linearised at the same point, so sequential updates are the joint one, in any order."""
     a, b = filters["open"].filter(record), filters["turned"].filter(record)
-    assert np.all(np.abs(a.x - b.x) <= 1e-8 * a.std)
-    assert b.std == pytest.approx(a.std, rel=1e-8)
-    assert b.log_likelihood == pytest.approx(a.log_likelihood, rel=1e-9, abs=1e-9)
-    assert b.nis == pytest.approx(a.nis, rel=1e-7, abs=1e-9)
+    of_std, of_state = (10 * np.maximum(*both) for both in zip(rounding(a), rounding(b)))
+    assert np.isfinite(a.x).all() and np.isfinite(b.x).all()
+    # Where a prediction is some million times as wide as its sensor, no digits are left to compare.
+    assume(of_state[-1] < 1e-2)
+    assert np.all(np.abs(a.x - b.x) <= of_state[:, None] * a.std)
+    assert np.all(np.abs(a.std - b.std) <= of_std[:, None] * a.std)
+    assert np.all(np.abs(a.nis - b.nis) <= of_state * np.maximum(a.nis, 1.0))
+    assert abs(a.log_likelihood - b.log_likelihood) <= of_state[-1] * max(a.nis.sum(), a.t.size)
 
 
 @FEW

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from shipid import find_model, find_ship, join
-from shipid.foundation.errors import DeclarationError, ParameterSetError, UnknownNameError
+from shipid import find_model, find_ship, join, write_parameter_set
+from shipid.foundation.errors import DeclarationError, ParameterSetError, UnknownNameError, UsageError
+from shipid.models.de_keizer import DeKeizer
 from shipid.parameters import catalogue
 
 OWN_SHIP = '''
@@ -158,3 +159,25 @@ def test_the_known_ships_are_the_files_of_the_folder() -> None:
     assert set(catalogue.known_ships()) == {
         "esso-osaka-3m", "gunnerus", "kvlcc2", "kvlcc2-7m", "mariner", "semerdjiev", "soesterberg", "zeefakkel",
     }  # fmt: skip
+
+
+@pytest.mark.parametrize("thing", [3, None, object, {"K": 1.0}])
+def test_an_argument_that_is_no_model_gets_one_message_from_every_verb(thing) -> None:
+    with pytest.raises(UsageError, match=r"a model is a name such as 'norrbin', a component class or what shipid.join"):
+        catalogue.model_of(thing)
+
+
+@pytest.mark.parametrize("thing", [3, ["zeefakkel"], {"K": 1.0}])
+def test_an_argument_that_is_no_ship_gets_one_message_from_every_verb(thing) -> None:
+    with pytest.raises(UsageError, match="a ship is a name such as 'zeefakkel', the path of a TOML file"):
+        catalogue.ship_of(thing)
+
+
+def test_arguments_that_mean_the_same(tmp_path: Path) -> None:
+    model, ship = find_model("nomoto"), find_ship("zeefakkel")
+    assert catalogue.model_of("nomoto") is catalogue.model_of(model) is model
+    assert catalogue.model_of(DeKeizer).name == "de-keizer"
+    assert catalogue.ship_of("zeefakkel") is catalogue.ship_of(ship) is ship
+    write_parameter_set(ship, tmp_path / "mine.toml")
+    assert catalogue.ship_of(tmp_path / "mine.toml").name == "zeefakkel"
+    assert catalogue.ship_of(None).sections == {}

@@ -10,7 +10,7 @@ from shipid.parts.helm import CourseHelm, DirectRudder, RateHelm, ScheduledOrder
 
 
 def ask(helm: type[Component], name: str, **values: float) -> float:
-    evaluation = Evaluation(join("helm", helm), values | {"T": 0.5})
+    evaluation = Evaluation(join("helm", helm), values | {"T_s": 0.5})
     sides: dict[str, Any] = evaluation.right_hand_sides("equals") | evaluation.right_hand_sides("next")
     return float(sides[name])
 

@@ -48,6 +48,7 @@ def test_repr_says_what_a_reader_wants(trial):
         assert word in text
 
 
+@settings(deadline=None)
 @given(headings, st.integers(0, 60), st.integers(0, 60))
 def test_window_keeps_clock_and_values(psi, a, b):
     trial = make(psi)
@@ -66,6 +67,7 @@ def test_window_of_a_window_is_named_after_the_file(trial):
         trial.window(1, 8).window(0, 6)
 
 
+@settings(deadline=None)
 @given(headings, st.sampled_from(["deg", "rad"]))
 def test_frame_round_trip(psi, unit):
     trial = make(psi)
@@ -77,7 +79,7 @@ def test_frame_round_trip(psi, unit):
     np.testing.assert_allclose(back["psi"], trial["psi"], atol=1e-12)
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(headings)
 def test_file_round_trip(tmp_path, psi):
     trial = make(psi)

@@ -15,6 +15,7 @@ import casadi as ca
 
 from shipid.declaration.model import Model
 from shipid.estimation.settings.noise import Source
+from shipid.foundation.aliases import Expression
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
 
@@ -150,7 +151,7 @@ def make_equations(
     transition = ca.substitute(ca.jacobian(advanced, joint), *still)
     effect = ca.substitute(ca.jacobian(advanced, nudge), *still)
     advanced = ca.substitute(advanced, *still)
-    at_end = ca.SX.zeros(n_u)
+    at_end: Expression = ca.SX.zeros(n_u)
     for k, i in enumerate(carried):
         at_end[system.inputs.index(sources[i].name)] += w[k]
     by_input = ca.substitute(ca.jacobian(shown, system.u), system.u, u1)

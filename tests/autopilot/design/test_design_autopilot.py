@@ -188,6 +188,22 @@ def test_a_table_against_speed_is_followed():
     assert pilot.schedule.gains["Kp"][0, -1] == pytest.approx((pilot.request["omega_n"] * 1.2) ** 2 * tau / K)
 
 
+def test_a_course_unstable_ship_is_told_with_its_time_constant(sized):
+    """Nomoto's ship with K and tau below zero grows as exp(t/|tau|): 50 s at its own 9.5 m/s, by u/L half of 100 s at 4.75."""
+    ship = sized("soesterberg", "nomoto", K=-0.05, tau=-50.0)
+    pilot = shipid.design_autopilot("nomoto", ship, speeds=[4.75, 9.5])
+    assert any(
+        w.startswith("course-unstable") and "turns away by itself, within 50 s at 9.5 m/s" in w for w in pilot.warnings
+    )
+
+
+@pytest.mark.parametrize(("speeds", "outside"), [([2.5, 6.1], False), ([1.6, 6.0], True), ([5.5, 7.5], True)])
+def test_speeds_beyond_the_trials_are_told(speeds, outside):
+    """The Zeefakkel's table runs from 2 to 6.2 m/s."""
+    warnings = shipid.design_autopilot("nomoto", "zeefakkel", speeds=speeds).warnings
+    assert any("outside the identified range" in w for w in warnings) == outside
+
+
 def test_a_result_says_what_it_is(container, integral):
     assert container.to_frame().shape == (8, 3)
     found = integral.to_dict()

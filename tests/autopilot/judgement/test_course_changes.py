@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.autopilot.design.control_law import IntegralCourseController
 from shipid.autopilot.judgement.course_changes import sail
 from shipid.autopilot.judgement.judge import histories
 from shipid.autopilot.judgement.weather import Weather, yardstick
-from shipid.parameters.draws import draw_coefficients
+from shipid.generation.system import generate
+from shipid.parameters.draws import Drawn, draw_coefficients
 
 
 def test_a_course_change_equals_python_controls(container):
@@ -91,6 +93,27 @@ def test_the_integral_does_not_wind_up(integral):
     assert found.overshoot[1] <= found.overshoot[0] + np.deg2rad(0.3)
 
 
+def test_the_integral_stands_while_the_rudder_lags():
+    """Limit 20 deg, Kp = 2: the integral takes errors up to a fifth of 20/2 deg, while the rudder is within 10 deg of its order."""
+    system = generate(shipid.join("law", IntegralCourseController))
+
+    def rate(error: float, rudder: float) -> float:
+        known = {"gain_Kp": 2.0, "rudder_limit": np.deg2rad(20)}
+        known |= {"psi_order": np.deg2rad(error), "delta": np.deg2rad(rudder)}
+        x, u, p = (system.vector(n, known, 0.0) for n in (system.states, system.inputs, system.coefficients))
+        return float(np.rad2deg(system.right_hand_side(x, u, p)))
+
+    for side in (1, -1):
+        assert rate(side * 1.5, side * 3.0) == pytest.approx(side * 1.5)
+        assert rate(side * 8.0, side * 16.0) == pytest.approx(side * 2.0)
+        # The order is 16 deg: the rudder is 9 deg short of it, then 11, then 11 beyond.
+        assert rate(side * 8.0, side * 7.0) == pytest.approx(side * 2.0)
+        assert rate(side * 8.0, side * 5.0) == 0.0
+        assert rate(side * 8.0, side * 27.0) == 0.0
+        # The order is 22 deg, and limited.
+        assert rate(side * 11.0, side * 20.0) == 0.0
+
+
 def test_the_track_is_the_same_in_ship_lengths_at_any_speed(sized):
     """Passenier (1989), section 3.3.2.2, with a rudder at once and no loss of speed: Kd by u/L scales the run exactly."""
     ship = sized("soesterberg", "de-keizer", K_u=1e-9)
@@ -109,6 +132,33 @@ def test_the_sea_filter_spares_the_rudder_and_keeps_the_course(container):
     )  # fmt: skip
     assert clean.rms_rudder.mean() < 0.5 * raw.rms_rudder.mean()
     assert clean.rms_error.mean() < raw.rms_error.mean() + np.deg2rad(0.05)
+
+
+def test_the_sea_filter_is_set_to_the_waves_the_ship_meets(container):
+    """Of waves to 100 deg, on the way from 0 to 60 deg: met at 70 deg off the bow, omega - omega^2 u/g cos 70 deg."""
+    met = 0.6 - 0.6**2 * 9.5 / 9.81 * np.cos(np.deg2rad(70))
+    sea = Weather(0.0, 0.6, np.deg2rad(0.2), 0.0)
+    own, told = (
+        sail(container, [9.5], [np.deg2rad(60)], weather=sea, headings=[np.deg2rad(100)], filtered=True, values=values)
+        for values in ({}, {"sea_frequency": met})
+    )
+    assert own.rms_rudder[0] == pytest.approx(told.rms_rudder[0], rel=1e-9)
+
+
+def test_the_weather_follows_froude():
+    """Ships alike at one Froude number meet waves, wind and current alike: u/sqrt(L) and omega sqrt(L) are the same.
+
+    From a length of 100 m on it is the weather of the sea.
+    """
+    small, large, largest = (yardstick(length, 1.2 * np.sqrt(length)) for length in (4.0, 100.0, 400.0))
+    assert (large.wind, large.wave_frequency, large.current) == (12.0, 0.6, 1.0)
+    assert largest == large
+    assert (small.wind, small.wave_frequency, small.current) == pytest.approx((12.0 / 5, 0.6 * 5, 1.0 / 5))
+    assert small.wave_heading == large.wave_heading == pytest.approx(np.deg2rad(0.2))
+    # The wind goes to 30 deg, the current across it.
+    given = large.inputs(np.array([np.deg2rad(30)]))
+    current = np.array([given["current_north"][0], given["current_east"][0]])
+    assert current @ [np.sqrt(0.75), 0.5] == pytest.approx(0.0, abs=1e-12) and np.hypot(*current) == pytest.approx(1.0)
 
 
 def test_the_sea_filter_is_a_notch(container):
@@ -131,6 +181,29 @@ def test_draws_are_sailed(uncertain_pilot):
     assert np.isfinite(found.overshoot).all() and np.ptp(found.settling) > 1.0
     same = sail(uncertain_pilot, [9.5], [0.5], values={"K": drawn.values[7, 0], "tau": drawn.values[7, 1]})
     assert same.settling[0] == pytest.approx(found.settling[7], rel=1e-9)
+
+
+def test_a_draw_is_the_same_ship_at_any_speed(uncertain):
+    """Passenier (1989), section 3.3.2.2: K follows u/L and tau L/u, so a drawn ship turns alike in ship lengths at any speed."""
+    speeds = [4.75, 9.5, 19.0]
+    pilot = shipid.design_autopilot("nomoto", uncertain("soesterberg", "nomoto"), actuator=None, speeds=speeds)
+    drawn = draw_coefficients(pilot.model, pilot.ship, 4)
+    each = Drawn(drawn.names, drawn.nominal, np.repeat(drawn.values, 3, axis=0), drawn.source)
+    found = sail(pilot, speeds * 4, np.full(12, np.deg2rad(60)), drawn=each)
+    lengths = (found.settling * found.speed).reshape(4, 3)
+    assert np.ptp(lengths[:, 1]) > 10.0
+    np.testing.assert_allclose(lengths, np.repeat(lengths[:, [1]], 3, axis=1), rtol=1e-9)
+    np.testing.assert_allclose(
+        found.overshoot.reshape(4, 3).T, found.overshoot[1::3][None].repeat(3, axis=0), rtol=1e-9
+    )
+
+
+def test_a_current_carries_the_track_along(container):
+    """A uniform current moves water and ship alike: across the new course the track is as wide as in still water."""
+    still = sail(container, [9.5], [np.deg2rad(70)])
+    for direction in np.deg2rad([0.0, 50.0, 200.0]):
+        found = sail(container, [9.5], [np.deg2rad(70)], weather=Weather(0.0, 0.6, 0.0, 2.0), headings=[direction])
+        assert found.cross_track[0] == pytest.approx(still.cross_track[0], rel=1e-9)
 
 
 def test_a_ship_without_a_length_is_judged():

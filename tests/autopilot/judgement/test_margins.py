@@ -10,6 +10,7 @@ import pytest
 
 import shipid
 from shipid.autopilot.design.placement import Gains
+from shipid.autopilot.design.plant import Plant
 from shipid.autopilot.judgement.judgement import LIMITS
 from shipid.autopilot.judgement.margins import (
     disk_margins,
@@ -20,6 +21,7 @@ from shipid.autopilot.judgement.margins import (
     notched,
     to_transfer_function,
 )
+from shipid.generation.system import generate
 
 
 def loops(pilot):
@@ -108,11 +110,32 @@ def test_growth_of_many():
     )
 
 
-def test_bandwidth_equals_python_controls(container):
-    for speed, plant, gains in loops(container):
-        found = margins_at(plant, gains, speed, container.pace(speed)).bandwidth
-        loop = container.to_control(speed)[0, 0]
+def test_bandwidth_equals_python_controls(pilot):
+    for speed, plant, gains in loops(pilot):
+        found = margins_at(plant, gains, speed, pilot.pace(speed)).bandwidth
+        loop = pilot.to_control(speed)[0, 0]
         assert found == pytest.approx(control.bandwidth(loop, 20 * np.log10(np.sqrt(0.5))), rel=1e-4)
+
+
+def test_a_delay_margin_where_the_loop_leads():
+    """``0.6 s^2 / ((s^2 + 0.4 s + 1)(0.02 s + 1))`` leads by 0 to 180 deg where its gain is one: a phase margin below zero.
+
+    It is stable, and the delay at which it is no longer so is that of python-control's Pade approximation.
+    """
+    denominator = np.polymul([1.0, 0.4, 1.0], [0.02, 1.0]) / 0.02
+    numerators = np.array([[0.0, 30.0, 0.0], [30.0, 0.0, 0.0]])
+    A, B = np.array([-denominator[1:], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]), np.array([1.0, 0.0, 0.0])
+    plant, gains = Plant(("a", "b", "c"), A, B, numerators, denominator, numerators), Gains(0.0, 1.0)
+    loop = control.ss(A, B[:, None], numerators[1:], [[0.0]])
+    phases = control.stability_margins(loop, returnall=True)[1]
+    assert len(phases) == 2 and (phases < 0).all()
+    found = margins_at(plant, gains, 1.0, 1.0).delay_s
+    assert found is not None
+
+    def stable(delay: float) -> bool:
+        return bool((control.feedback(loop * control.ss(control.tf(*control.pade(delay, 8)))).poles().real < 0).all())
+
+    assert all(stable(share * found) for share in (0.1, 0.5, 0.9, 0.99)) and not stable(1.01 * found)
 
 
 def test_an_unstable_ship_has_a_lower_gain_margin():
@@ -152,6 +175,24 @@ def test_the_worst_draw_is_worse_than_the_ship_itself(judgement):
     assert len(judgement.robust[0].disk_by_speed) == 3
     slow = judgement.robust[0].variants["steering machine of half the rate and twice the lag"]
     assert slow["disk"] < judgement.robust[0].variants["as designed"]["disk"]
+
+
+def test_a_log_that_is_off_shifts_the_schedule(judgement, uncertain_pilot):
+    """Poles placed for K ~ u/L and tau ~ L/u make Kd ~ L/u: a log that reads a tenth high takes the Kd of a tenth more speed."""
+    model = uncertain_pilot.closed_loop
+    system = generate(model)
+    known = uncertain_pilot.values(model, 9.5) | {"log_scale": 1.1, "u": 9.5, "cruise": 9.5}
+    x, u, p = (system.vector(n, known, 0.0) for n in (system.states, system.inputs, system.coefficients))
+    seen, kd = system.function(["speed_seen", "gain_Kd"])(x, u, p).full().ravel()
+    assert seen == pytest.approx(1.1 * 9.5) and kd == pytest.approx(uncertain_pilot.gains(10.45).Kd)
+    variants = judgement.robust[0].variants
+    high, low = variants["log reads 10% too high"], variants["log reads 10% too low"]
+    # The gains of a higher speed damp less, those of a lower speed more.
+    assert low["overshoot_deg"] < variants["as designed"]["overshoot_deg"] < high["overshoot_deg"]
+    for shown, found in ((1.1, high), (0.9, low)):
+        off = [opened(plant, uncertain_pilot.gains(shown * v)) for v, plant, _ in loops(uncertain_pilot)]
+        least = min(control.disk_margins(loop, np.geomspace(1e-4, 1e2, 4000))[0] for loop in off)
+        assert found["disk"] == pytest.approx(least, rel=1e-3)
 
 
 def test_correlation_counts(uncertain):

@@ -28,7 +28,7 @@ PILOT = shipid.join("pilot", SwitchedSight, ReferenceModel, PlacedGains, Compens
 
 def evaluated(model: shipid.Model, **values: float) -> Evaluation:
     """The equations over plain floats, defaults for what is not given."""
-    known = {n: model[n].number("default") for n in model.inputs + model.constants} | {"T": T, "L": L} | values
+    known = {n: model[n].number("default") for n in model.inputs + model.constants} | {"T_s": T, "L": L} | values
     return Evaluation(model, {n: v for n, v in known.items() if v is not None})
 
 

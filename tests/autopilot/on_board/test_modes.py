@@ -46,6 +46,17 @@ def test_a_rate_is_held(container):
     assert np.abs(delta).max() <= np.deg2rad(20) + 1e-9
 
 
+def test_the_integral_of_the_rate_stands_at_the_limit():
+    """Gain 30 s, limit 0.3 rad: an error of 0.009 rad/s is summed, one of 0.011 asks for more than the limit and is not."""
+    system = generate(shipid.join("rate", RateController))
+    known = {"rate_gain": 30.0, "rate_integral": 1.0, "rudder_limit": 0.3, "r_seen": 0.002}
+    for side in (1, -1):
+        for error, summed in ((0.009, 0.009), (0.011, 0.0)):
+            at = known | {"r_order": 0.002 + side * error, "heading_lost": 0.0}
+            x, u, p = (system.vector(n, at) for n in (system.states, system.inputs, system.coefficients))
+            assert float(system.right_hand_side(x, u, p)) == pytest.approx(side * summed)
+
+
 def test_the_dead_band():
     """Within the band the heading asks for no rudder, beyond it for the part beyond; the setting for the sea widens it."""
     model = shipid.join("keep", CourseKeeper)

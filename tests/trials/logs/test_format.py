@@ -149,7 +149,7 @@ EARTH = SOUND + "".join(f"[columns.{c}]\nindex = {k}\nunit = 'm/s'\nframe = 'ear
 
 
 @given(st.floats(-179, 179), st.floats(0.1, 10), st.floats(-3, 3))
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 def test_velocities_are_rotated_to_the_ship(tmp_path_factory, psi, u, v):
     c, s = np.cos(np.radians(psi)), np.sin(np.radians(psi))
     north, east = float(u * c - v * s), float(u * s + v * c)
@@ -183,6 +183,7 @@ class TestHeadingGlitches:
         assert count == 0
         np.testing.assert_allclose(mended, self.psi, atol=1e-9)
 
+    @settings(deadline=None)
     @given(st.lists(st.integers(3, 190), min_size=1, max_size=4, unique=True), st.floats(3, 170), st.integers(1, 5))
     def test_glitches_are_replaced(self, places, size, length):
         bad = np.zeros(len(self.t), dtype=bool)

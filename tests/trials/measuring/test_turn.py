@@ -66,6 +66,17 @@ def test_circle_in_closed_form(side, positions):
     assert np.degrees(found.course) == pytest.approx(30, abs=1e-6)
 
 
+def test_loss_of_speed():
+    """From 5 to 3 m/s in the first 100 s of the turn: two fifths, and 2 U/r is the diameter of the steady turn."""
+    frame = circle(turns=2.0).to_frame()
+    t = frame["t [s]"].to_numpy()
+    frame["u [m/s]"] = 5.0 - 2.0 * np.clip((t - 50) / 100, 0, 1)
+    found = measure(Trial.from_frame(frame))
+    assert found.approach_speed == pytest.approx(5.0, rel=1e-2)
+    assert found.speed_loss == pytest.approx(0.4, abs=1e-2)
+    assert found.steady_diameter == pytest.approx(2 * 3.0 / (5.0 / 300), rel=1e-3)
+
+
 @given(
     radius=st.floats(50, 2000), fast=st.floats(1, 15), side=st.sampled_from([1, -1]), course=st.floats(-180, 180),
     turns=st.floats(0.8, 3),
@@ -128,6 +139,15 @@ def test_rudder_moved_by_three_degrees():
     trial = Trial.from_frame(frame)
     assert measure(trial).first_execute == pytest.approx(56, abs=0.5)  # 3 deg at 0.5 deg/s
     assert measure(trial, execute="order").first_execute == pytest.approx(50, abs=0.5)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_rudder_moved_by_three_degrees_from_what_the_helm_carries(side):
+    """5 deg of weather helm, to the side of the turn, then 0.5 deg/s: 3 deg more are reached after 6 s."""
+    frame = circle(side=side).to_frame().rename(columns={"delta_order [deg]": "delta [deg]"})
+    t = frame["t [s]"].to_numpy()
+    frame["delta [deg]"] = side * np.clip(5 + 0.5 * (t - 50), 5, 35)
+    assert measure(Trial.from_frame(frame)).first_execute == pytest.approx(56, abs=0.5)
 
 
 def test_speed_drift_and_track_from_what_there_is():

@@ -130,6 +130,31 @@ def test_modified_zigzag_is_named_by_rudder_and_heading(sine):
     assert measure(sine(amplitude=9, switch=5, rudder=35)[0]).nominal == "35/5"
 
 
+@pytest.mark.parametrize("interval", [0.5, 2.0])
+def test_distance_until_the_second_execute(sine, interval):
+    """A ship that loses speed evenly: the mean of the speeds at both executes, times the time between."""
+    trial, *_ = sine(interval=interval)
+    frame = trial.to_frame()
+    frame["u [m/s]"] = 5.0 - 0.04 * trial["t"]
+    found = measure(Trial.from_frame(frame))
+    mean = 5.0 - 0.04 * 0.5 * (found.first_execute + found.executes[0])
+    assert found.initial_turning_distance == pytest.approx(mean * found.initial_turning_time, rel=1e-12)
+
+
+@pytest.mark.parametrize(("off", "course"), [(2.0, 2.0), (6.0, 0.0), (-6.0, 0.0)])
+def test_the_course_where_the_ship_begins_off_it(off, course):
+    """Steered between +20 and -20 deg: a start at 2 deg is the course, one at 6 deg is not, and the middle is taken."""
+    w, begin, first = 2 * np.pi / 100, np.arcsin(off / 30), np.arcsin(20 / 30)
+    t = np.arange(0, 230, 0.1)
+    psi = 30 * np.sin(begin + w * np.clip(t - 20, 0, None))
+    executes = 20 + (first - begin + np.pi * np.arange(5)) / w
+    delta = np.where(t < 20, 0.0, 20 * (-1.0) ** np.searchsorted(executes, t, side="right"))
+    found = measure(Trial.from_frame(pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta_order [deg]": delta})))
+    assert np.degrees(found.course) == pytest.approx(course, abs=0.15)
+    np.testing.assert_allclose(np.degrees(found.execute_headings)[:2], [20 - course, -20 - course], atol=0.3)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:2]), 10, atol=0.2)
+
+
 def test_hand_steering_before_the_zigzag_is_left_out(sine):
     trial, executes, _ = sine(start=60)
     frame = trial.to_frame()
