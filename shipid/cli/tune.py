@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import click
 
-from shipid.cli.folder import fill, result_folder
-from shipid.cli.shared import json_option, overwrite_option, print_json, progress_on_stderr, say
+from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.options import seed_option, ship_option
+from shipid.foundation.aliases import Plain
 
-_FILES = ("result.json", "schedule.toml", "report.html")
-_COMPARED = ("result.json", "report.html")
+_SCHEDULE = "schedule.toml"
 
 
 @click.command()
 @click.argument("model", required=False)
-@click.option(
-    "--ship",
-    "ships",
-    multiple=True,
-    metavar="SHIP",
-    help="A ship's name, or the path of a parameter set (TOML); several times for load conditions.",
-)
+@ship_option(several="for load conditions")
 @click.option("--speeds", metavar="A:B:STEP", help="Or a list; in m/s unless it names a unit: 4:12:1, '8,12,16 kn'.")
 @click.option("--design", default="pole", show_default=True, metavar="pole|lqr|pid", help="How the gains are found.")
 @click.option(
@@ -36,12 +28,9 @@ _COMPARED = ("result.json", "report.html")
 @click.option(
     "--samples", default=200, type=click.IntRange(0), show_default=True, help="Ships drawn from the uncertainty."
 )
-@click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the draws and the waves.")
+@seed_option("the draws and the waves")
 @click.option("--compare", nargs=2, metavar="A.toml B.toml", help="Put two schedules side by side instead.")
-@click.option("--out", metavar="DIR", help="Folder for result.json, schedule.toml and report.html.")
-@click.option("--open", "open_report", is_flag=True, help="Open the report in the browser.")
-@overwrite_option
-@json_option
+@delivered(RESULT, _SCHEDULE, REPORT, instead={"compare": (RESULT, REPORT)})
 def tune(
     model: str | None,
     ships: tuple[str, ...],
@@ -55,57 +44,32 @@ def tune(
     samples: int,
     seed: int,
     compare: tuple[str, str] | None,
-    out: str | None,
-    open_report: bool,
-    overwrite: bool,
-    as_json: bool,
-) -> int:
+    delivery: Delivery,
+) -> None:
     """Tune an autopilot for a ship: gains against speed, margins, robustness, course changes, and a report.
 
     The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
     """
+    from shipid.autopilot.design.design_autopilot import design_autopilot
+    from shipid.autopilot.design.schedule_file import write_schedule
     from shipid.foundation.errors import UsageError
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.report.write_report import write_report
 
     if compare is not None:
         if model is not None or ships:
             raise UsageError(
                 "--compare reads two schedules, which hold their model and ship: leave MODEL and --ship out."
             )
-        folder = result_folder(out, _COMPARED, overwrite)
-        return _compare(compare, folder, samples, seed, as_json, open_report)
+        _compare(compare, samples, seed, delivery)
+        return
     if model is None or not ships:
         raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
-    folder = result_folder(out, _FILES, overwrite)
-    pilot = _design(model, ships, speeds, design, omega_n, zeta, integral, rudder_weight, rudder_limit)
-    with progress_on_stderr(as_json) as tell:
-        judged = pilot.judge(samples=samples, seed=seed, progress=tell)
-        if folder is not None:
-            tell("writing the report")
-            _write(judged, folder, model)
-    _show(judged, folder, _FILES, as_json, open_report)
-    return 0
-
-
-def _design(
-    model: str,
-    ships: tuple[str, ...],
-    speeds: str | None,
-    design: str,
-    omega_n: str | None,
-    zeta: float | None,
-    integral: float | None,
-    rudder_weight: float | None,
-    rudder_limit: str,
-) -> Any:
-    from shipid.autopilot.design.design_autopilot import design_autopilot
-    from shipid.foundation.errors import UsageError
-    from shipid.parameters.catalogue import find_model, find_ship
-
     for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
         if value is not None and design != its:
             raise UsageError(f"{name} belongs to --design {its}; leave it out, or ask for that design.")
-    chosen: dict[str, Any] = {"integral": integral, "rudder_weight": rudder_weight}
-    return design_autopilot(
+    chosen: dict[str, Plain] = {"integral": integral, "rudder_weight": rudder_weight}
+    pilot = design_autopilot(
         find_model(model),
         [find_ship(s) for s in ships],
         speeds=speeds,
@@ -113,7 +77,16 @@ def _design(
         omega_n=_frequency(omega_n),
         damping=zeta,
         rudder_limit=rudder_limit,
-        **{n: v for n, v in chosen.items() if v is not None},
+        **{name: value for name, value in chosen.items() if value is not None},
+    )
+    with delivery.progress() as tell:
+        judged = pilot.judge(samples=samples, seed=seed, progress=tell)
+    delivery.hand_over(
+        judged,
+        {
+            _SCHEDULE: lambda path: write_schedule(judged.pilot, path, model),
+            REPORT: lambda path: write_report(judged, path),
+        },
     )
 
 
@@ -125,22 +98,16 @@ def _frequency(text: str | None) -> str | float | None:
         return text
 
 
-def _compare(
-    files: tuple[str, str], folder: Path | None, samples: int, seed: int, as_json: bool, open_report: bool
-) -> int:
+def _compare(files: tuple[str, str], samples: int, seed: int, delivery: Delivery) -> None:
     from shipid.autopilot.design.schedule_file import read_schedule
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
+    from shipid.report.write_report import write_report
 
     pilots = [read_schedule(f) for f in files]
-    with progress_on_stderr(as_json) as tell:
+    with delivery.progress() as tell:
         first, second = (p.judge(samples=samples, seed=seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
-        if folder is not None:
-            from shipid.report.write_report import write_report
-
-            fill(folder, {"result.json": _json(found), "report.html": lambda path: write_report(found, path)})
-    _show(found, folder, _COMPARED, as_json, open_report)
-    return 0
+    delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
 
 
 def _names(files: tuple[str, str]) -> tuple[str, str]:
@@ -149,37 +116,3 @@ def _names(files: tuple[str, str]) -> tuple[str, str]:
     if first.name != second.name:
         return first.name, second.name
     return str(first), str(second)
-
-
-def _json(result: Any) -> Any:
-    text = json.dumps(result.to_dict(), indent=1, allow_nan=False, ensure_ascii=False)
-    return lambda path: path.write_text(text + "\n", encoding="utf-8")
-
-
-def _write(judged: Any, folder: Path, model: str) -> None:
-    from shipid.autopilot.design.schedule_file import write_schedule
-    from shipid.report.write_report import write_report
-
-    fill(
-        folder,
-        {
-            "result.json": _json(judged),
-            "schedule.toml": lambda path: write_schedule(judged.pilot, path, model),
-            "report.html": lambda path: write_report(judged, path),
-        },
-    )
-
-
-def _show(result: Any, folder: Path | None, names: tuple[str, ...], as_json: bool, open_report: bool) -> None:
-    if as_json:
-        print_json(result.to_dict())
-    else:
-        click.echo(repr(result))
-        if folder is not None:
-            click.echo(f"written: {', '.join(str(folder / n) for n in names)}")
-    if open_report and folder is not None:
-        import webbrowser
-
-        report = folder / "report.html"
-        if not webbrowser.open(report.resolve().as_uri()):
-            say(f"there is no browser here to open {report} with.")

@@ -13,6 +13,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.scale import prime_factor
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.system import generate
 from shipid.identification.problem.trial_data import SIGNALS, TRACK, unknown_biases
 from shipid.identification.uncertainty.information import Question
@@ -34,7 +35,7 @@ _SPARE = 4
 class TimeTooShortError(ShipidError):
     """A time that no manoeuvre fits into."""
 
-    exit_code = 2
+    exit_code = ExitCode.USAGE
 
 
 @dataclass(frozen=True, eq=False)

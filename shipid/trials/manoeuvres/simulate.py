@@ -15,6 +15,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnknownNameError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.record import make_record
 from shipid.parameters.catalogue import find_ship
 from shipid.parameters.parameter_set import ParameterSet, missing_values
@@ -39,7 +40,7 @@ _ROLES = {"given": "an input", "state": "a state", "output": "a sensor"}
 class SimulationDivergedError(ShipidError):
     """The model ran away to values that are not finite."""
 
-    exit_code = 4
+    exit_code = ExitCode.NO_CONVERGENCE
 
 
 def standard_noise() -> dict[str, float]:
