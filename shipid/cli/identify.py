@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import click
 
@@ -27,7 +28,13 @@ from shipid.cli.options import (
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.methods import LOSSES, METHODS, PURPOSES
 
+if TYPE_CHECKING:
+    from shipid.criteria.criteria import Criteria
+    from shipid.identification.fit import Fit
+
 _SHIP = "ship.toml"
+#: Draws for the bands of the criteria: five manoeuvres to both sides for each of them, for a page that is to be quick.
+_DRAWS = 12
 
 
 @click.command(cls=Variadic)
@@ -118,10 +125,28 @@ def identify(
         if posterior is not None and fit.converged:
             tell("sampling the posterior")
             fit = replace(fit, posterior=fit.sample_posterior(posterior, seed))
+        criteria = _criteria(fit) if delivery.folder is not None else None
     delivery.hand_over(
-        fit, {_SHIP: lambda path: write_parameter_set(fit.ship, path), REPORT: lambda path: write_report(fit, path)}
+        fit,
+        {
+            _SHIP: lambda path: write_parameter_set(fit.ship, path),
+            REPORT: lambda path: write_report(fit, path, criteria=criteria),
+        },
     )
     if not fit.converged:
         say(f"the search did not converge: {fit.message} What it knows is above; do not use it as a ship.")
         return ExitCode.NO_CONVERGENCE
     return ExitCode.DONE
+
+
+def _criteria(fit: Fit) -> Criteria | str | None:
+    """Return the manoeuvring criteria of the identified model for its report, or why there are none; None without a length."""
+    from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
+    from shipid.foundation.errors import ShipidError
+
+    if fit.ship.particular("L", "m") is None:
+        return None
+    try:
+        return manoeuvring_criteria(fit, draws=_DRAWS)
+    except ShipidError as error:
+        return str(error)

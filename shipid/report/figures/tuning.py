@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 from markupsafe import Markup
@@ -121,7 +121,7 @@ def _until(shown: dict[str, np.ndarray], changes: np.ndarray) -> float:
     return min(1.4 * last, float(shown["t"].max()))
 
 
-def _cloud_axes(cloud: Any) -> list[Axes]:
+def _cloud_axes(cloud: Mapping[str, np.ndarray]) -> list[Axes]:
     heading, rudder = [], []
     last = _until(dict(cloud), np.full(len(cloud["t"]), np.deg2rad(SAMPLE_CHANGE)))
     for k in (*range(1, len(cloud["t"])), 0):

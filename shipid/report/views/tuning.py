@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from markupsafe import Markup
 
 import shipid
+from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judge import SAMPLE_CHANGE
-from shipid.autopilot.judgement.judgement import LIMITS, CourseChange, Judgement
+from shipid.autopilot.judgement.judgement import LIMITS, CourseChange, Judgement, Weakest
+from shipid.autopilot.judgement.margins import Margins
 from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import to_display
+from shipid.foundation.numbers import fixed, number
 from shipid.report.figures.tuning import tuning_figures
-from shipid.report.typography.numbers import fixed, number
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.words import sentence
 
 #: Warnings that begin so stand in red: they say that the design may not hold.
 _GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain")
@@ -33,29 +37,19 @@ _DESIGNS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class TuningView:
-    """Everything the template of one tuning reads; see the template for where it stands."""
-
-    title: str
-    answer: list[str]
-    warnings: list[str]
-    cautions: list[str]
-    schedules: list[dict[str, Any]]
-    margins: list[dict[str, Any]]
-    limits: dict[str, str]
-    points: list[dict[str, Any]]
-    robust: list[dict[str, Any]]
-    steps: dict[str, Any]
-    weather: dict[str, Any]
-    figures: dict[str, Markup]
-    ship: str
-    model: str
-    facts: list[tuple[str, str]]
-    version: str
+#: The sections of the page, in order. A new one is a line here and a template.
+SECTIONS: list[Callable[[Judgement, Mapping[str, Markup]], Section]] = [
+    lambda judged, _: _points(judged),
+    lambda judged, figures: _schedules(judged, figures),
+    lambda judged, figures: _margins(judged, figures),
+    lambda judged, figures: _robustness(judged, figures),
+    lambda judged, figures: _steps(judged, figures),
+    lambda judged, _: _weather(judged),
+    lambda judged, _: _method(judged),
+]
 
 
-def tuning_view(judged: Judgement) -> TuningView:
+def tuning_page(judged: Judgement) -> Page:
     """Return what the page says of a judged autopilot.
 
     Parameters
@@ -63,25 +57,15 @@ def tuning_view(judged: Judgement) -> TuningView:
     judged : Judgement
         The design and its judgement.
     """
-    pilot = judged.pilot
+    pilot, figures = judged.pilot, tuning_figures(judged)
     grave = [w for w in judged.warnings if w.startswith(_GRAVE)]
-    return TuningView(
-        title=f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
-        answer=answer(judged),
-        warnings=grave,
-        cautions=[w for w in judged.warnings if w not in grave],
-        schedules=[_schedule(judged, j) for j in range(len(pilot.ships))],
-        margins=[_margins(judged, j) for j in range(len(pilot.ships))],
-        limits={n: number(v, 2) for n, v in LIMITS.items()},
-        points=[_point(w) for w in _worst_of_each(judged)],
-        robust=[_robust(judged, j) for j in range(len(pilot.ships))],
-        steps=_steps(judged),
-        weather=_weather(judged),
-        figures=tuning_figures(judged),
-        ship=pilot.ship.name + (f" ({pilot.ship.title})" if pilot.ship.title else ""),
-        model=pilot.model.name,
-        facts=_facts(judged),
-        version=shipid.__version__,
+    return Page(
+        f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
+        [("", answer(judged))],
+        [section(judged, figures) for section in SECTIONS],
+        [sentence(w) for w in grave],
+        [sentence(w) for w in judged.warnings if w not in grave],
+        f"shipid {shipid.__version__}",
     )
 
 
@@ -126,27 +110,57 @@ def answer(judged: Judgement) -> list[str]:
     return sentences
 
 
-def _facts(judged: Judgement) -> list[tuple[str, str]]:
-    pilot = judged.pilot
-    names = {"omega_n": ("Natural frequency at the ship's own speed", "rad/s"), "damping": ("Damping ratio", ""),
-             "integral": ("Third pole over the natural frequency", ""), "rudder_weight": ("Weight of the rudder", "")}  # fmt: skip
-    found = [("Design", _DESIGNS[pilot.design])]
-    found += [(names[n][0], f"{number(v, 4)} {names[n][1]}".strip()) for n, v in pilot.request.items()]
-    found.append(("Ship's own speed", f"{number(pilot.service_speed, 4)} m/s"))
-    found.append(("Rudder limit of the autopilot", f"{fixed(np.rad2deg(pilot.rudder_limit), 1)} deg"))
-    found.append(("Largest rudder angle", f"{fixed(np.rad2deg(pilot.limits['delta_max']), 1)} deg"))
-    found.append(("Largest rudder rate", f"{fixed(np.rad2deg(pilot.limits['delta_rate']), 2)} deg/s"))
-    return [*found, ("Steering machine", pilot.actuator.__name__)]
+def _name(pilot: Autopilot, condition: int) -> str:
+    """The load condition, where there are several."""
+    return pilot.conditions[condition] if len(pilot.conditions) > 1 else ""
 
 
-def _schedule(judged: Judgement, condition: int) -> dict[str, Any]:
+def _points(judged: Judgement) -> Section:
+    worst: dict[tuple[str, bool], Weakest] = {}
+    for point in judged.points():
+        key = (point.what, "uncertainty" in point.where)
+        if key not in worst or point.share < worst[key].share:
+            worst[key] = point
+    rows = [
+        {
+            "what": sentence(w.what),
+            "where": w.where,
+            "value": number(w.value, 3),
+            "limit": number(w.limit, 3),
+            "unit": w.unit,
+            "within": w.share >= 1,
+        }
+        for w in sorted(worst.values(), key=lambda w: w.share)
+    ]
+    return Section("Weak points", "tuning/points.html", {"points": rows})
+
+
+def _schedules(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
     pilot = judged.pilot
-    rows = []
-    for i, speed in enumerate(pilot.speeds):
-        gains = [number(table[condition][i], 4) for table in pilot.schedule.gains.values()]
-        rows.append({"speed": fixed(speed, 2), "gains": gains, "poles": _poles(pilot.poles(float(speed), condition))})
-    heads = [f"{n} [{pretty(GAINS[n][0])}]" if pretty(GAINS[n][0]) != "1" else n for n in pilot.schedule.gains]
-    return {"name": pilot.conditions[condition], "heads": heads, "rows": rows}
+    gains = [
+        (f"{n} [{pretty(GAINS[n][0])}]" if pretty(GAINS[n][0]) != "1" else n, n, "n") for n in pilot.schedule.gains
+    ]
+    schedules = [
+        {
+            "name": _name(pilot, j),
+            "rows": [
+                {
+                    "speed": fixed(speed, 2),
+                    "poles": _poles(pilot.poles(float(speed), j)),
+                    **{n: number(table[j][i], 4) for n, table in pilot.schedule.gains.items()},
+                }
+                for i, speed in enumerate(pilot.speeds)
+            ],
+        }
+        for j in range(len(pilot.ships))
+    ]
+    view = {
+        "schedules": schedules,
+        "gains": gains,
+        "integral": "Ki" in pilot.schedule.gains,
+        "figure": figures["schedule"],
+    }
+    return Section("Schedule", "tuning/schedule.html", view)
 
 
 def _poles(poles: np.ndarray) -> str:
@@ -160,126 +174,141 @@ def _poles(poles: np.ndarray) -> str:
     return "; ".join(words)
 
 
-def _margins(judged: Judgement, condition: int) -> dict[str, Any]:
-    rows = []
-    both = [(m, "") for m in judged.margins[condition]] + [(m, "between") for m in judged.between[condition]]
-    for m, place in sorted(both, key=lambda b: b[0].speed):
-        gain = " / ".join("none" if g is None else number(g, 3) for g in (m.gain_low, m.gain_high))
-        rows.append(
-            {
-                "speed": fixed(m.speed, 2),
-                "between": bool(place),
-                "disk": fixed(m.disk, 2),
-                "weak": m.disk < LIMITS["disk margin"],
-                "gain": gain,
-                "phase": "none" if m.phase_deg is None else fixed(m.phase_deg, 0),
-                "delay": "none" if m.delay_s is None else number(m.delay_s, 3),
-                "bandwidth": "none" if m.bandwidth is None else number(m.bandwidth, 3),
-                "sensitivity": fixed(m.sensitivity, 2),
-                "complementary": fixed(m.complementary, 2),
-            }
-        )
-    return {"name": judged.pilot.conditions[condition], "rows": rows}
+def _margins(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
+    pilot = judged.pilot
+    margins = []
+    for j in range(len(pilot.ships)):
+        both = [*((m, False) for m in judged.margins[j]), *((m, True) for m in judged.between[j])]
+        rows = [_margin_row(m, between) for m, between in sorted(both, key=lambda b: b[0].speed)]
+        margins.append({"name": _name(pilot, j), "rows": rows})
+    view = {
+        "limit": number(LIMITS["disk margin"], 2),
+        "margins": margins,
+        "figure": figures["margins"],
+        "nyquist": figures["nyquist"],
+    }
+    return Section("Margins", "tuning/margins.html", view)
 
 
-def _worst_of_each(judged: Judgement) -> list[Any]:
-    worst: dict[tuple[str, bool], Any] = {}
-    for point in judged.points():
-        key = (point.what, "uncertainty" in point.where)
-        if key not in worst or point.share < worst[key].share:
-            worst[key] = point
-    return sorted(worst.values(), key=lambda w: w.share)
-
-
-def _point(w: Any) -> dict[str, Any]:
-    return {"what": w.what, "where": w.where, "value": number(w.value, 3), "limit": number(w.limit, 3), "unit": w.unit,
-            "within": w.share >= 1}  # fmt: skip
-
-
-def _robust(judged: Judgement, condition: int) -> dict[str, Any]:
-    robust = judged.robust[condition]
-    overshoot = [_or(v, lambda x: fixed(x, 2)) for v in robust.overshoot_deg]
-    settling = [_or(v, lambda x: fixed(x, 0)) for v in robust.settling_s]
+def _margin_row(m: Margins, between: bool) -> Row:
+    disk = fixed(m.disk, 2)
     return {
-        "name": judged.pilot.conditions[condition],
-        "samples": robust.samples,
-        "source": robust.source,
-        "worst": fixed(robust.disk_worst, 2),
-        "low": fixed(robust.disk_low, 2),
-        "speed": fixed(robust.speed_worst, 2),
-        "unstable": robust.unstable,
-        "overshoot": overshoot,
-        "settling": settling,
-        "change": fixed(robust.sample_change_deg, 0),
-        "variants": [
-            {
-                "name": name,
-                "disk": _or(v["disk"], lambda x: fixed(x, 2)),
-                "overshoot": _or(v["overshoot_deg"], lambda x: fixed(x, 2)),
-                "settling": _or(v["settling_s"], lambda x: fixed(x, 0)),
-            }
-            for name, v in robust.variants.items()
-        ],
+        "class": "own" if between else "",
+        "speed": fixed(m.speed, 2),
+        "disk": Markup('<span class="no">{}</span>').format(disk) if m.disk < LIMITS["disk margin"] else disk,
+        "gain": " / ".join("none" if g is None else number(g, 3) for g in (m.gain_low, m.gain_high)),
+        "phase": "none" if m.phase_deg is None else fixed(m.phase_deg, 0),
+        "delay": "none" if m.delay_s is None else number(m.delay_s, 3),
+        "bandwidth": "none" if m.bandwidth is None else number(m.bandwidth, 3),
+        "sensitivity": fixed(m.sensitivity, 2),
+        "complementary": fixed(m.complementary, 2),
     }
 
 
-def _or(value: float | None, show: Any) -> str:
-    return "not reached" if value is None else str(show(value))
+def _robustness(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
+    conditions = [
+        {
+            "name": _name(judged.pilot, j),
+            "samples": robust.samples,
+            "source": robust.source,
+            "worst": fixed(robust.disk_worst, 2),
+            "low": fixed(robust.disk_low, 2),
+            "speed": fixed(robust.speed_worst, 2),
+            "unstable": robust.unstable,
+            "overshoot": [_reached(v, 2) for v in robust.overshoot_deg],
+            "settling": [_reached(v, 0) for v in robust.settling_s],
+            "change": fixed(robust.sample_change_deg, 0),
+            "variants": [
+                {
+                    "name": sentence(name),
+                    "disk": _reached(v["disk"], 2),
+                    "overshoot": _reached(v["overshoot_deg"], 2),
+                    "settling": _reached(v["settling_s"], 0),
+                }
+                for name, v in robust.variants.items()
+            ],
+        }
+        for j, robust in enumerate(judged.robust)
+    ]
+    view = {"conditions": conditions, "figure": figures.get("cloud")}
+    return Section("Robustness", "tuning/robustness.html", view)
 
 
-def _steps(judged: Judgement) -> dict[str, Any]:
-    groups: dict[tuple[str, float], list[CourseChange]] = {}
+def _reached(value: float | None, decimals: int) -> str:
+    return "not reached" if value is None else fixed(value, decimals)
+
+
+def _steps(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
+    groups: dict[tuple[str, float], dict[float, CourseChange]] = {}
     for s in judged.steps:
-        groups.setdefault((s.weather, s.speed), []).append(s)
+        groups.setdefault((s.weather, s.speed), {})[s.change_deg] = s
     columns = [f"{fixed(speed, 2)} m/s" + (f", {words[6:]}" if words != "calm" else "") for words, speed in groups]
-    changes = sorted({s.change_deg for s in judged.steps})
-    rows = []
-    for change in changes:
-        cells = []
-        for group in groups.values():
-            s = next(x for x in group if x.change_deg == change)
-            lost = "ran away" if s.lost else None
-            cells += [
-                lost or _or(s.overshoot_deg, lambda x: fixed(x, 2)),
-                lost or _or(s.settling_s, lambda x: fixed(x, 0)),
-            ]
-        rows.append({"change": fixed(change, 0), "cells": cells})
-    return {"columns": columns, "rows": rows}
+    rows = [
+        {"change": fixed(change, 0), "cells": [c for group in groups.values() for c in _step_cells(group[change])]}
+        for change in sorted({s.change_deg for s in judged.steps})
+    ]
+    view = {"columns": columns, "rows": rows, "figure": figures["steps"]}
+    return Section("Course changes", "tuning/steps.html", view)
 
 
-def _weather(judged: Judgement) -> dict[str, Any]:
+def _step_cells(s: CourseChange) -> tuple[str, str]:
+    if s.lost:
+        return "ran away", "ran away"
+    return _reached(s.overshoot_deg, 2), _reached(s.settling_s, 0)
+
+
+def _weather(judged: Judgement) -> Section:
     w = judged.weather
     head = (
         f"Wind {number(w['wind_m_s'], 2)} m/s and waves at {number(w['wave_frequency_rad_s'], 2)} rad/s that yaw a ship at rest by "
         f"{number(w['wave_heading_rms_deg'], 2)} deg rms, both from one side; current {number(w['current_m_s'], 2)} m/s across. "
         "In proportion to the length of the ship below 100 m. The sea filter is on, a notch at the frequency of encounter."
     )
-
-    def rows(changing: bool) -> list[dict[str, str]]:
-        return [
-            {
-                "weather": s.weather.removeprefix("weather from "),
-                "rms": _or(s.rms_error_deg, lambda x: fixed(x, 2)),
-                "mean": _or(s.mean_error_deg, lambda x: fixed(x, 2, sign=True)),
-                "overshoot": _or(s.overshoot_deg, lambda x: fixed(x, 2)),
-                "rudder": _or(s.rms_rudder_deg, lambda x: fixed(x, 2)),
-                "reversals": _or(s.reversals, lambda x: fixed(x, 1)),
-                "track": _or(s.cross_track_m, lambda x: number(x, 3)),
-            }
-            for s in judged.weathered
-            if bool(s.change_deg) == changing and s.sea_filter
-        ]
-
     raw = [s for s in judged.weathered if not s.sea_filter]
     without = [max((getattr(s, n) or 0.0 for s in raw), default=0.0) for n in ("rms_rudder_deg", "reversals")]
     words = (
         f"Without the sea filter the rms rudder is {fixed(without[0], 2)} deg at worst, with {fixed(without[1], 1)} reversals a "
         "minute at worst."
     )
-    return {
-        "without": words,
+    filtered = [s for s in judged.weathered if s.sea_filter]
+    view = {
         "head": head,
-        "kept": rows(False),
-        "turned": rows(True),
+        "without": words,
+        "kept": [_weather_row(s) for s in filtered if not s.change_deg],
+        "turned": [_weather_row(s) for s in filtered if s.change_deg],
         "change": fixed(SAMPLE_CHANGE, 0),
     }
+    return Section("Wind, waves and current", "tuning/weather.html", view, short="Wind and waves")
+
+
+def _weather_row(s: CourseChange) -> Row:
+    return {
+        "weather": s.weather.removeprefix("weather from "),
+        "rms": _reached(s.rms_error_deg, 2),
+        "mean": "not reached" if s.mean_error_deg is None else fixed(s.mean_error_deg, 2, sign=True),
+        "overshoot": _reached(s.overshoot_deg, 2),
+        "rudder": _reached(s.rms_rudder_deg, 2),
+        "reversals": _reached(s.reversals, 1),
+        "track": "not reached" if s.cross_track_m is None else number(s.cross_track_m, 3),
+    }
+
+
+def _method(judged: Judgement) -> Section:
+    pilot = judged.pilot
+    names = {"omega_n": ("Natural frequency at the ship's own speed", "rad/s"), "damping": ("Damping ratio", ""),
+             "integral": ("Third pole over the natural frequency", ""), "rudder_weight": ("Weight of the rudder", "")}  # fmt: skip
+    facts = {
+        "Design": _DESIGNS[pilot.design],
+        **{names[n][0]: f"{number(v, 4)} {names[n][1]}".strip() for n, v in pilot.request.items()},
+        "Ship's own speed": f"{number(pilot.service_speed, 4)} m/s",
+        "Rudder limit of the autopilot": f"{fixed(to_display(pilot.rudder_limit, 'delta'), 1)} deg",
+        "Largest rudder angle": f"{fixed(to_display(pilot.limits['delta_max'], 'delta'), 1)} deg",
+        "Largest rudder rate": f"{fixed(to_display(pilot.limits['delta_rate'], '', 'rad/s'), 2)} deg/s",
+        "Steering machine": pilot.actuator.__name__,
+    }
+    view = {
+        "ship": pilot.ship.name + (f" ({pilot.ship.title})" if pilot.ship.title else ""),
+        "model": pilot.model.name,
+        "facts": [{"name": name, "value": value} for name, value in facts.items()],
+    }
+    return Section("Method", "tuning/method.html", view)
