@@ -19,10 +19,10 @@ from shipid.autopilot.on_board.model_reference import (
     CompensatedCourseController,
     PlacedGains,
     ReferenceModel,
-    SwitchedSight,
+    SelectedFeedback,
 )
 from shipid.autopilot.on_board.sampled_loop import make_sampled_loop
-from shipid.generation.record import make_record
+from shipid.generation.simulator import make_simulator
 from shipid.models import CubicYaw, DeKeizer, PlanarMotion, SteeringMachine, VanLeeuwenSway, Waves, Wind
 from shipid.parts.helm import DirectRudder
 
@@ -70,7 +70,7 @@ def ship_model() -> shipid.Model:
 def loop_of(case: Case):
     """The closed loop, and the coefficients of ship and autopilot."""
     ship = ship_model()
-    pilot = shipid.join("pilot", SwitchedSight, ReferenceModel, PlacedGains, CompensatedCourseController)
+    pilot = shipid.join("pilot", SelectedFeedback, ReferenceModel, PlacedGains, CompensatedCourseController)
     reference = {"a": K / TAU, "b1": (1.0 if case.known else 4.0) / TAU}
     kalman = shipid.ExtendedKalmanFilter(
         shipid.find_model("yaw-filter"),
@@ -120,7 +120,7 @@ def loop_of(case: Case):
     return loop, loop.coefficients(coefficients, settings), reference
 
 
-def sail(case: Case, seed: int) -> dict[str, np.ndarray]:
+def run_voyage(case: Case, seed: int) -> dict[str, np.ndarray]:
     """One voyage: seven course changes, to starboard and back."""
     loop, p, reference = loop_of(case)
     count = round((FIRST + CHANGES * EVERY) / T)
@@ -151,31 +151,26 @@ def sail(case: Case, seed: int) -> dict[str, np.ndarray]:
 def predictor():
     """The prediction: the reference at constant speed under its own autopilot, the rudder at once."""
     model = shipid.join("predictor", CubicYaw, PlanarMotion, DirectRudder, Measured, PlacedGains, CourseController)
-    return make_record(model, ("r", "psi"), hold="zero")
+    return make_simulator(model, ("r", "psi"), hold="zero")
 
 
-def judged(run: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def measured(run: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """What each course change comes to: J_r over the distance sailed, overshoot and extra rudder in degrees, K_R*.
 
     J_r is (6.2) in ship lengths: the ship's rate of turn against the predicted one at the same distance sailed.
     """
-    record = predictor()
-    system = record.system
-    p = system.vector(
-        system.coefficients, {"a": 0.0, "b1": 0.0, "b3": 0.0, "L": LENGTH, "omega_star": OMEGA, "damping": ZETA, "rudder_limit": LIMIT}
-    )  # fmt: skip
+    simulator = predictor()
+    known = {"b3": 0.0, "L": LENGTH, "omega_star": OMEGA, "damping": ZETA, "rudder_limit": LIMIT}
     steps = round(EVERY / T)
     found: dict[str, list[float]] = {"J_r": [], "overshoot": [], "extra": [], "K_R": []}
     for k in range(CHANGES):
         first = round((FIRST + EVERY * k) / T)
         part = slice(first, first + steps)
         a, b1, order = run["a_ref"][first], run["b1_ref"][first], run["psi_order"][first]
-        p[system.coefficients.index("a")], p[system.coefficients.index("b1")] = a, b1
-        given = {"u": SPEED, "cruise": SPEED, "a_design": a, "b1_design": b1, "psi_order": order}
-        inputs = np.array([[given.get(n, 0.0)] for n in system.inputs])
-        start = np.array([{"psi": run["psi"][first], "r": run["r"][first]}.get(n, 0.0) for n in system.states])
+        inputs = {"u": SPEED, "cruise": SPEED, "a_design": a, "b1_design": b1, "psi_order": order}
+        start = {n: run[n][first] for n in ("psi", "r")}
         # A loss of speed makes the ship sail its lengths later: the prediction is long enough for either.
-        (r_p, _), _ = record(start, np.broadcast_to(inputs, (len(inputs), steps)), np.full(steps, T), p)
+        r_p = simulator(T * np.arange(steps), known | {"a": a, "b1": b1}, inputs, start)["r"]
         sailed = np.concatenate([[0.0], np.cumsum(run["u"][part][:-1]) * T / LENGTH])
         predicted = np.interp(sailed, np.arange(steps) * T * SPEED / LENGTH, r_p * LENGTH / SPEED)
         own = run["r"][part] * LENGTH / run["u"][part]
@@ -189,5 +184,5 @@ def judged(run: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 def over_seeds(case: Case, seeds: int) -> dict[str, np.ndarray]:
     """The same for several voyages, shape (seeds, changes)."""
-    runs = [judged(sail(case, s)) for s in range(seeds)]
+    runs = [measured(run_voyage(case, s)) for s in range(seeds)]
     return {n: np.array([r[n] for r in runs]) for n in runs[0]}

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.estimation.records.vectors import first_estimate
+from shipid.estimation.records.first_estimate import first_estimate
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
@@ -52,7 +52,7 @@ def sail(
     truth : ndarray, shape (runs, N, states)
         In the order of the filter's states.
     """
-    model, base = kalman.model, kalman.base
+    design, model, base = kalman.design, kalman.model, kalman.design.base
     rng = np.random.default_rng(seed)
     step = float(t[1] - t[0]) / finer
     fine = np.linspace(t[0], t[-1], (t.size - 1) * finer + 1)
@@ -60,12 +60,12 @@ def sail(
     for name, values in inputs.items():
         table[:, base.inputs.index(name)] = np.interp(fine, t, values)
     levels = np.zeros(len(base.states))
-    for source in kalman.sources:
+    for source in design.sources:
         if source.place == "state":
             levels[base.states.index(source.name)] = source.level * np.sqrt(step)
-    believed, deviation = first_estimate(kalman, {})
+    believed, deviation = first_estimate(design, {})
     coefficients = base.parameters + base.constants
-    ship = kalman.ship.values(base, speed=kalman.ship.particular("speed", "m/s"))
+    ship = design.ship.values(base, speed=design.ship.particular("speed", "m/s"))
     known = np.array([ship[n] for n in coefficients])
     own = [model.states.index(s) for s in base.states]
     starts, controls, values, joints = [], [], [], []
@@ -81,12 +81,11 @@ def sail(
         values.append(p)
         joints.append(joint)
     records, truth = [], []
-    deviations = kalman.constants[kalman.layout.constants["r"]]
     for start, joint, (_, out) in zip(starts, joints, make_ship(base).map(starts, controls, values)):
         whole = np.tile(joint, (t.size, 1))
         whole[:, own] = np.vstack([start[: len(own)], out])[::finer]
         columns = {"t": t, **{n: v + 0.0 for n, v in inputs.items()}}
-        for name, level in zip(kalman.measured, deviations):
+        for name, level in zip(design.measured, design.r):
             columns[name] = whole[:, model.states.index(name)] + level * rng.standard_normal(t.size)
         records.append(columns)
         truth.append(whole)

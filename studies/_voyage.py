@@ -8,7 +8,10 @@ import casadi as ca
 import numpy as np
 
 import shipid
-from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
+from shipid.estimation.design import FilterDesign
+from shipid.estimation.records.arrangement import arrange
+from shipid.estimation.records.controls import controls_of
+from shipid.estimation.records.first_estimate import first_carried
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
@@ -152,21 +155,19 @@ def measured(
     return records
 
 
-def controls(
-    kalman: shipid.ExtendedKalmanFilter, records: Sequence[Columns]
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
+def controls(design: FilterDesign, records: Sequence[Columns]) -> tuple[list[np.ndarray], list[np.ndarray]]:
     """Return what a filter starts from and what it takes, for each run.
 
     Parameters
     ----------
-    kalman : ExtendedKalmanFilter
+    design : FilterDesign
         The filter.
     records : sequence of mapping of str to ndarray
         Records without gaps.
     """
-    arranged = [kalman.arrangement(r) for r in records]
-    starts = [carried_vector(kalman, first_sample(kalman, r), a.inputs[0]) for r, a in zip(records, arranged)]
-    return starts, [controls_of(kalman, a) for a in arranged]
+    arranged = [arrange(design.instruments, r) for r in records]
+    starts = [first_carried(design, r, a.inputs) for r, a in zip(records, arranged)]
+    return starts, [controls_of(design, a) for a in arranged]
 
 
 def filtered(kalman: shipid.ExtendedKalmanFilter | AdaptiveFilter, records: Sequence[Columns]) -> np.ndarray:
@@ -179,12 +180,13 @@ def filtered(kalman: shipid.ExtendedKalmanFilter | AdaptiveFilter, records: Sequ
     records : sequence of mapping of str to ndarray
         Records without gaps.
     """
-    plain = kalman.kalman if isinstance(kalman, AdaptiveFilter) else kalman
-    starts, rows = controls(plain, records)
+    design = kalman.design
+    starts, rows = controls(design, records)
+    loop = design.loop()
     if isinstance(kalman, AdaptiveFilter):
-        starts = [kalman.carried(r, plain.arrangement(r)) for r in records]
-    done = kalman.loop().map(starts, rows, [plain.constants] * len(records))
-    return np.array([out[:, plain.layout.brief["x"]] for _, out in done])
+        starts, loop = [kalman.mixed_start(s) for s in starts], kalman.loop()
+    done = loop.map(starts, rows, [design.constants] * len(records))
+    return np.array([out[:, design.layout.brief["x"]] for _, out in done])
 
 
 def settled(t: np.ndarray, good: np.ndarray) -> np.ndarray:

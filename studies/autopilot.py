@@ -22,10 +22,11 @@ import numpy as np
 from _table import Row, below, show
 
 import shipid
+from shipid.autopilot.course_changes.run_course_changes import run_course_changes
+from shipid.autopilot.course_changes.weather import Weather
+from shipid.autopilot.design.closed_loop import linear_ship, poles_at, to_control
 from shipid.autopilot.design.placement import pole_pair
-from shipid.autopilot.judgement.course_changes import sail
 from shipid.autopilot.judgement.margins import disk_on, loop_polynomials, margins_at, to_transfer_function
-from shipid.autopilot.judgement.weather import Weather
 from shipid.parameters.draws import draw_coefficients
 
 HERE = Path(__file__).parent
@@ -54,8 +55,8 @@ def designs() -> list[Row]:
         pilot = shipid.design_autopilot(model, ship, damping=0.8)
         omega = pilot.request["omega_n"] / pilot.service_speed
         for i, u in enumerate(pilot.speeds):
-            worst = max(worst, away(pilot.poles(float(u)), np.roots(pole_pair(omega * u, 0.8))))
-            plant = pilot.plants(np.array([u])).at(0)
+            worst = max(worst, away(pilot.poles[0][i], np.roots(pole_pair(omega * u, 0.8))))
+            plant = linear_ship(pilot, [u]).at(0)
             if len(plant.states) == 2:
                 # A ship of first order: K and tau are read off its linearisation.
                 r = plant.states.index("r") if "r" in plant.states else 1 - plant.states.index("psi")
@@ -67,7 +68,7 @@ def designs() -> list[Row]:
                 theirs = control.place(plant.A, plant.B[:, None], np.roots(pole_pair(omega * u, 0.8))).ravel()
                 ours = np.array([own[0], own[1]]) @ plant.C
                 placed = max(placed, float(np.abs(theirs / ours - 1).max()))
-            steered = pilot.plants(np.array([u]), steered=True).at(0)
+            steered = linear_ship(pilot, [u], steered=True).at(0)
             gains = pilot.gains(float(u))
             loop = to_transfer_function(steered, gains)
             grid = pilot.pace(float(u)) * np.geomspace(1e-2, 1e2, 100)
@@ -80,7 +81,7 @@ def designs() -> list[Row]:
             _, phase, _, _, crossing, _ = control.stability_margins(opened)
             gain = max(gain, abs(found.phase_deg / phase - 1), abs(found.delay_s * crossing / np.deg2rad(phase) - 1))
         for u in np.linspace(pilot.speeds[0], pilot.speeds[-1], 50):
-            between = max(between, away(pilot.poles(float(u)), np.roots(pole_pair(omega * u, 0.8))))
+            between = max(between, away(poles_at(pilot, float(u)), np.roots(pole_pair(omega * u, 0.8))))
     return [
         below(f"poles at the speeds of {len(SHIPS)} schedules, off by their size", 1e-12, worst),
         below("poles at 50 speeds between, off by their size", 0.05, between),
@@ -140,8 +141,8 @@ def speed() -> list[Row]:
     drawn = draw_coefficients(pilot.model, ship, runs)
     own = pilot.service_speed
     changes = np.deg2rad(np.random.default_rng(0).uniform(5, 120, runs))
-    wall, ours = best(lambda: sail(pilot, np.full(runs, own), changes, drawn=drawn))
-    loop = pilot.to_control(own, nonlinear=True)
+    wall, ours = best(lambda: run_course_changes(pilot, np.full(runs, own), changes, drawn=drawn))
+    loop = to_control(pilot, own, nonlinear=True)
     end = 40 * pilot.length / own
     order = np.zeros((len(loop.input_labels), 2))
     order[loop.input_index["cruise"]], order[loop.input_index["psi_order"]] = own, np.deg2rad(60)
@@ -174,7 +175,8 @@ def rudder_in_waves() -> list[Row]:
                 intensity = 4 * changer.WAVE_DAMPING * changer.WAVE_FREQUENCY * waves**2
                 run = loop(
                     loop.start({"u": changer.SPEED}, {"a_ref": reference["a"], "b1_ref": reference["b1"]}),
-                    {"cruise": changer.SPEED, "filtered": filtered, "wave_direction": np.deg2rad(120.0),
+                    {"cruise": changer.SPEED, "psi_order": 0.0, "filtered": filtered, "adapting": 0.0, "compensating": 0.0,
+                     "wave_direction": np.deg2rad(120.0),
                      "gyro_noise": changer.GYRO * rng.standard_normal(count),
                      "compass_noise": changer.COMPASS * rng.standard_normal(count),
                      "wave_noise": np.sqrt(intensity / changer.T) * rng.standard_normal(count)},
@@ -198,7 +200,9 @@ def rudder_in_waves() -> list[Row]:
         sea = Weather(0.0, 0.6, heading, 0.0)
         around = np.arange(8) * np.pi / 4
         raw, clean = (
-            sail(pilot, [9.5] * 8, [0.0] * 8, weather=sea, headings=around, measured_from=5.0, filtered=f).rms_rudder
+            run_course_changes(
+                pilot, [9.5] * 8, [0.0] * 8, weather=sea, headings=around, measured_from=5.0, filtered=f
+            ).rms_rudder
             for f in (False, True)
         )
         notch.append(raw / clean)
@@ -222,8 +226,8 @@ def real_ships(folder: Path) -> list[Row]:
 
             def report(fit: Any = fit, model: str = model, scratch: str = scratch) -> Any:
                 pilot = shipid.design_autopilot(model, fit.ship)
-                judged = pilot.judge()
-                pilot.write(Path(scratch) / "schedule.toml")
+                judged = shipid.judge(pilot)
+                shipid.write_schedule(pilot, Path(scratch) / "schedule.toml")
                 shipid.write_report(judged, Path(scratch) / "report.html")
                 return judged
 

@@ -27,7 +27,10 @@ from filterpy.kalman import ExtendedKalmanFilter as Filterpy
 from threadpoolctl import threadpool_limits
 
 from shipid import Component, ExtendedKalmanFilter, ParameterSet, given, join, parameter, state
-from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
+from shipid.estimation.design import FilterDesign
+from shipid.estimation.records.arrangement import arrange
+from shipid.estimation.records.controls import controls_of
+from shipid.estimation.records.first_estimate import first_carried
 from shipid.generation.compiling import FLAGS
 from shipid.parameters.parameter_set import Value
 
@@ -261,29 +264,25 @@ def main() -> int:
     parser.add_argument("--repeats", type=int, default=40)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    kalman, record = make_filter(), make_record(0)
+    design, record = make_filter().design, make_record(0)
 
-    def arranged(kalman: ExtendedKalmanFilter, record: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
-        rows = kalman.arrangement(record)
-        return (
-            carried_vector(kalman, first_sample(kalman, record), rows.inputs[0]),
-            controls_of(kalman, rows),
-            kalman.constants,
-        )
+    def arranged(design: FilterDesign, record: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
+        rows = arrange(design.instruments, record)
+        return first_carried(design, record, rows.inputs), controls_of(design, rows), design.constants
 
-    brief, full = kalman.loop(), kalman.loop(full=True)
-    z0, c, k = arranged(kalman, record)
-    places = kalman.layout.carried
+    brief, full = design.loop(), design.loop(full=True)
+    z0, c, k = arranged(design, record)
+    places = design.layout.carried
     packed = z0[places["P"]]
     x0, p0 = z0[places["x"]], np.diag(packed[np.cumsum(np.arange(1, 8)) - 1])
 
     with tempfile.TemporaryDirectory() as folder:
         hand = by_hand(Path(folder))
         # The parameters in the declared order of the model, then noise and sensor levels: those of the generated step.
-        by_name = dict(zip(kalman.system.coefficients, k))
+        by_name = dict(zip(design.system.coefficients, k))
         names = ("X_uu", "X_vr", "Y_v", "Y_r", "Y_d", "N_v", "N_r", "N_d", "T_d")
-        levels = {s.name: s.level for s in kalman.sources}
-        kh = np.array([*(by_name[n] for n in names), *(levels[n] for n in ("u", "v", "r", "delta")), *kalman._r])
+        levels = {s.name: s.level for s in design.sources}
+        kh = np.array([*(by_name[n] for n in names), *(levels[n] for n in ("u", "v", "r", "delta")), *design.r])
         ch = np.ascontiguousarray(np.column_stack([record["order"], record["thrust"], np.diff(record["t"], prepend=0.0),
                                                    *(record[n] for n in SENSORS)]))  # fmt: skip
         xh, ph, oh = np.empty(7), np.empty((7, 7)), np.empty((COUNT, 25))
@@ -313,9 +312,9 @@ def main() -> int:
         filterpy_s = best(lambda: filterpy_pass(kh, record, x0, p0), max(2, options.repeats // 8))
 
     gated, rk4 = make_filter(gate=5.0), make_filter(gate=5.0, method="rk4")
-    gated_row, rk4_row = arranged(gated, record), arranged(rk4, record)
-    gated_s = best(lambda: gated.loop()(*gated_row), options.repeats)
-    rk4_s = best(lambda: rk4.loop()(*rk4_row), options.repeats)
+    gated_row, rk4_row = arranged(gated.design, record), arranged(rk4.design, record)
+    gated_s = best(lambda: gated.design.loop()(*gated_row), options.repeats)
+    rk4_s = best(lambda: rk4.design.loop()(*rk4_row), options.repeats)
 
     stepper = brief.one_at_a_time(z0, k)
     stepper.control[:] = c[5]
@@ -334,7 +333,7 @@ def main() -> int:
 
     update_s = best(updates, max(2, options.repeats // 8)) / COUNT
 
-    many = [arranged(kalman, make_record(i)) for i in range(RECORDS)]
+    many = [arranged(design, make_record(i)) for i in range(RECORDS)]
     columns = list(zip(*many))
     one, two = [], []
     for _ in range(options.repeats):

@@ -57,7 +57,7 @@ def consistency(name: str, estimated: dict[str, str], runs: int) -> dict[str, An
     nees, smoothed, nis, count, wide = [], [], 0.0, 0, []
     for record, true in zip(records, truth):
         run = kalman.filter(record)
-        after = run.smooth()
+        after = kalman.smooth(run)
         nees.append(squared(run.x - true, run.covariance))
         smoothed.append(squared(after.x - true, after.covariance))
         for i in run.innovations.values():

@@ -29,9 +29,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.estimation.records.run import unpacked
-from shipid.estimation.records.vectors import carried_vector, controls_of, first_sample
-from shipid.estimation.recursion.step import TAKEN
+from shipid.estimation.records.arrangement import arrange
+from shipid.estimation.records.controls import controls_of
+from shipid.estimation.records.first_estimate import first_carried
+from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.recursion.gate import TAKEN
 
 #: Samples of the swing that is sailed again and again; after each round the covariance is looked at.
 PERIOD = 1000
@@ -67,8 +69,8 @@ def sail(kalman: shipid.ExtendedKalmanFilter) -> tuple[dict[str, np.ndarray], np
     delta = np.deg2rad(15) * np.sin(2 * np.pi * t / 200)
     zero = np.zeros(t.size)
     alone = shipid.ExtendedKalmanFilter(
-        kalman.base,
-        kalman.ship,
+        kalman.design.base,
+        kalman.design.ship,
         measured={"psi": "1e6 rad"},
         inputs={"cruise": "9.5 m/s"},
         initial={"psi": "0.01 deg"},
@@ -77,8 +79,8 @@ def sail(kalman: shipid.ExtendedKalmanFilter) -> tuple[dict[str, np.ndarray], np
     run = alone.filter({"t": t, "delta": delta, "psi": zero})
     last = slice(2 * PERIOD, 3 * PERIOD)
     rng = np.random.default_rng(7)
-    levels = kalman.constants[kalman.layout.constants["r"]]
-    shown = {n: run[n][last] + v * rng.standard_normal(PERIOD) for n, v in zip(kalman.measured, levels)}
+    levels = zip(kalman.measured, kalman.design.r)
+    shown = {n: run[n][last] + v * rng.standard_normal(PERIOD) for n, v in levels}
     far = [run[s][-1] - run[s][2 * PERIOD] if s in ("x", "y") else 0.0 for s in kalman.model.states]
     return {"t": t[:PERIOD], "delta": delta[last], **shown}, np.array(far)
 
@@ -87,18 +89,19 @@ def endure(form: str, single: bool, asked: bool, steps: int) -> dict[str, Any]:
     """Run so many steps and look at the covariance on the way."""
     kalman = make_filter(form, single)
     record, far = sail(kalman)
-    rows = kalman.arrangement(record)
-    z = carried_vector(kalman, first_sample(kalman, record), rows.inputs[0])
-    loop, p, control = kalman.loop(), kalman.constants, controls_of(kalman, rows)
+    design = kalman.design
+    rows = arrange(design.instruments, record)
+    z = first_carried(design, record, rows.inputs)
+    loop, p, control = design.loop(), design.constants, controls_of(design, rows)
     # The swing closes on itself: its first sample comes one interval after its last.
     again = control.copy()
-    again[0, kalman.layout.control["T"]] = 1.0
-    places, n = kalman.layout.carried, kalman.layout.joint
+    again[0, design.layout.control["T"]] = 1.0
+    places, n = design.layout.carried, design.layout.joint
     skew = 0.0
     begin = time.perf_counter()
     looks = max(10, steps // PERIOD)
     carried, taken = [], 0.0
-    fate = kalman.layout.brief["fate"]
+    fate = design.layout.brief["fate"]
     for k in range(looks):
         z, out = loop(z, again if k else control, p)
         carried.append(np.array(z[places["P"]], dtype=float))

@@ -30,7 +30,7 @@ from _sailing import sail
 from threadpoolctl import threadpool_limits
 
 import shipid
-from shipid.estimation.recursion.step import REJECTED
+from shipid.estimation.recursion.gate import REJECTED
 
 BEGIN, DURATION = 600, 1800
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "10 m", "y": "10 m"}
@@ -167,10 +167,11 @@ def endured(
     spoilt = fault.spoil(record, rows, rng)
     run = kalman.filter(spoilt)
     kept = np.flatnonzero(run.arranged.forward)
-    n = len(kalman.base.states)
-    own = [kalman.model.states.index(s) for s in kalman.base.states]
+    base = kalman.design.base
+    n = len(base.states)
+    own = [kalman.model.states.index(s) for s in base.states]
     error = (run.x - true[kept])[:, own]
-    psi = kalman.base.states.index("psi")
+    psi = base.states.index("psi")
     error[:, psi] = (error[:, psi] + np.pi) % (2 * np.pi) - np.pi
     std = run.std[:, own]
     beside = np.abs((run.x - calm.x[kept])[:, own]) <= std
@@ -182,7 +183,7 @@ def endured(
     nees = np.einsum("ki,ki->k", error, np.linalg.solve(covariance, error[:, :, None])[:, :, 0]) / n
     during = (kept >= rows.start) & (kept < rows.stop)
     later = kept >= rows.stop + recovered
-    fates = run._rows("fate")
+    fates = run.rows("fate")
     wrong = np.array([spoilt[s][kept] != record[s][kept] for s in SENSORS]).T & np.isfinite(
         np.array([spoilt[s][kept] for s in SENSORS]).T
     )

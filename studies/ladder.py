@@ -29,9 +29,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem, make_problem
-from shipid.identification.problem.trial_data import fitted_signals, prepare, unknown_biases
-from shipid.identification.search.least_squares import Box, minimise
+from shipid.identification.problem.signals import fitted_signals, unknown_biases
+from shipid.identification.problem.trial_data import prepare
+from shipid.identification.search.least_squares import minimise
 from shipid.identification.search.multiple_shooting import shoot
 
 NOISE = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "v": "0.1 m/s"}
@@ -131,7 +133,7 @@ def noisy_rate(runs: int) -> dict[str, Any]:
             trial = shipid.simulate(
                 shipid.find_model("norrbin"), "zeefakkel", "zigzag:20/20", noise=noise, sampling="0.5 s", seed=run
             )
-            fit = shipid.identify("norrbin", [trial], ship="zeefakkel", method=method, check=False)
+            fit = shipid.identify("norrbin", [trial], ship="zeefakkel", method=method)
             errors.append([fit.parameters[n].value / t - 1 for n, t in zip(("a", "b1", "b3"), truth)])
         mean, spread = np.mean(errors, axis=0), np.std(errors, axis=0, ddof=1)
         found[method] = {
@@ -159,7 +161,7 @@ def outliers(runs: int, one_sided: bool = False) -> dict[str, Any]:
                 sign = 1.0 if one_sided else rng.choice([-1.0, 1.0], hit.sum())
                 table.loc[hit, signal] += SIGMA[signal] * sign * rng.uniform(5, 15, hit.sum())
             bad = shipid.Trial.from_frame(table, name=f"run-{run}", units=units)
-            fit = shipid.identify("norrbin", [bad], ship="zeefakkel", loss=loss, starts=1, check=False)
+            fit = shipid.identify("norrbin", [bad], ship="zeefakkel", loss=loss, starts=1)
             estimates = [fit.parameters[n] for n in ("a", "b1", "b3")]
             errors.append([e.value / t - 1 for e, t in zip(estimates, truth)])
             inside.append([e.ci95[0] <= t <= e.ci95[1] for e, t in zip(estimates, truth)])
@@ -173,7 +175,7 @@ def outliers(runs: int, one_sided: bool = False) -> dict[str, Any]:
 def posterior() -> dict[str, Any]:
     """Sample one posterior."""
     trial = shipid.simulate(shipid.find_model("norrbin"), "zeefakkel", "zigzag:20/20", noise=NOISE, sampling="1 s")
-    fit = shipid.identify("norrbin", [trial], ship="zeefakkel", check=False)
+    fit = shipid.identify("norrbin", [trial], ship="zeefakkel")
     return fit.sample_posterior(20_000).to_dict()
 
 

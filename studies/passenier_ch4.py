@@ -94,7 +94,7 @@ def identifier(method: str, sigma: float, first: float | None = None, **options:
     """The recursion with the start of this study."""
     described = find_method(method)
     # The gains of least squares start from a multiple of what is given.
-    variance = (BELIEVING if first is None else first) if described.believes_noise else F0 * sigma**2
+    variance = (BELIEVING if first is None else first) if described.uses_noise_level else F0 * sigma**2
     deviation = float(np.sqrt(variance / described.first_factor))
     return RecursiveIdentifier(
         MODEL,

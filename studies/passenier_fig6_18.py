@@ -11,10 +11,11 @@ import numpy as np
 from _claims import FAILS, UNDER_A_READING, Claim, options, show
 
 import shipid
+from shipid.autopilot.course_changes.run_course_changes import run_course_changes
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, with_schedule
 from shipid.autopilot.design.schedule import Schedule
-from shipid.autopilot.judgement.course_changes import sail
-from shipid.generation.record import make_record
+from shipid.generation.simulator import make_simulator
 from shipid.parameters.parameter_set import Value
 
 CONTAINER, ZEEFAKKEL = 9.5, 4.63
@@ -54,14 +55,11 @@ def pilot_of(
 
 def track(pilot: Autopilot, speed: float, change: float) -> np.ndarray:
     """East and north in ship lengths against the distance sailed, shape (2, n)."""
-    record = make_record(pilot.closed_loop, ("x", "y", "s_star"), hold="zero")
-    system, length = record.system, pilot.length
-    count = round(LENGTHS / STEP)
-    given = {"cruise": speed, "psi_order": change}
-    inputs = np.array([[given.get(n, pilot.closed_loop[n].number("default") or 0.0)] for n in system.inputs])
-    p = system.vector(system.coefficients, pilot.values(pilot.closed_loop, speed))
-    steps = np.full(count, STEP * length / speed)
-    (x, y, s), _ = record(np.zeros(len(system.states)), np.broadcast_to(inputs, (len(inputs), count)), steps, p)
+    model, length = closed_loop(pilot), pilot.length
+    simulator = make_simulator(model, ("x", "y", "s_star"), hold="zero")
+    t = STEP * length / speed * np.arange(round(LENGTHS / STEP))
+    run = simulator(t, coefficients_of(pilot, model, speed), {"cruise": speed, "psi_order": change})
+    x, y, s = (run[n] for n in ("x", "y", "s_star"))
     grid = np.linspace(0, 0.9 * LENGTHS * (1 if s[-1] > 0.9 * LENGTHS else s[-1] / LENGTHS), 500)
     return np.array([np.interp(grid, s, y) / length, np.interp(grid, s, x) / length])
 
@@ -81,7 +79,7 @@ def unscheduled(pilot: Autopilot, speed: float) -> Autopilot:
     """The same with the gains of one speed at every speed."""
     found = pilot.schedule.at(speed)
     gains = {n: np.array([[v]]) for n, v in found.items()}
-    return dataclasses.replace(pilot, schedule=Schedule(np.array([speed]), gains))
+    return with_schedule(pilot, Schedule(np.array([speed]), gains))
 
 
 def row(
@@ -118,7 +116,7 @@ def main() -> None:
     share = "The steering machine counts in seconds, not in ship lengths: what is left behind it is its share."
     rows.append(row("the same behind 2.5 deg/s of rudder", "no theorem", f"{slow:.3f} L", BOTH, True, share, False))
     # Figure 6.18: +90 and -90 degrees at 15 degrees of rudder.
-    run = sail(steered, [CONTAINER] * 2, [quarter, -quarter])
+    run = run_course_changes(steered, [CONTAINER] * 2, [quarter, -quarter])
     over = np.rad2deg(run.overshoot)
     rows.append(
         row(

@@ -18,6 +18,7 @@ from _claims import Claim, claim, figure, options, show
 from _voyage import DEG, KNOT, Columns, controls, filtered, measured, sail, settled
 
 import shipid
+from shipid.estimation.design import FilterDesign
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 
 STEPS = {
@@ -83,7 +84,7 @@ def trade_off(runs: int) -> tuple[list[Claim], Columns, dict[str, Judged]]:
         if level == 0.02:
             usual, kept = x, kalman
     adaptive = AdaptiveFilter(position_filter(QUIET), CURRENTS)
-    found["adaptive"] = judge(truth, filtered(adaptive, records), adaptive.kalman.model.states)
+    found["adaptive"] = judge(truth, filtered(adaptive, records), adaptive.design.model.states)
     rows = [claim("P14 raw fixes, 2-D rms", "70.7 m (50 m on each axis)", f"{raw:.1f} m", abs(raw - 70.7) < 1.5)]
     for name, judged in found.items():
         text = f"{judged.steady:.1f} m; {judged.recovery:.1f} m; {judged.back:.0f} s"
@@ -114,7 +115,7 @@ def trade_off(runs: int) -> tuple[list[Claim], Columns, dict[str, Judged]]:
     below = {"recovery": 0, "back": 0}
     for factor, *lasting in NEIGHBOURS:
         other = AdaptiveFilter(position_filter(QUIET), CURRENTS, factors=(1.0, factor), lasting=lasting)
-        near = judge(truth, filtered(other, records), other.kalman.model.states)
+        near = judge(truth, filtered(other, records), other.design.model.states)
         for n in below:
             below[n] += getattr(near, n) <= curve(
                 [f.steady for f in fixed], [getattr(f, n) for f in fixed], near.steady
@@ -241,8 +242,8 @@ def split(runs: int) -> list[Claim]:
     took_one, took_two = np.inf, np.inf
     thinned = [{n: c[at] for n, c in r.items()} for r in records]
     for _ in range(5):
-        took_one = min(took_one, seconds(whole, records))
-        took_two = min(took_two, seconds(yaw, records) + seconds(position, thinned))
+        took_one = min(took_one, seconds(whole.design, records))
+        took_two = min(took_two, seconds(yaw.design, records) + seconds(position.design, thinned))
     rows.append(
         claim(
             "P18 time of two filters over that of one",
@@ -275,14 +276,14 @@ def errors_of(truth: Columns, at: slice, x: dict[str, np.ndarray]) -> dict[str, 
     }
 
 
-def seconds(kalman: shipid.ExtendedKalmanFilter, records: list[Columns]) -> float:
+def seconds(design: FilterDesign, records: list[Columns]) -> float:
     """Seconds of a record, the fastest of all, on one processor."""
-    starts, rows = controls(kalman, records)
+    starts, rows = controls(design, records)
     best = np.inf
-    loop = kalman.loop()
+    loop = design.loop()
     for z0, control in zip(starts, rows):
         begun = time.perf_counter()
-        loop(z0, control, kalman.constants)
+        loop(z0, control, design.constants)
         best = min(best, time.perf_counter() - begun)
     return best
 

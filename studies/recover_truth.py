@@ -105,8 +105,8 @@ def summary(names: tuple[str, ...], errors: np.ndarray, nees: np.ndarray, bound:
 
 def _bound(fit: shipid.Fit, truth: np.ndarray) -> np.ndarray:
     """Cramer-Rao bound at the truth, with initial state, biases and current unknown."""
-    problem = fit._problem
-    q = fit._solution.q.copy()
+    problem = fit.identified.problem
+    q = fit.identified.solution.q.copy()
     q[: len(truth)] = truth
     _, jacobian = problem.residuals(q)
     return np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))[: len(truth)]

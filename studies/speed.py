@@ -1,8 +1,8 @@
 """Speed: a compiled fit against the same fit with SciPy's finite differences over ``solve_ivp``, and the command line.
 
 Asked: 600 samples and 4 unknowns, compiled and cached: 25 ms or less a fit from a good start, and at least 10 times faster than
-the same fit with finite differences over ``solve_ivp``; ``shipid --help`` in 0.3 s; ``shipid identify`` on one trial with a
-warm cache in 3 s; a joint fit of nine coefficients to four tank trials of 66 to 210 s at 20 Hz in 5 s, where the trials are at
+the same fit with finite differences over ``solve_ivp``; ``shipid --help`` in 0.3 s; ``shipid identify`` with its report on one
+trial with a warm cache in 1.5 s, with another trial to predict in 2 s, with an empty cache in 5 s; a joint fit of nine coefficients to four tank trials of 66 to 210 s at 20 Hz in 5 s, where the trials are at
 hand (``../shared/data`` or ``--data``). Single times depend on the machine; ratios are taken within one run.
 
     python studies/speed.py [--json]
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -26,9 +27,11 @@ from scipy.optimize import least_squares
 
 import shipid
 from shipid.generation.record import make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import make_problem
 from shipid.identification.problem.trial_data import prepare
-from shipid.identification.search.least_squares import Box, minimise
+from shipid.identification.search.least_squares import minimise
 
 SIGNALS = ("psi", "r")
 NAMES = ("a", "b1", "b3")
@@ -57,8 +60,8 @@ def fits() -> dict[str, float]:
         sampling="1 s",
         noise={"psi": "0.2 deg", "r": "0.02 deg/s"},
     )
-    sailed = prepare(model, trial, SIGNALS, None)
-    problem = make_problem(model, [sailed], SIGNALS, NAMES, {}, SIGMA, ("delta",))
+    data = prepare(model, trial, SIGNALS, None)
+    problem = make_problem(model, [data], SIGNALS, NAMES, {}, SIGMA, ("delta",))
     # The initial state is held in both: the four unknowns are a, b1, b3 and the bias.
 
     problem = replace(problem, initial=())
@@ -78,18 +81,18 @@ def fits() -> dict[str, float]:
         def rate(at: float, x: np.ndarray) -> list[float]:
             return [x[1], a * (np.interp(at, t, delta) + bias) - b1 * x[1] - b3 * x[1] ** 3]
 
-        x0 = sailed.x0[[model.states.index("psi"), model.states.index("r")]]
+        x0 = [data.start["psi"], data.start["r"]]
         found = solve_ivp(rate, (t[0], t[-1]), x0, t_eval=t, rtol=1e-8, atol=1e-10, max_step=5.0)
-        return np.concatenate([(y - m) / s for y, m, s in zip(found.y, sailed.measured, SIGMA)])
+        return np.concatenate([(y - m) / s for y, m, s in zip(found.y, data.measured, SIGMA)])
 
     start = np.append(box.start, 0.0)
     plain = least_squares(residual, start, x_scale="jac", diff_step=1e-4, ftol=1e-8, xtol=1e-8)
     theirs = best_of(lambda: least_squares(residual, start, x_scale="jac", diff_step=1e-4, ftol=1e-8, xtol=1e-8), 1)
     record = make_record(model, SIGNALS, NAMES, (), ("delta",))
-    p = record.system.vector(record.system.coefficients, dict(zip(NAMES, truth)))
-    pass_ms = 1e3 * best_of(lambda: record(sailed.x0, sailed.inputs, sailed.intervals, p), 50)
+    x0, p = initial_state(model, data.start), coefficient_vector(model, dict(zip(NAMES, truth)))
+    pass_ms = 1e3 * best_of(lambda: record(x0, data.inputs, data.intervals, p), 50)
     plain_record = make_record(model, SIGNALS, NAMES, (), ("delta",), compiled=False)
-    machine_ms = 1e3 * best_of(lambda: plain_record(sailed.x0, sailed.inputs, sailed.intervals, p), 20)
+    machine_ms = 1e3 * best_of(lambda: plain_record(x0, data.inputs, data.intervals, p), 20)
     return {
         "virtual_machine_ms": machine_ms,
         "fit_ms": 1e3 * ours,
@@ -105,21 +108,25 @@ def fits() -> dict[str, float]:
 def command_line() -> dict[str, float]:
     """Time the command line as whole processes."""
     command = [sys.executable, "-m", "shipid"]
-    here = Path(__file__).parent / "trials" / "container-20-20.csv"
+    trials = Path(__file__).parent / "trials"
+    fitted, other = (str(trials / f"container-{n}.csv") for n in ("20-20", "10-10"))
     with tempfile.TemporaryDirectory() as folder:
         counter = iter(range(100))
 
-        def call(*arguments: str) -> None:
-            subprocess.run([*command, *arguments], check=True, capture_output=True, cwd=folder)
+        def call(*arguments: str, cache: str | None = None) -> None:
+            environment = os.environ | ({} if cache is None else {"SHIPID_CACHE": cache})
+            subprocess.run([*command, *arguments], check=True, capture_output=True, cwd=folder, env=environment)
 
-        def identify() -> None:
-            name = f"out{next(counter)}"
-            call("identify", str(here), "--model", "de-keizer", "--ship", "soesterberg", "--out", name)
+        def identify(*options: str, cache: str | None = None) -> None:
+            ship = ("--model", "de-keizer", "--ship", "soesterberg")
+            call("identify", fitted, *ship, *options, "--out", f"out{next(counter)}", cache=cache)
 
-        identify()
+        identify("--validate", other)
         return {
             "help_s": best_of(lambda: call("--help"), 5),
             "identify_s": best_of(identify, 3),
+            "identify_and_predict_s": best_of(lambda: identify("--validate", other), 3),
+            "identify_cold_s": best_of(lambda: identify(cache=f"{folder}/cache{next(counter)}"), 2),
         }
 
 
@@ -151,7 +158,14 @@ def main() -> int:
         ("fit, 600 samples, 4 unknowns [ms]", result["fit_ms"], 25.0, result["fit_ms"] <= 25),
         ("the same over solve_ivp, times slower", result["ratio"], 10.0, result["ratio"] >= 10),
         ("shipid --help [s]", result["help_s"], 0.3, result["help_s"] <= 0.3),
-        ("shipid identify, warm, with report [s]", result["identify_s"], 3.0, result["identify_s"] <= 3),
+        ("shipid identify, warm, with report [s]", result["identify_s"], 1.5, result["identify_s"] <= 1.5),
+        (
+            "the same, predicting another trial [s]",
+            result["identify_and_predict_s"],
+            2.0,
+            result["identify_and_predict_s"] <= 2,
+        ),
+        ("shipid identify, empty cache [s]", result["identify_cold_s"], 5.0, result["identify_cold_s"] <= 5),
     ]
     if "joint_s" in result:
         rows.append(("joint fit, 4 trials, 9 coefficients [s]", result["joint_s"], 5.0, result["joint_s"] <= 5))

@@ -133,14 +133,14 @@ def measured(fit: shipid.Fit, zigzags: int, scale: float) -> dict[str, float]:
         "B": together([c.refitted["psi"] for c in compared]),
         "r_B": together([c.refitted["r"] for c in compared]) / scale**0.5,
         "overshoot": missed([c.predicted_overshoots for c in compared]),
-        "overshoot_closed": missed([fit.manoeuvres[c.trial.name].closed_loop for c in compared]),
+        "overshoot_closed": missed([fit.assessment.manoeuvres[c.trial.name].closed_loop for c in compared]),
     }
 
 
 def circle(fit: shipid.Fit) -> dict[str, float]:
     """Errors of the turning circle in percent, both read the same way from the track."""
     found = {}
-    for key, value in fit.manoeuvres[fit.validation[-1].trial.name].turn.items():
+    for key, value in fit.assessment.manoeuvres[fit.validation[-1].trial.name].turn.items():
         name = key.removesuffix("_m_s").removesuffix("_deg_s").removesuffix("_m")
         known = value.measured and value.predicted
         found[name] = 100 * (value.predicted / value.measured - 1) if known else float("nan")
@@ -167,7 +167,7 @@ def run(folder: Path, starts: int, only: str | None) -> list[dict[str, Any]]:
             begin = time.perf_counter()
             fit = shipid.identify(model, fitted, ship=set_up["ship"], purpose="prediction", starts=starts)
             seconds = time.perf_counter() - begin
-            fit = fit.validate(predicted)
+            fit = shipid.assess(fit.validate(predicted), findings=False)
             found = measured(fit, len(set_up["predicted"]), scale) | (circle(fit) if "circle" in set_up else {})
             rows.append(
                 {

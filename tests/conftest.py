@@ -1,10 +1,51 @@
 from __future__ import annotations
 
+import numpy as np
+import pandas as pd
 import pytest
 
 import shipid
+from shipid import Component, given, parameter, state
 
 NOISE = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "v": "0.1 m/s"}
+
+
+class Drift(Component):
+    """A rate of turn that is a multiple of the rudder and a constant: linear in both coefficients."""
+
+    psi = state("rad", "heading", wraps=True)
+    delta = given("rad", "rudder angle")
+    gain = parameter("1/s", "rate of turn per rudder angle", start=0.1, low=-10, high=10)
+    swing = parameter("rad/s", "rate of turn without rudder", start=0.001, low=-1, high=1)
+
+    @psi.rate
+    def turn(self):
+        """Made up for its closed form."""
+        return self.gain * self.delta + self.swing
+
+
+@pytest.fixture(scope="session")
+def drift():
+    """The linear model: heading = psi0 + gain * integral of delta + swing * t."""
+    return shipid.join("drift", Drift)
+
+
+@pytest.fixture(scope="session")
+def drifting():
+    """Make a record of the linear model with white noise on its heading, and the matrix of its linear regression."""
+
+    def make(sigma: float, count: int, seed: int, rudder: float = np.deg2rad(10), name: str = "linear"):
+        t = np.arange(count, dtype=float)
+        delta = rudder * np.sign(np.sin(2 * np.pi * t / 60))
+        # Between samples the rudder runs straight: the integral is the trapezoid's.
+        turned = np.concatenate([[0.0], np.cumsum(0.5 * (delta[1:] + delta[:-1]))])
+        design = np.column_stack([turned, t, np.ones(count)])
+        noise = sigma * np.random.default_rng(seed).standard_normal(count)
+        psi = design @ np.array([0.05, 1e-4, 0.0]) + noise
+        table = pd.DataFrame({"t [s]": t, "delta [rad]": delta, "psi [rad]": psi, "u [m/s]": np.full(count, 5.0)})
+        return shipid.Trial.from_frame(table, name=name), design
+
+    return make
 
 
 @pytest.fixture(scope="session")

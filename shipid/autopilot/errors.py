@@ -15,14 +15,14 @@ class NoStraightCourseError(ShipidError):
 
 
 class UnstableDesignError(ShipidError):
-    """A request that this ship cannot be given: the loop it asks for has a pole that grows."""
+    """A request that leaves the loop of this ship unstable."""
 
     exit_code = ExitCode.NO_CONVERGENCE
 
 
 class DesignRequestError(UsageError):
-    """A request that is none: speeds, frequencies, dampings or limits that do not fit."""
+    """A request that cannot be designed for: its speeds, frequencies, dampings or limits are out of range or do not fit together."""
 
 
 class ScheduleError(ShipidError):
-    """A schedule file that says nonsense."""
+    """A schedule file with an entry that is wrong, or whose gains do not hold the ship."""

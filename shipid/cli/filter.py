@@ -145,13 +145,13 @@ def _filter(
     # Positions that no sensor bears on are dead reckoning, not estimation.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     run = kalman.filter(record)
-    seen = run.observability()
+    seen = kalman.observability(run)
     delivery.hand_over_parts(
         run.to_dict() | {"observability": seen.to_dict()},
         repr(run),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(run, path),
+            REPORT: lambda path: write_report(seen, path),
         },
     )
     for message in seen.messages:

@@ -26,7 +26,7 @@ from shipid.cli.options import (
     validate_option,
 )
 from shipid.foundation.exit_codes import ExitCode
-from shipid.identification.methods import LOSSES, METHODS, PURPOSES
+from shipid.identification.methods import LOSSES, METHODS, PURPOSES, Loss, Method, Purpose
 
 if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
@@ -83,9 +83,9 @@ def identify(
     validate: tuple[str, ...],
     signals: str | None,
     noise: dict[str, str] | None,
-    purpose: str | None,
-    method: str | None,
-    loss: str,
+    purpose: Purpose | None,
+    method: Method | None,
+    loss: Loss,
     posterior: int | None,
     no_check: bool,
     no_rudder_bias: bool,
@@ -97,6 +97,7 @@ def identify(
 
     Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
     """
+    from shipid.identification.assess import assess
     from shipid.identification.identify import identify as run_identify
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.parameters.parameter_file import write_parameter_set
@@ -116,7 +117,6 @@ def identify(
             purpose=purpose,
             method=method,
             loss=loss,
-            check=not no_check,
             rudder_bias=not no_rudder_bias,
             starts=starts,
             seed=seed,
@@ -125,7 +125,10 @@ def identify(
         if posterior is not None and fit.converged:
             tell("sampling the posterior")
             fit = replace(fit, posterior=fit.sample_posterior(posterior, seed))
-        criteria = _criteria(fit) if delivery.folder is not None else None
+        tell("assessing the fit")
+        written = delivery.folder is not None
+        fit = assess(fit, bands=written or delivery.as_json, findings=not no_check)
+        criteria = _criteria(fit) if written else None
     delivery.hand_over(
         fit,
         {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import click
 
 from shipid.cli.delivery import Delivery, delivered
@@ -16,6 +18,9 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+
+if TYPE_CHECKING:
+    from shipid.planning.selection import Criterion
 
 
 @click.command()
@@ -57,7 +62,7 @@ def plan(
     speed: str | None,
     estimate: list[str] | None,
     noise: str,
-    criterion: str,
+    criterion: Criterion,
     worst_case: bool,
     repertoire: str | None,
     sampling: str | None,

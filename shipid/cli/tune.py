@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.options import seed_option, ship_option
-from shipid.foundation.aliases import Plain
+
+if TYPE_CHECKING:
+    from shipid.autopilot.design.autopilot import Design, Mode
+    from shipid.autopilot.on_board.on_board_runs import Adaptation
 
 _SCHEDULE = "schedule.toml"
 
@@ -18,6 +22,7 @@ _SCHEDULE = "schedule.toml"
 @ship_option(several="for load conditions")
 @click.option("--speeds", metavar="A:B:STEP", help="Or a list; in m/s unless it names a unit: 4:12:1, '8,12,16 kn'.")
 @click.option("--design", default="pole", show_default=True, metavar="pole|lqr|pid", help="How the gains are found.")
+@click.option("--mode", default="course", show_default=True, metavar="course|rate", help="What the autopilot holds.")
 @click.option(
     "--omega-n", metavar="W", help="Natural frequency in rad/s at the ship's own speed; it follows the speed."
 )
@@ -29,13 +34,20 @@ _SCHEDULE = "schedule.toml"
     "--samples", default=200, type=click.IntRange(0), show_default=True, help="Ships drawn from the uncertainty."
 )
 @seed_option("the draws and the waves")
+@click.option(
+    "--on-board", metavar="FILTER", help="Run it with this Kalman filter in the loop too: yaw-filter, or FILE.py:NAME."
+)
+@click.option(
+    "--adapt", metavar="none|gains|reference", help="With --on-board: what follows the filter's estimates of the ship."
+)
 @click.option("--compare", nargs=2, metavar="A.toml B.toml", help="Put two schedules side by side instead.")
 @delivered(RESULT, _SCHEDULE, REPORT, instead={"compare": (RESULT, REPORT)})
 def tune(
     model: str | None,
     ships: tuple[str, ...],
     speeds: str | None,
-    design: str,
+    design: Design,
+    mode: Mode,
     omega_n: str | None,
     zeta: float | None,
     integral: float | None,
@@ -43,6 +55,8 @@ def tune(
     rudder_limit: str,
     samples: int,
     seed: int,
+    on_board: str | None,
+    adapt: Adaptation | None,
     compare: tuple[str, str] | None,
     delivery: Delivery,
 ) -> None:
@@ -50,37 +64,45 @@ def tune(
 
     The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
     """
-    from shipid.autopilot.design.design_autopilot import design_autopilot
-    from shipid.autopilot.design.schedule_file import write_schedule
+    from shipid.autopilot.design.design_autopilot import INTEGRAL, RUDDER_WEIGHT, design_autopilot
+    from shipid.autopilot.design.write_schedule import write_schedule
+    from shipid.autopilot.judgement.judge import judge
+    from shipid.autopilot.on_board.run_on_board import run_on_board
     from shipid.foundation.errors import UsageError
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.report.write_report import write_report
 
     if compare is not None:
-        if model is not None or ships:
+        if model is not None or ships or on_board is not None:
             raise UsageError(
-                "--compare reads two schedules, which hold their model and ship: leave MODEL and --ship out."
+                "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out."
             )
         _compare(compare, samples, seed, delivery)
         return
     if model is None or not ships:
         raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
+    if adapt is not None and on_board is None:
+        raise UsageError("--adapt says what follows the estimates of a filter: give the filter by --on-board.")
     for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
         if value is not None and design != its:
             raise UsageError(f"{name} belongs to --design {its}; leave it out, or ask for that design.")
-    chosen: dict[str, Plain] = {"integral": integral, "rudder_weight": rudder_weight}
     pilot = design_autopilot(
         find_model(model),
         [find_ship(s) for s in ships],
         speeds=speeds,
         design=design,
+        mode=mode,
         omega_n=_frequency(omega_n),
         damping=zeta,
         rudder_limit=rudder_limit,
-        **{name: value for name, value in chosen.items() if value is not None},
+        integral=INTEGRAL if integral is None else integral,
+        rudder_weight=RUDDER_WEIGHT if rudder_weight is None else rudder_weight,
     )
     with delivery.progress() as tell:
-        judged = pilot.judge(samples=samples, seed=seed, progress=tell)
+        runs = None
+        if on_board is not None:
+            runs = run_on_board(pilot, on_board, adaptation=adapt or "none", seed=seed, progress=tell)
+        judged = judge(pilot, samples, seed, on_board=runs, progress=tell)
     delivery.hand_over(
         judged,
         {
@@ -99,13 +121,14 @@ def _frequency(text: str | None) -> str | float | None:
 
 
 def _compare(files: tuple[str, str], samples: int, seed: int, delivery: Delivery) -> None:
-    from shipid.autopilot.design.schedule_file import read_schedule
+    from shipid.autopilot.design.read_schedule import read_schedule
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
+    from shipid.autopilot.judgement.judge import judge
     from shipid.report.write_report import write_report
 
     pilots = [read_schedule(f) for f in files]
     with delivery.progress() as tell:
-        first, second = (p.judge(samples=samples, seed=seed, progress=tell) for p in pilots)
+        first, second = (judge(p, samples, seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
     delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
 

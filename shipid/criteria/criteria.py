@@ -4,9 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from shipid.declaration.vocabulary import to_display
+from shipid.foundation.aliases import Plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 WORDING = "evaluated against MSC.137(76) 5.3"
 Band = tuple[float, float] | None
@@ -35,7 +41,7 @@ def second_overshoot_limit(unit_time: float) -> float:
 
 
 @dataclass(frozen=True)
-class Side:
+class CriterionSide:
     """One quantity to one side.
 
     Attributes
@@ -54,7 +60,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Row:
+class Criterion:
     """One quantity beside its limit.
 
     Attributes
@@ -65,7 +71,7 @@ class Row:
         None for what the standard does not limit.
     limit_text : str
         The limit as the standard writes it.
-    starboard, port : Side
+    starboard, port : CriterionSide
         With the first execute to either side.
     """
 
@@ -74,8 +80,8 @@ class Row:
     unit: str
     limit: float | None
     limit_text: str
-    starboard: Side
-    port: Side
+    starboard: CriterionSide
+    port: CriterionSide
 
     @property
     def within(self) -> bool | None:
@@ -96,9 +102,9 @@ class Criteria:
         Their names.
     length, speed, rudder : float
         L in m, V in m/s, rudder angle of the turning circle in rad.
-    rows : tuple of Row
+    rows : tuple of Criterion
         The quantities.
-    spiral : dict
+    spiral : mapping or None
         ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width; None
         where the model has no spiral.
     notes : tuple of str
@@ -110,11 +116,11 @@ class Criteria:
     length: float
     speed: float
     rudder: float
-    rows: tuple[Row, ...]
-    spiral: Mapping[str, Any] | None
+    rows: tuple[Criterion, ...]
+    spiral: Mapping[str, Plain] | None
     notes: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values; None where something was not reached."""
         return {
             "standard": WORDING,
@@ -123,7 +129,7 @@ class Criteria:
             "L_m": self.length,
             "V_m_s": self.speed,
             "L_over_V_s": self.length / self.speed,
-            "rudder_deg": round(float(np.rad2deg(self.rudder)), 6),
+            "rudder_deg": round(to_display(self.rudder, "delta"), 6),
             "criteria": {
                 row.key: {
                     "meaning": row.meaning,
@@ -139,7 +145,7 @@ class Criteria:
             "notes": list(self.notes),
         }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return one row a quantity and side as a pandas table."""
         import pandas as pd
 
@@ -173,11 +179,11 @@ class Criteria:
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
 
 
-def _plain(side: Side) -> dict[str, Any]:
+def _plain(side: CriterionSide) -> dict[str, Plain]:
     return {"value": side.value, "band95": None if side.band95 is None else list(side.band95), "words": side.words}
 
 
-def _cell(side: Side) -> str:
+def _cell(side: CriterionSide) -> str:
     if side.value is None:
         return side.words.split(":")[0][:22] or "not reached"
     return f"{side.value:.2f}" + (f" ({side.band95[0]:.2f}..{side.band95[1]:.2f})" if side.band95 else "")

@@ -6,20 +6,30 @@ Administration it never is. The words of the result say so.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from shipid.criteria.criteria import WORDING, Criteria, Row, Side, first_overshoot_limit, second_overshoot_limit
+from shipid.criteria.criteria import (
+    WORDING,
+    Criteria,
+    Criterion,
+    CriterionSide,
+    first_overshoot_limit,
+    second_overshoot_limit,
+)
 from shipid.criteria.spiral import Spiral, spiral_of
-from shipid.criteria.standard_manoeuvres import Numbers, Standard
+from shipid.criteria.standard_manoeuvres import ManoeuvreNumbers, StandardManoeuvres
+from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import display_factor, display_unit, to_display
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.identification.fit import Fit
+from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
-from shipid.parameters.catalogue import find_model, find_ship
+from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 
@@ -30,7 +40,7 @@ _BEYOND = 1.1
 
 
 def manoeuvring_criteria(
-    model_or_fit: Model | Fit | str,
+    model_or_fit: Model | type[Component] | Fit | str,
     *,
     ship: ParameterSet | str | None = None,
     speed: str | float | None = None,
@@ -40,7 +50,7 @@ def manoeuvring_criteria(
 
     Parameters
     ----------
-    model_or_fit : Model, Fit or str
+    model_or_fit : Model, component class, Fit or str
         A fit, whose covariance makes the bands; or a model, with the standard deviations of the ship's own set.
     ship : ParameterSet or str, optional
         The ship; that of the fit by default.
@@ -58,38 +68,44 @@ def manoeuvring_criteria(
     ParameterSetError
         If the ship lacks its length, its speed or a coefficient.
     UsageError
-        If there is no ship, the speed is none, or the model reads no rudder angle.
+        If there is no ship, the speed is none, the model reads no rudder angle, or it reads an input that nothing states.
+    UnknownNameError
+        For a model or a ship that does not exist.
     """
     fit = model_or_fit if isinstance(model_or_fit, Fit) else None
-    model = fit.model if fit else find_model(model_or_fit) if isinstance(model_or_fit, str) else model_or_fit
-    assert isinstance(model, Model)
-    own = find_ship(ship) if isinstance(ship, str) else ship or (fit.ship if fit else None)
-    if own is None:
+    model = model_or_fit.model if isinstance(model_or_fit, Fit) else model_of(model_or_fit)
+    if ship is None and fit is None:
         raise UsageError("criteria need a ship: its length, speed and coefficients.")
+    own = fit.ship if fit is not None and ship is None else ship_of(ship)
     if "delta" not in model.inputs or "psi" not in model or "x" not in model:
         raise UsageError(f"model {model.name} has no rudder angle 'delta' to turn by, or no heading and track.")
     length, velocity = own.particular("L", "m"), _speed(own, speed)
     if length is None or length <= 0:
         raise ParameterSetError(f"ship {own.name} has no length L greater than zero, which the criteria are stated in.")
-    known = own.values(model, speed=velocity)
-    if fit:
-        known |= dict(fit.fixed) | dict(zip(fit.estimated, (float(v) for v in fit._solution.q)))
+    known = own.values(model, speed=velocity) | (fit.identified.values if fit else {})
     lacking = missing_values(model, known, f"ship {own.name}")
     if lacking:
         raise lacking
     limit, rate = own.particular("delta_max", "rad"), own.particular("delta_rate", "rad/s")
     rudder = min(limit or _FULL, _FULL)
-    standard = Standard(model, velocity, length, rudder, {"delta_max": limit or _FULL, "delta_rate": rate or _RATE})
+    steering = {"delta_max": limit or _FULL, "delta_rate": rate or _RATE}
+    manoeuvres = StandardManoeuvres(model, velocity, length, rudder, steering)
     sets, about = _sets(fit, model, own, known, draws)
-    sides = [(standard(known, side), [standard(values, side) for values in sets]) for side in (1, -1)]
-    spiral, spirals = (
-        spiral_of(model, known, velocity, length, limit or _FULL),
-        [spiral_of(model, values, velocity, length, limit or _FULL) for values in sets],
-    )
-    notes = _notes(fit, model, own, velocity, length, rudder, limit is None, rate is None)
+    sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
+    spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
     lost = sorted({kind for point, _ in sides for kind in point.lost})
-    if lost:
-        notes.insert(0, f"The model runs away in: {', '.join(lost)}. It has no number there.")
+    notes = [f"The model runs away in: {', '.join(lost)}. It has no number there."] if lost else []
+    notes += _scope(length, velocity, model)
+    notes += (
+        ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
+    )
+    notes += _beyond(fit, velocity, rudder) if fit else []
+    if "u" not in model or model["u"].quantity.kind == "given":
+        notes.append("The model keeps its speed in a turn: its distances are those of a ship that loses none.")
+    if limit is None:
+        notes.append("The largest rudder angle of the ship is unknown; 35 deg is assumed.")
+    if rate is None:
+        notes.append("The rudder rate of the ship is unknown; 65 deg in 28 s is assumed.")
     return Criteria(
         model.name,
         own.name,
@@ -119,7 +135,7 @@ def _sets(
     if count <= 0:
         return [], "No bands were asked for."
     if fit is not None:
-        drawn = draws_of(fit, count)
+        drawn = draws_of(fit.identified, count)
         sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
         return sets, "Bands: 95 %, from the covariance of the identified coefficients."
     drawn_set = draw_coefficients(model, ship, count)
@@ -129,16 +145,18 @@ def _sets(
     return sets, f"Bands: 95 %, from {drawn_set.source}."
 
 
-def _rows(sides: list[tuple[Numbers, list[Numbers]]], length: float, unit_time: float) -> tuple[Row, ...]:
-    deg = float(np.rad2deg(1.0))
+def _rows(
+    sides: list[tuple[ManoeuvreNumbers, list[ManoeuvreNumbers]]], length: float, unit_time: float
+) -> tuple[Criterion, ...]:
+    angle, deg = display_unit("psi", "rad"), display_factor("psi", "rad")
     table = (
         ("advance", "advance", "L", 1 / length, 4.5, "4.5 L"),
         ("transfer", "transfer", "L", 1 / length, None, ""),
         ("tactical_diameter", "tactical diameter", "L", 1 / length, 5.0, "5 L"),
         ("initial_turning", "initial turning, 10 deg by 10 deg", "L", 1 / length, 2.5, "2.5 L"),
-        ("first_overshoot_10", "10/10 first overshoot", "deg", deg, first_overshoot_limit(unit_time), "10..20 deg by L/V"),
-        ("second_overshoot_10", "10/10 second overshoot", "deg", deg, second_overshoot_limit(unit_time), "25..40 deg by L/V"),
-        ("first_overshoot_20", "20/20 first overshoot", "deg", deg, 25.0, "25 deg"),
+        ("first_overshoot_10", "10/10 first overshoot", angle, deg, first_overshoot_limit(unit_time), "10..20 deg by L/V"),
+        ("second_overshoot_10", "10/10 second overshoot", angle, deg, second_overshoot_limit(unit_time), "25..40 deg by L/V"),
+        ("first_overshoot_20", "20/20 first overshoot", angle, deg, 25.0, "25 deg"),
     )  # fmt: skip
     rows = []
     for key, meaning, unit, scale, limit, text in table:
@@ -150,22 +168,22 @@ def _rows(sides: list[tuple[Numbers, list[Numbers]]], length: float, unit_time: 
             if value is not None and band is None and drawn:
                 words = "no band: more than one draw in twenty does not get there"
             scaled = None if band is None else (band[0] * scale, band[1] * scale)
-            found.append(Side(None if value is None else value * scale, scaled, words))
+            found.append(CriterionSide(None if value is None else value * scale, scaled, words))
         if "by L/V" in text and limit is not None:
             text = f"{limit:.3g} deg at L/V {unit_time:.3g} s"
-        rows.append(Row(key, meaning, unit, limit, text, found[0], found[1]))
+        rows.append(Criterion(key, meaning, unit, limit, text, found[0], found[1]))
     return tuple(rows)
 
 
-def _why(key: str, point: Numbers) -> str:
+def _why(key: str, point: ManoeuvreNumbers) -> str:
     kind = "20/20" if key.endswith("_20") else "10/10" if key.endswith("_10") or key == "initial_turning" else "turn"
     return "runs away: the model does" if kind in point.lost else "not reached: not within 25 L/V of the order"
 
 
-def _spiral(point: Spiral | None, drawn: list[Spiral | None]) -> dict[str, Any] | None:
+def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, Plain] | None:
     if point is None:
         return None
-    deg = float(np.rad2deg(1.0))
+    deg = display_factor("psi", "rad")
     band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
     return {
         "stable": point.stable,
@@ -176,16 +194,8 @@ def _spiral(point: Spiral | None, drawn: list[Spiral | None]) -> dict[str, Any] 
     }
 
 
-def _notes(
-    fit: Fit | None,
-    model: Model,
-    ship: ParameterSet,
-    speed: float,
-    length: float,
-    rudder: float,
-    no_limit: bool,
-    no_rate: bool,
-) -> list[str]:
+def _scope(length: float, speed: float, model: Model) -> list[str]:
+    """What the standard is for, and what of it the model cannot tell."""
     notes = [
         f"Simulated by model {model.name} and {WORDING}; that is no statement of an Administration. The standard applies to "
         "ships of 100 m and longer, in deep water, calm, at full load and even keel."
@@ -196,31 +206,28 @@ def _notes(
         f"The test speed of the standard is at least 90 % of the speed at 85 % of the engine's output; here it is "
         f"{speed:.4g} m/s, and whether that is so the model does not know."
     )
-    if fit is not None:
-        largest = max((float(np.abs(c.trial["delta"]).max()) for c in fit.fitted if c.trial.has("delta")), default=0.0)
-        beyond = [a for a in (10.0, 20.0, float(np.rad2deg(rudder))) if np.deg2rad(a) > _BEYOND * largest]
-        if beyond:
-            notes.append(
-                f"The fitted trials have rudder angles up to {np.rad2deg(largest):.3g} deg: what is said for "
-                f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg is extrapolation, and the bands do not hold it."
-            )
-        sailed = [float(np.median(c.trial[n])) for c in fit.fitted for n in ("u", "U") if c.trial.has(n)]
-        if sailed and not 0.7 * min(sailed) <= speed <= 1.3 * max(sailed):
-            notes.append(
-                f"The fitted trials were sailed at {min(sailed):.3g} to {max(sailed):.3g} m/s, and not at this speed."
-            )
-        if fit.unidentifiable:
-            notes.append(
-                f"The trials do not determine {', '.join(fit.unidentifiable)}: what depends on them has a wide band, or none."
-            )
-        if not fit.converged:
-            notes.append("The search did not converge: these are the numbers of an unfinished fit.")
-    else:
-        notes.append("Beyond the rudder angles and speeds its coefficients come from, the model extrapolates.")
-    if model["u"].quantity.kind == "given" if "u" in model else True:
-        notes.append("The model keeps its speed in a turn: its distances are those of a ship that loses none.")
-    if no_limit:
-        notes.append("The largest rudder angle of the ship is unknown; 35 deg is assumed.")
-    if no_rate:
-        notes.append("The rudder rate of the ship is unknown; 65 deg in 28 s is assumed.")
+    return notes
+
+
+def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
+    """Where the criteria go beyond the trials of a fit, and what those leave open."""
+    notes = []
+    largest = max((float(np.abs(c.trial["delta"]).max()) for c in fit.fitted if c.trial.has("delta")), default=0.0)
+    beyond = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
+    if beyond:
+        notes.append(
+            f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: what is said for "
+            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg is extrapolation, and the bands do not hold it."
+        )
+    speeds = recorded_speeds([c.trial for c in fit.fitted])
+    if speeds and not 0.7 * min(speeds) <= speed <= 1.3 * max(speeds):
+        notes.append(
+            f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
+        )
+    if fit.unidentifiable:
+        notes.append(
+            f"The trials do not determine {', '.join(fit.unidentifiable)}: what depends on them has a wide band, or none."
+        )
+    if not fit.converged:
+        notes.append("The search did not converge: these are the numbers of an unfinished fit.")
     return notes

@@ -11,12 +11,13 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import CasadiFunction
+from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
 from shipid.generation.system import generate
 
 #: Largest rate of turn that is looked at, and the step to it, as r L/U.
@@ -51,7 +52,7 @@ class Spiral:
 
     @property
     def half_width(self) -> float:
-        """Half of the loop's width in rad: what IMO and Norrbin speak of."""
+        """Half of the loop's width in rad, which IMO and Norrbin give."""
         return 0.5 * self.loop_width
 
 
@@ -75,6 +76,11 @@ def spiral_of(
     -------
     Spiral or None
         None where the model has no steady turn: its turn depends on the heading, it is sampled, or it reads no rudder.
+
+    Raises
+    ------
+    UnstatedInputError
+        If the model reads an input that nothing states.
     """
     system = generate(model)
     behind = system.states_behind(["r"]) if "r" in model else ()
@@ -82,9 +88,11 @@ def spiral_of(
         return None
     rates = np.arange(0.0, _FARTHEST, _STEP) * speed / length
     known = {"u": speed, "cruise": speed}
-    inputs = [known.get(n, model[n].number("default") or 0.0) for n in system.inputs]
-    start = [known.get(n, model[n].number("start") or 0.0) for n in behind] + [0.0]
-    p = system.vector(system.coefficients, values)
+    # The rudder is what is looked for: its value here is replaced.
+    inputs = input_rows(model, {**known, "delta": 0.0}, 1, needed=system.inputs_behind(["r"]))[:, 0]
+    at_rest = dict(zip(model.states, initial_state(model, known)))
+    start = [*(at_rest[n] for n in behind), 0.0]
+    p = coefficient_vector(model, values)
     walk = _walk(model, len(rates))
     halves = []
     for side in (1.0, -1.0):
@@ -135,7 +143,7 @@ def _return(rate: np.ndarray, rudder: np.ndarray) -> float | None:
 
 
 @functools.lru_cache(maxsize=32)
-def _walk(model: Model, count: int) -> Any:
+def _walk(model: Model, count: int) -> CasadiFunction:
     """The CasADi function ``(start, rates, inputs, coefficients) -> (rudder, remaining relative error)``."""
     system = generate(model)
     behind = system.states_behind(["r"])

@@ -13,7 +13,7 @@ import numpy as np
 
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.generation.record import Record, make_record
+from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre, plan
 
@@ -22,11 +22,12 @@ _STEP, _LENGTH = 0.01, 25.0
 #: Rate of turn, as r L/V, that no ship has: the model has run away.
 _FASTEST = 30.0
 _SHOWN = ("psi", "x", "y", "delta_order")
+KINDS = ("turn", "10/10", "20/20")
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """What the manoeuvres to one side amount to; SI, None where one was not reached.
+class ManoeuvreNumbers:
+    """Numbers of the manoeuvres to one side; SI, None where one was not reached.
 
     Attributes
     ----------
@@ -41,7 +42,15 @@ class Numbers:
     lost: tuple[str, ...] = field(default=())
 
 
-class Standard:
+@dataclass(frozen=True, eq=False)
+class _Steered:
+    """A ship with its helmsman in one manoeuvre to one side."""
+
+    simulator: Simulator
+    constants: Mapping[str, float]
+
+
+class StandardManoeuvres:
     """The manoeuvres of the standard for one model and one speed.
 
     Parameters
@@ -59,19 +68,18 @@ class Standard:
     def __init__(self, model: Model, speed: float, length: float, rudder: float, steering: Mapping[str, float]) -> None:
         self._speed, self._unit_time = speed, length / speed
         degrees = float(np.rad2deg(rudder))
-        self._steering = dict(steering)
-        self._records: dict[str, tuple[Model, Record, dict[str, float], float]] = {}
-        for kind in ("turn", "10/10", "20/20"):
+        self._steered: dict[tuple[str, int], _Steered] = {}
+        for kind in KINDS:
             for side in (1, -1):
                 angle = {"turn": degrees, "10/10": 10.0, "20/20": 20.0}[kind] * side
                 text = f"turn:{angle:.12g}/540" if kind == "turn" else f"zigzag:{angle:g}/{abs(angle):g}"
-                sailed = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
-                whole = join(model.name, model, SteeringMachine, sailed.helm)
-                record = make_record(whole, _SHOWN, hold="zero")
-                self._records[f"{kind} {side}"] = (whole, record, sailed.constants, sailed.constants["helm_start"])
+                planned = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
+                whole = join(model.name, model, SteeringMachine, planned.helm)
+                simulator = make_simulator(whole, _SHOWN, hold="zero")
+                self._steered[kind, side] = _Steered(simulator, {**steering, **planned.constants})
 
-    def __call__(self, values: Mapping[str, float], side: int) -> Numbers:
-        """Sail all of them.
+    def __call__(self, values: Mapping[str, float], side: int) -> ManoeuvreNumbers:
+        """Simulate all of them.
 
         Parameters
         ----------
@@ -79,31 +87,33 @@ class Standard:
             Coefficients of the model, SI.
         side : {1, -1}
             Side of the first execute: 1 for starboard.
+
+        Returns
+        -------
+        ManoeuvreNumbers
+
+        Raises
+        ------
+        UnstatedInputError
+            If the model reads an input that nothing states.
         """
         found: dict[str, float | None] = {}
         lost = []
-        for kind in ("turn", "10/10", "20/20"):
-            t, y, begin = self._sail(f"{kind} {side}", values)
-            psi, north, east, order = y
-            if not np.isfinite(y).all() or np.abs(np.diff(psi)).max() > _FASTEST * _STEP:
+        approach = {"u": self._speed, "cruise": self._speed}
+        for kind in KINDS:
+            steered = self._steered[kind, side]
+            begin = steered.constants["helm_start"]
+            t = np.arange(0.0, begin + _LENGTH * self._unit_time, _STEP * self._unit_time)
+            run = steered.simulator(t, {**values, **steered.constants}, approach, approach)
+            psi = run["psi"]
+            if not run.finite.all() or np.abs(np.diff(psi)).max() > _FASTEST * _STEP:
                 lost.append(kind)
                 psi = np.full_like(psi, np.nan)
             if kind == "turn":
-                found |= _turn(t, side * psi, north, side * east, begin)
+                found |= _turn(t, side * psi, run["x"], side * run["y"], begin)
             else:
-                found |= _zigzag(kind, t, side * psi, north, east, side * order, begin)
-        return Numbers(found, tuple(lost))
-
-    def _sail(self, key: str, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray, float]:
-        model, record, constants, begin = self._records[key]
-        t = np.arange(0.0, begin + _LENGTH * self._unit_time, _STEP * self._unit_time)
-        system = record.system
-        known = {"u": self._speed, "cruise": self._speed}
-        start = np.array([known.get(n, model[n].number("start") or 0.0) for n in system.states])
-        inputs = np.array([[known.get(n, model[n].number("default") or 0.0)] for n in system.inputs])
-        p = system.vector(system.coefficients, {**values, **self._steering, **constants})
-        y, _ = record(start, np.broadcast_to(inputs, (len(inputs), t.size)), np.diff(t, append=t[-1]), p)
-        return t, y, begin
+                found |= _zigzag(kind, t, side * psi, run["x"], run["y"], side * run["delta_order"], begin)
+        return ManoeuvreNumbers(found, tuple(lost))
 
 
 def _until(y: np.ndarray, level: float, first: int = 0) -> float | None:
@@ -163,10 +173,10 @@ def _zigzag(
     found = {f"first_overshoot_{amplitude}": overshoots[0]}
     if amplitude == "10":
         reached = _until(psi, np.deg2rad(10.0))
-        sailed = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(north), np.diff(east)))])
-        end = _at(sailed, reached)
+        track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(north), np.diff(east)))])
+        end = _at(track, reached)
         found |= {
             "second_overshoot_10": overshoots[1],
-            "initial_turning": None if end is None else end - float(sailed[start]),
+            "initial_turning": None if end is None else end - float(track[start]),
         }
     return found

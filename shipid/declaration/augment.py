@@ -17,9 +17,9 @@ from shipid.foundation.errors import DeclarationError, UnknownNameError
 def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None) -> Model:
     """Return a new model in which parameters are states that keep their value.
 
-    The rate of each is zero; what lets it walk is the process noise a filter adds. A parameter with a positive lower
-    bound becomes the state ``log_NAME``, the natural logarithm of its value over one unit, and the parameter itself
-    follows from it, so it cannot change sign.
+    The rate of each is zero; what lets it walk is the process noise a filter adds. A parameter whose
+    lower bound is zero or more becomes the state ``log_NAME``, the natural logarithm of its value over one unit, and the
+    parameter itself follows from it, so it cannot change sign.
 
     Parameters
     ----------

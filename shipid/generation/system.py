@@ -128,7 +128,7 @@ class System:
         names : sequence of str
             Quantities of the model.
         """
-        moves, shown = self._moves, self.expression(names)
+        moves, shown = self.moves, self.expression(names)
         reads = _dependence(moves, self.x)
         behind = np.asarray(_dependence(shown, self.x).any(axis=0))
         for _ in self.states:
@@ -143,13 +143,10 @@ class System:
         names : sequence of str
             Quantities of the model.
         """
-        moving = [self.states.index(s) for s in self.states_behind(names)]
-        moved, shown = _dependence(self._moves, self.u)[moving], _dependence(self.expression(names), self.u)
-        needed = np.asarray(moved.any(axis=0) | shown.any(axis=0))
-        return tuple(n for n, used in zip(self.inputs, needed.tolist()) if used)
+        return _inputs_behind(self.model, tuple(names))
 
     @property
-    def _moves(self) -> Expression:
+    def moves(self) -> Expression:
         """What moves each state: its rate, or its next sample."""
         moves = self.rates + 0
         for index, expression in self.nexts.items():
@@ -202,6 +199,16 @@ class System:
 def _dependence(of: Expression, by: Expression) -> np.ndarray:
     """Which entries of a column can depend on which symbols, shape (of, by)."""
     return np.asarray(ca.DM(ca.jacobian(of, by).sparsity(), 1).full(), dtype=bool)
+
+
+@functools.lru_cache(maxsize=256)
+def _inputs_behind(model: Model, names: tuple[str, ...]) -> tuple[str, ...]:
+    """See `System.inputs_behind`: asked for at every run of a model, and a walk through its equations each time."""
+    system = generate(model)
+    moving = [system.states.index(s) for s in system.states_behind(names)]
+    moved, shown = _dependence(system.moves, system.u)[moving], _dependence(system.expression(names), system.u)
+    needed = np.asarray(moved.any(axis=0) | shown.any(axis=0))
+    return tuple(n for n, used in zip(system.inputs, needed.tolist()) if used)
 
 
 @functools.lru_cache(maxsize=64)

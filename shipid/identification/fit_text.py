@@ -1,75 +1,123 @@
-"""A fit in plain text, as it is printed."""
+"""The parts of a fit in lines of text, as they are printed."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from shipid.declaration.units import factor, pretty
-from shipid.declaration.vocabulary import FIELDS
+from shipid.declaration.model import Model
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_unit, shown, to_display
+from shipid.identification.methods import METHODS
+from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.rung import Rung
+from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.estimate import Estimate
+from shipid.identification.validation.comparison import Comparison
 
-if TYPE_CHECKING:
-    from shipid.identification.fit import Estimate, Fit
-    from shipid.identification.search.ladder import Rung
 
-
-def text_of(fit: Fit) -> str:
-    """Return a fit in lines of text.
+def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
+    """Return one line a coefficient: its value, and why the trials do not determine it.
 
     Parameters
     ----------
-    fit : Fit
-        The fit.
+    parameters : mapping of str to Estimate
+        The coefficients.
     """
-    state = "converged" if fit.converged else f"NOT CONVERGED: {fit.message}"
-    lines = [f"{fit.model.name} fitted to {', '.join(c.trial.name for c in fit.fitted)} ({fit.method}; {state})"]
-    lines += [
+    return [
         f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
-        for e in fit.parameters.values()
+        for e in parameters.values()
     ]
-    for c in (*fit.fitted, *fit.validation):
-        role = "fitted   " if c in fit.fitted else "predicted"
-        lines.append(f"  {role}  {c.trial.name}: rms error {', '.join(_error_text(s, v) for s, v in c.rmse.items())}")
+
+
+def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
+    """Return errors and overshoots of each trial.
+
+    Parameters
+    ----------
+    comparisons : sequence of Comparison
+        The trials beside their predictions.
+    role : {"fitted", "predicted"}
+        What the fit did with them.
+    """
+    lines = []
+    for c in comparisons:
+        errors = ", ".join(_error_text(s, v) for s, v in c.rmse.items())
+        lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
         if c.refitted:
             again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
             lines.append(f"             with rudder bias and initial state refitted: {again}")
         if c.overshoots:
-            pairs = zip(c.overshoots, c.predicted_overshoots)
-            shown = ", ".join(f"{np.rad2deg(m):.1f} / {'-' if p is None else f'{np.rad2deg(p):.1f}'}" for m, p in pairs)
-            lines.append(f"             overshoots measured / predicted: {shown} deg")
-    if len(fit.ladder) > 1:
-        lines += [f"  tried     {_rung_text(r)}" for r in fit.ladder]
-    if fit.levels is not None:
-        lines += [f"  noise     {line}" for line in _levels_text(fit)]
-    lines += [f"  check     {f}" for f in fit.findings]
-    if fit.posterior is not None:
-        lines += ["  " + line for line in repr(fit.posterior).splitlines()]
-    return "\n".join(lines)
-
-
-def _levels_text(fit: Fit) -> list[str]:
-    assert fit.levels is not None
-    units = {n: fit.model[n].unit for n in (*fit.levels.process, *fit.levels.sensors)}
-
-    def shown(name: str, level: float) -> tuple[float, str]:
-        wanted = units[name].replace("rad", "deg") if "/rad" not in units[name] else units[name]
-        return level / factor(wanted, units[name]), wanted
-
-    lines = []
-    for name, level in fit.levels.process.items():
-        value, unit = shown(name, level)
-        lines.append(f"drives {name}: {value:.3g} {unit}/s^0.5 (white, per root second)")
-    for name, level in fit.levels.sensors.items():
-        value, unit = shown(name, level)
-        lines.append(f"sensor of {name}: {value:.3g} {unit} in one sample")
+            pairs = [f"{_angle(m)} / {_angle(p)}" for m, p in zip(c.overshoots, c.predicted_overshoots)]
+            lines.append(
+                f"             overshoots measured / predicted: {', '.join(pairs)} {display_unit('psi', 'rad')}"
+            )
     return lines
 
 
-def _rung_text(rung: Rung) -> str:
-    cost = "runs away" if rung.cost is None else f"cost {rung.cost:.4g}"
-    state = ", used" if rung.used else ""
-    return f"{rung.method} ({cost}{'' if rung.converged else ', not converged'}{state}): {rung.reason}"
+def ladder_lines(ladder: Sequence[Rung]) -> list[str]:
+    """Return one line for each method that was tried, where there were several.
+
+    Parameters
+    ----------
+    ladder : sequence of Rung
+        The rungs.
+    """
+    lines = []
+    for rung in ladder if len(ladder) > 1 else ():
+        cost = "runs away" if rung.cost is None else f"cost {rung.cost:.4g}"
+        state = f"{'' if rung.converged else ', not converged'}{', used' if rung.used else ''}"
+        lines.append(f"  tried     {rung.method} ({cost}{state}): {rung.reason}")
+    return lines
+
+
+def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
+    """Return one line for each source of noise.
+
+    Parameters
+    ----------
+    levels : NoiseLevels
+        Process noise and sensor noise.
+    model : Model
+        For the units.
+    """
+    lines = []
+    for name, level in levels.process.items():
+        density = shown(level, name, model[name].unit, digits=3)
+        lines.append(f"  noise     drives {name}: {density}/s^0.5 (white, per root second)")
+    for name, level in levels.sensors.items():
+        std = shown(level, name, model[name].unit, digits=3)
+        lines.append(f"  noise     sensor of {name}: {std} in one sample")
+    return lines
+
+
+def method_words(rung: Rung, solution: Solution, weights: str) -> str:
+    """Return how the coefficients were found.
+
+    Parameters
+    ----------
+    rung : Rung
+        The one that was used.
+    solution : Solution
+        Where the search ended.
+    weights : str
+        Where the weights of the signals came from, in words.
+    """
+    problem = solution.problem
+    signals, method = ", ".join(problem.signals), METHODS[rung.method]
+    if solution.covariance is None:
+        words = [f"{method} on {signals}", "exact sensitivities", weights]
+        if problem.prior is not None:
+            # A least-squares search with a prior among its residuals ends at the maximum of the posterior density.
+            words += ["rudder biases pooled", "maximum a posteriori"]
+    else:
+        words = [method, f"initial states and biases by output error on {signals}"]
+    return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])
+
+
+def _angle(value: float | None) -> str:
+    return "-" if value is None else f"{to_display(value, 'psi'):.1f}"
 
 
 def _value_text(e: Estimate) -> str:
@@ -89,8 +137,4 @@ def _value_text(e: Estimate) -> str:
 
 def _error_text(signal: str, error: float) -> str:
     """An error of a signal in the unit people read it in."""
-    if not np.isfinite(error):
-        return f"{signal} runs away"
-    shown = FIELDS[signal].display if signal in FIELDS else ""
-    inside = FIELDS[signal].unit if signal in FIELDS else ""
-    return f"{signal} {error * (factor(inside, shown) if shown else 1.0):.3g} {pretty(shown)}"
+    return f"{signal} {shown(error, signal, digits=3)}" if np.isfinite(error) else f"{signal} runs away"

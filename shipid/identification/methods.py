@@ -5,8 +5,13 @@ A purpose leads to a method; a method named by the user overrides it.
 
 from __future__ import annotations
 
+from typing import Literal, get_args
+
+Purpose = Literal["prediction", "filter"]
+Method = Literal["output-error", "equation-error", "instrumental-variables", "multiple-shooting", "prediction-error"]
+Loss = Literal["linear", "huber", "soft-l1"]
 #: Method: what it does, in words.
-METHODS = {
+METHODS: dict[Method, str] = {
     "output-error": "output error over whole records",
     "equation-error": "equation error by least squares",
     "instrumental-variables": "equation error by instrumental variables",
@@ -15,6 +20,6 @@ METHODS = {
 }
 #: Purpose: the method it leads to. None is the default: a fit for prediction is weighted by the errors of a low-order model and
 #: pools its biases; where the model is right its intervals hold the truth less often (`studies/coverage.py --for prediction`).
-PURPOSES = {"prediction": "output-error", "filter": "prediction-error"}
+PURPOSES: dict[Purpose, Method] = {"prediction": "output-error", "filter": "prediction-error"}
 #: Losses: squares, and two that count what lies far out less than by its square.
-LOSSES = ("linear", "huber", "soft-l1")
+LOSSES: tuple[Loss, ...] = get_args(Loss)

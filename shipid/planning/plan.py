@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.aliases import Plain
+from shipid.planning.selection import Criterion
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Leg:
     start: float
     seed: int = 0
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
             "manoeuvre": self.manoeuvre,
@@ -50,14 +55,14 @@ class Leg:
 
 @dataclass(frozen=True)
 class Forecast:
-    """How sure one coefficient will be.
+    """The standard deviation one coefficient will have.
 
     Attributes
     ----------
     name, unit, meaning : str
         The coefficient as declared; SI.
     value : float
-        What is believed of it.
+        Its value before the trials.
     std : float or None
         Standard deviation after the plan; None where it stays undetermined.
     standard_std : float or None
@@ -76,7 +81,7 @@ class Forecast:
         """Standard deviation after the standard zig-zags over that after the plan: more than 1 is a gain."""
         return self.standard_std / self.std if self.std and self.standard_std else None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
             "value": self.value,
@@ -90,7 +95,7 @@ class Forecast:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What to sail.
+    """Trials to sail.
 
     Attributes
     ----------
@@ -134,7 +139,7 @@ class Plan:
     model: Model
     ship: str
     time: float
-    criterion: str
+    criterion: Criterion
     worst_case: bool
     legs: tuple[Leg, ...]
     standard: tuple[Leg, ...]
@@ -157,13 +162,13 @@ class Plan:
         """Time the plan takes in s."""
         return self.legs[-1].start + self.legs[-1].duration if self.legs else 0.0
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return the manoeuvres as a pandas table."""
         import pandas as pd
 
         return pd.DataFrame([leg.to_dict() for leg in self.legs])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values for JSON, free of NaN.
 
         ``gain_over_standard`` holds under ``det`` the gain in the determinant for each coefficient, and by coefficient the

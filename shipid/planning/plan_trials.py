@@ -1,24 +1,26 @@
-"""The verb: a ship and a time in, out comes which manoeuvres to sail so that the coefficients come out surest."""
+"""The verb: a ship and a time in, out comes the manoeuvres that determine the coefficients best."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from shipid.declaration.component import Component
 from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.covariance import UNDETERMINED
-from shipid.identification.uncertainty.information import Sail, covariance_from, sail_of
-from shipid.parameters.catalogue import find_ship
+from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
+from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.planning.plan import Forecast, Leg, Plan
-from shipid.planning.request import Briefing, brief, model_of
-from shipid.planning.selection import CRITERIA, Table, choose, value_of
+from shipid.planning.planning_problem import PlanningProblem, planning_problem
+from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
@@ -48,30 +50,30 @@ Progress = Callable[[str], None]
 class _Rows:
     """The table as it grows: one row for each manoeuvre and length."""
 
-    sails: list[Sail] = field(default_factory=list)
+    candidates: list[CandidateManoeuvre] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
     information: list[np.ndarray] = field(default_factory=list)
     runs: list[int] = field(default_factory=list)
 
-    def add(self, sail: Sail, durations: Sequence[float], matrices: np.ndarray) -> list[int]:
+    def add(self, candidate: CandidateManoeuvre, durations: Sequence[float], matrices: np.ndarray) -> list[int]:
         """Add a run of several lengths; matrices has shape (durations, draws, n, n)."""
-        first, run = len(self.sails), self.runs[-1] + 1 if self.runs else 0
-        self.sails += [sail] * len(durations)
+        first, run = len(self.candidates), self.runs[-1] + 1 if self.runs else 0
+        self.candidates += [candidate] * len(durations)
         self.durations += durations
         self.information += list(matrices)
         self.runs += [run] * len(durations)
-        return list(range(first, len(self.sails)))
+        return list(range(first, len(self.candidates)))
 
 
 def plan_trials(
-    model: Model | str | Any,
+    model: Model | type[Component] | str,
     ship: ParameterSet | str,
     time: str | float,
     *,
     speed: str | float | Sequence[str | float] | None = None,
     estimate: Sequence[str] | None = None,
     noise: str | Mapping[str, str | float] = "standard",
-    criterion: str = "D",
+    criterion: Criterion = "D",
     worst_case: bool = False,
     repertoire: Sequence[str] | None = None,
     values: Mapping[str, str | float] | None = None,
@@ -133,14 +135,22 @@ def plan_trials(
 
     Raises
     ------
-    ShipidError
-        For names and values that do not fit, and a time that is too short for any manoeuvre.
+    UnknownNameError
+        For a name that does not exist: model, ship, coefficient, criterion or manoeuvre.
+    UsageError
+        If values do not fit together, or no manoeuvre of the repertoire can be sailed.
+    SimulationDivergedError
+        If the model runs away in every manoeuvre.
+    ParameterSetError
+        If the ship lacks its length, its speed or a coefficient.
+    TimeTooShortError
+        If the time is too short for any manoeuvre.
     """
     if criterion not in CRITERIA:
         raise UnknownNameError("criterion", criterion, CRITERIA, "D: determinant, A: mean relative variance.")
-    setting = brief(
+    problem = planning_problem(
         model_of(model),
-        find_ship(ship) if isinstance(ship, str) else ship,
+        ship_of(ship),
         time,
         speed=speed,
         estimate=estimate,
@@ -154,33 +164,33 @@ def plan_trials(
         seed=seed,
     )
     warnings: list[str] = []
-    setting = _believable(setting, draws, warnings)
-    sails = _within_limits(setting, _candidates(repertoire, setting.speeds, seed), warnings)
+    problem = _with_comparable_draws(problem, draws, warnings)
+    candidates = _within_limits(problem, _candidates(repertoire, problem.speeds, seed), warnings)
     tell = progress or (lambda _: None)
     with threadpool_limits(1, "blas"):
         rows = _Rows()
-        pair = _standard(setting, rows, warnings)
-        _fill(setting, rows, sails, warnings, tell)
-        if not rows.sails:
+        pair = _standard(problem, rows, warnings)
+        _fill(problem, rows, candidates, warnings, tell)
+        if not rows.candidates:
             raise SimulationDivergedError(
-                f"model {setting.question.model.name} with ship {setting.ship.name} runs away in every manoeuvre of the "
+                f"model {problem.experiment.model.name} with ship {problem.ship.name} runs away in every manoeuvre of the "
                 "repertoire, or is too unstable to be followed through it. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
             )
-        tell(f"choosing among {len(rows.sails)} candidates")
-        table = Table(
+        tell(f"choosing among {len(rows.candidates)} candidates")
+        table = CandidateTable(
             np.array(rows.information),
             np.array(rows.durations),
-            np.array([s.speed for s in rows.sails]),
-            np.array([setting.gap(s.speed) for s in rows.sails]),
+            np.array([s.speed for s in rows.candidates]),
+            np.array([problem.gap(s.speed) for s in rows.candidates]),
             np.array(rows.runs),
-            setting.time,
+            problem.time,
             criterion,
             worst_case,
         )
-        return _result(setting, rows, table, choose(table, [pair]), pair, warnings)
+        return _result(problem, rows, table, choose(table, [pair]), pair, warnings)
 
 
-def _candidates(repertoire: Sequence[str] | None, speeds: Sequence[float], seed: int) -> list[Sail]:
+def _candidates(repertoire: Sequence[str] | None, speeds: Sequence[float], seed: int) -> list[CandidateManoeuvre]:
     texts: list[str] = []
     for name in USUAL if repertoire is None else repertoire:
         kind = name.partition(":")[0].strip()
@@ -190,48 +200,51 @@ def _candidates(repertoire: Sequence[str] | None, speeds: Sequence[float], seed:
     if not texts:
         raise UsageError("the repertoire is empty: name a kind of manoeuvre, as in zigzag.")
     seeds = {t: range(seed, seed + _TELEGRAPHS) if t.startswith("telegraph") else [seed] for t in texts}
-    return [sail_of(t, v, s) for v in speeds for t in dict.fromkeys(texts) for s in seeds[t]]
+    return [candidate_of(t, v, s) for v in speeds for t in dict.fromkeys(texts) for s in seeds[t]]
 
 
-def _within_limits(setting: Briefing, sails: list[Sail], warnings: list[str]) -> list[Sail]:
+def _within_limits(
+    problem: PlanningProblem, candidates: list[CandidateManoeuvre], warnings: list[str]
+) -> list[CandidateManoeuvre]:
     """Leave out rudder angles beyond the ship's limit, and those whose steady turn the model does not have."""
-    limit, name = setting.question.limit, setting.question.model.name
-    angles = sorted({s.rudder for s in sails if s.rudder is not None})
+    limit, name = problem.experiment.limit, problem.experiment.model.name
+    angles = sorted({s.rudder for s in candidates if s.rudder is not None})
     beyond = [a for a in angles if a > limit + 1e-9]
     if beyond:
         warnings.append(
-            f"rudder angles of {_degrees(beyond)} exceed the {np.rad2deg(limit):g} deg of ship {setting.ship.name} and are "
+            f"rudder angles of {_degrees(beyond)} exceed the {_degrees([limit])} of ship {problem.ship.name} and are "
             "left out."
         )
-    lost = [a for a in angles if a not in beyond and not _turns_steadily(setting, a)]
+    lost = [a for a in angles if a not in beyond and not _turns_steadily(problem, a)]
     if lost:
         warnings.append(
             f"with rudder angles of {_degrees(lost)} model {name} has no steady turn, or loses its way in it; they are left out."
         )
-    kept = [s for s in sails if s.rudder is None or s.rudder not in {*beyond, *lost}]
+    kept = [s for s in candidates if s.rudder is None or s.rudder not in {*beyond, *lost}]
     if not kept:
         kind = SimulationDivergedError if lost else UsageError
         raise kind(f"no manoeuvre of the repertoire can be sailed: {' '.join(warnings)}")
     return kept
 
 
-def _turns_steadily(setting: Briefing, angle: float) -> bool:
-    speed = setting.speeds[0]
-    turn = Sail(Manoeuvre("turn", (angle, 1e9)), speed)
-    return setting.question.sail(turn, _STEADY * setting.question.length / speed, setting.known) is not None
+def _turns_steadily(problem: PlanningProblem, angle: float) -> bool:
+    speed = problem.speeds[0]
+    turn = CandidateManoeuvre(Manoeuvre("turn", (angle, 1e9)), speed)
+    return problem.experiment.rudder_of(turn, _STEADY * problem.experiment.length / speed, problem.known) is not None
 
 
 def _degrees(angles: Sequence[float]) -> str:
-    return f"{', '.join(f'{np.rad2deg(a):g}' for a in angles)} deg"
+    shown = ", ".join(f"{to_display(a, 'delta'):g}" for a in angles)
+    return f"{shown} {display_unit('delta', 'rad')}"
 
 
-def _over_draws(setting: Briefing, sail: Sail, durations: list[float]) -> np.ndarray | None:
+def _over_draws(problem: PlanningProblem, candidate: CandidateManoeuvre, durations: list[float]) -> np.ndarray | None:
     """Information for each length under each draw, shape (durations, draws, n, n), as far as it can be
     followed in all; None where it runs away in one.
     """
     found = []
-    for values in setting.draws:
-        matrices = setting.question.information(sail, durations, values, setting.size)
+    for values in problem.draws:
+        matrices = problem.experiment.information(candidate, durations, values, problem.size)
         if matrices is None:
             return None
         found.append(matrices)
@@ -239,86 +252,93 @@ def _over_draws(setting: Briefing, sail: Sail, durations: list[float]) -> np.nda
     return np.stack([m[:shortest] for m in found], axis=1)
 
 
-def _believable(setting: Briefing, count: int, warnings: list[str]) -> Briefing:
+def _with_comparable_draws(problem: PlanningProblem, count: int, warnings: list[str]) -> PlanningProblem:
     """Keep so many draws under which the standard zig-zags can be sailed and followed: the others compare nothing."""
-    own, *drawn = setting.draws
-    sails, share = _standard_sails(setting)
+    own, *drawn = problem.draws
+    candidates, share = _standard_candidates(problem)
 
-    def sailed(values: Mapping[str, float]) -> bool:
-        return all(setting.question.information(s, [share], values, setting.size) is not None for s in sails)
+    def comparable(values: Mapping[str, float]) -> bool:
+        return all(problem.experiment.information(s, [share], values, problem.size) is not None for s in candidates)
 
-    if sailed(own):
-        drawn = list(itertools.islice((d for d in drawn if sailed(d)), count))
+    if comparable(own):
+        drawn = list(itertools.islice((d for d in drawn if comparable(d)), count))
         if len(drawn) < count:
             warnings.append(
-                f"under {len(drawn)} of {len(setting.draws) - 1} draws the standard zig-zags can be sailed; the plan is good "
+                f"under {len(drawn)} of {len(problem.draws) - 1} draws the standard zig-zags can be sailed; the plan is good "
                 f"for those, where {count} were asked for."
             )
-    return replace(setting, draws=(own, *drawn[:count]))
+    return replace(problem, draws=(own, *drawn[:count]))
 
 
-def _standard_sails(setting: Briefing) -> tuple[list[Sail], float]:
+def _standard_candidates(problem: PlanningProblem) -> tuple[list[CandidateManoeuvre], float]:
     """The standard zig-zags that share the time, and how long each is, in s; the 20/20 alone where it is short."""
-    speed = setting.speeds[0]
-    share = setting.rounded((setting.time - setting.gap(speed)) / 2, speed)
-    if share >= setting.shortest(speed):
-        return [sail_of(text, speed) for text in STANDARD], share
-    return [sail_of(STANDARD[1], speed)], setting.rounded(setting.time, speed)
+    speed = problem.speeds[0]
+    share = problem.rounded((problem.time - problem.gap(speed)) / 2, speed)
+    if share >= problem.shortest(speed):
+        return [candidate_of(text, speed) for text in STANDARD], share
+    return [candidate_of(STANDARD[1], speed)], problem.rounded(problem.time, speed)
 
 
-def _standard(setting: Briefing, rows: _Rows, warnings: list[str]) -> list[int]:
+def _standard(problem: PlanningProblem, rows: _Rows, warnings: list[str]) -> list[int]:
     """Sail the standard pair in the same time; rows of the table, none where the model runs away."""
-    sails, share = _standard_sails(setting)
-    if len(sails) < len(STANDARD):
+    candidates, share = _standard_candidates(problem)
+    if len(candidates) < len(STANDARD):
         warnings.append("the time is too short for both standard zig-zags: the 20/20 alone is the comparison.")
-    found = [_over_draws(setting, sail, [share]) for sail in sails]
-    for sail, matrices in zip(sails, found):
+    found = [_over_draws(problem, candidate, [share]) for candidate in candidates]
+    for candidate, matrices in zip(candidates, found):
         if matrices is None:
             warnings.append(
-                f"the model runs away in the standard {sail.manoeuvre}, or is too unstable to be followed through it, so there "
+                f"the model runs away in the standard {candidate.manoeuvre}, or is too unstable to be followed through it, so there "
                 "is nothing to compare the plan with."
             )
             return []
-    return [i for sail, m in zip(sails, found) if m is not None for i in rows.add(sail, [share], m)]
+    return [i for candidate, m in zip(candidates, found) if m is not None for i in rows.add(candidate, [share], m)]
 
 
-def _fill(setting: Briefing, rows: _Rows, sails: list[Sail], warnings: list[str], tell: Progress) -> None:
+def _fill(
+    problem: PlanningProblem, rows: _Rows, candidates: list[CandidateManoeuvre], warnings: list[str], tell: Progress
+) -> None:
     dropped: list[str] = []
-    for k, sail in enumerate(sails):
-        tell(f"manoeuvre {k + 1} of {len(sails)}: {sail.manoeuvre} at {sail.speed:.3g} m/s")
-        lengths = setting.lengths(sail.speed)
-        matrices = _over_draws(setting, sail, lengths)
+    for k, candidate in enumerate(candidates):
+        tell(f"manoeuvre {k + 1} of {len(candidates)}: {candidate.manoeuvre} at {candidate.speed:.3g} m/s")
+        lengths = problem.lengths(candidate.speed)
+        matrices = _over_draws(problem, candidate, lengths)
         if matrices is None:
-            dropped.append(str(sail.manoeuvre))
+            dropped.append(str(candidate.manoeuvre))
         else:
-            rows.add(sail, lengths[: len(matrices)], matrices)
+            rows.add(candidate, lengths[: len(matrices)], matrices)
     if dropped:
         warnings.append(
             f"dropped, because the model runs away, loses its way or is too unstable to be followed, with the values of the ship or one of the "
-            f"{len(setting.draws) - 1} draws about them: {', '.join(dict.fromkeys(dropped))}."
+            f"{len(problem.draws) - 1} draws about them: {', '.join(dict.fromkeys(dropped))}."
         )
 
 
 def _result(
-    setting: Briefing, rows: _Rows, table: Table, chosen: list[int], pair: list[int], warnings: list[str]
+    problem: PlanningProblem,
+    rows: _Rows,
+    table: CandidateTable,
+    chosen: list[int],
+    pair: list[int],
+    warnings: list[str],
 ) -> Plan:
-    question = setting.question
+    experiment = problem.experiment
     # In the order to sail: the fastest first, then from gentle to hard.
-    chosen = sorted(chosen, key=lambda i: (-table.speed[i], rows.sails[i].rudder or 0.0, rows.durations[i], i))
-    scale = np.outer(setting.size, setting.size)
+    chosen = sorted(chosen, key=lambda i: (-table.speed[i], rows.candidates[i].rudder or 0.0, rows.durations[i], i))
+    scale = np.outer(problem.size, problem.size)
     planned, usual = (table.information[c].sum(axis=0) for c in (chosen, pair))
     last = [i for i in range(len(rows.runs)) if i + 1 == len(rows.runs) or rows.runs[i + 1] != rows.runs[i]]
     possible = np.isfinite(np.diag(covariance_from(table.information[last].sum(axis=0)[0])))
     covariance = covariance_from(planned[0]) * scale
     std = np.sqrt(np.diag(covariance))
     other = np.sqrt(np.diag(covariance_from(usual[0]) * scale)) if pair else np.full(len(std), np.nan)
-    for j, name in enumerate(question.estimated):
+    for j, name in enumerate(experiment.estimated):
         if not possible[j]:
             warnings.append(
-                f"{name} stays undetermined whatever is sailed of this repertoire, with {_words(question.signals)}."
+                f"{name} stays undetermined whatever is sailed of this repertoire, with {_words(experiment.signals)}."
             )
-        elif std[j] > UNDETERMINED * setting.size[j]:
-            share = std[j] / setting.size[j]
+        elif std[j] > UNDETERMINED * problem.size[j]:
+            share = std[j] / problem.size[j]
             warnings.append(
                 f"{name} stays undetermined: its standard deviation is {share:.0%} of its size after this plan."
             )
@@ -327,22 +347,22 @@ def _result(
     forecasts = {
         n: Forecast(
             n,
-            question.model[n].unit,
-            question.model[n].quantity.meaning,
-            setting.known[n],
-            _finite(std[j]),
-            _finite(other[j]),
+            experiment.model[n].unit,
+            experiment.model[n].quantity.meaning,
+            problem.known[n],
+            plain(std[j]),
+            plain(other[j]),
         )
-        for j, n in enumerate(question.estimated)
+        for j, n in enumerate(experiment.estimated)
     }
     return Plan(
-        model=question.model,
-        ship=setting.ship.name,
-        time=setting.time,
+        model=experiment.model,
+        ship=problem.ship.name,
+        time=problem.time,
         criterion=table.criterion,
         worst_case=table.worst,
-        legs=_legs(setting, rows, chosen),
-        standard=_legs(setting, rows, pair),
+        legs=_legs(problem, rows, chosen),
+        standard=_legs(problem, rows, pair),
         parameters=forecasts,
         covariance=covariance,
         det_ratio=None if gains is None else float(np.exp(min(gains[0], 600.0))),
@@ -350,30 +370,26 @@ def _result(
         det_gain_over_draws=None if gains is None else float(np.exp(gains.mean() / count)),
         value=table.of(chosen),
         standard_value=table.of(pair) if pair else None,
-        noise=dict(zip(question.signals, question.sigma.tolist())),
-        sampling=setting.sampling,
-        independent=1 / question.rate,
-        draws=len(setting.draws) - 1,
-        candidates=len(rows.sails),
+        noise=dict(zip(experiment.signals, experiment.sigma.tolist())),
+        sampling=problem.sampling,
+        independent=1 / experiment.rate,
+        draws=len(problem.draws) - 1,
+        candidates=len(rows.candidates),
         warnings=tuple(warnings),
     )
-
-
-def _finite(number: float) -> float | None:
-    return float(number) if np.isfinite(number) else None
 
 
 def _words(names: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]} measured" if len(names) > 1 else f"{names[0]} measured"
 
 
-def _legs(setting: Briefing, rows: _Rows, chosen: Sequence[int]) -> tuple[Leg, ...]:
+def _legs(problem: PlanningProblem, rows: _Rows, chosen: Sequence[int]) -> tuple[Leg, ...]:
     legs: list[Leg] = []
     for i in chosen:
-        sail, begin = rows.sails[i], 0.0
+        candidate, begin = rows.candidates[i], 0.0
         if legs:
             before = legs[-1]
-            changes = 1 + (before.speed != sail.speed)
-            begin = before.start + before.duration + changes * setting.gap(sail.speed)
-        legs.append(Leg(str(sail.manoeuvre), sail.speed, rows.durations[i], begin, sail.seed))
+            changes = 1 + (before.speed != candidate.speed)
+            begin = before.start + before.duration + changes * problem.gap(candidate.speed)
+        legs.append(Leg(str(candidate.manoeuvre), candidate.speed, rows.durations[i], begin, candidate.seed))
     return tuple(legs)

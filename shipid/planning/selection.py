@@ -8,20 +8,22 @@ manoeuvre against any other that fits, and two manoeuvres against each other's t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
 from shipid.foundation.errors import UnknownNameError
 
-CRITERIA = ("D", "A")
-#: Information that is there before anything is sailed, in units of the size of each coefficient: a standard deviation of a
+Criterion = Literal["D", "A"]
+CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
+#: Information that is there before any trial, in units of the size of each coefficient: a standard deviation of a
 #: thousand times its size. It keeps criteria finite where a choice leaves a direction open.
 BEFOREHAND = 1e-6
 _BETTER = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
+class CandidateTable:
     """Candidates, each a manoeuvre of one length.
 
     Attributes
@@ -46,7 +48,7 @@ class Table:
     gap: np.ndarray
     run: np.ndarray
     time: float
-    criterion: str = "D"
+    criterion: Criterion = "D"
     worst: bool = False
 
     def value(self, information: np.ndarray) -> np.ndarray:
@@ -69,13 +71,13 @@ class Table:
         chosen : list of int
             Rows of the table.
         """
-        sailed = np.array([self.duration[i] + self.gap[i] for i in chosen]).sum()
+        spent = np.array([self.duration[i] + self.gap[i] for i in chosen]).sum()
         speeds = {float(self.speed[i]): float(self.gap[i]) for i in chosen}
         new = ~np.isin(self.speed, list(speeds))
         fastest = np.maximum(self.speed, max(speeds, default=0.0))
         first = np.where(fastest == self.speed, self.gap, speeds[max(speeds)] if speeds else 0.0)
         changes = sum(speeds.values()) + np.where(new, self.gap, 0.0)
-        return np.asarray(sailed + self.duration + self.gap + changes - 2 * first)
+        return np.asarray(spent + self.duration + self.gap + changes - 2 * first)
 
     def fitting(self, chosen: list[int]) -> np.ndarray:
         """Return the candidates that still fit beside a choice.
@@ -84,6 +86,10 @@ class Table:
         ----------
         chosen : list of int
             Rows of the table.
+
+        Returns
+        -------
+        ndarray of int
         """
         return np.flatnonzero(self.total(chosen) <= self.time + 1e-6)
 
@@ -98,7 +104,7 @@ class Table:
         return float(self.value(self.information[chosen].sum(axis=0)))
 
 
-def value_of(information: np.ndarray, criterion: str, worst: bool = False) -> np.ndarray:
+def value_of(information: np.ndarray, criterion: Criterion, worst: bool = False) -> np.ndarray:
     """Return a criterion of information matrices under several draws of the coefficients; more is better.
 
     Parameters
@@ -126,12 +132,12 @@ def value_of(information: np.ndarray, criterion: str, worst: bool = False) -> np
     return np.asarray(each.min(axis=-1) if worst else each.mean(axis=-1))
 
 
-def choose(table: Table, beginnings: list[list[int]], most: int = 6) -> list[int]:
+def choose(table: CandidateTable, beginnings: list[list[int]], most: int = 6) -> list[int]:
     """Return the best choice found.
 
     Parameters
     ----------
-    table : Table
+    table : CandidateTable
         Candidates.
     beginnings : list of list of int
         Choices to begin with as well; what is returned is no worse than any of them.
@@ -150,7 +156,7 @@ def choose(table: Table, beginnings: list[list[int]], most: int = 6) -> list[int
     return max([*better, *ranked[:1]], key=table.of, default=[])
 
 
-def _greedy(table: Table, chosen: list[int], longest: float, by_time: bool = False) -> list[int]:
+def _greedy(table: CandidateTable, chosen: list[int], longest: float, by_time: bool = False) -> list[int]:
     """Add what brings the most (for its time, if so asked), while anything fits."""
     chosen = list(chosen)
     have = table.information[chosen].sum(axis=0)
@@ -167,7 +173,7 @@ def _greedy(table: Table, chosen: list[int], longest: float, by_time: bool = Fal
         have = have + table.information[best]
 
 
-def _exchange(table: Table, chosen: list[int]) -> list[int]:
+def _exchange(table: CandidateTable, chosen: list[int]) -> list[int]:
     """Exchange one manoeuvre, or the time of two, while that brings anything; then fill what time is left."""
     value = table.of(chosen)
     for _ in range(50):
@@ -190,7 +196,7 @@ def _exchange(table: Table, chosen: list[int]) -> list[int]:
     return chosen
 
 
-def _share(table: Table, chosen: list[int], value: float, i: int, j: int) -> tuple[list[int], float]:
+def _share(table: CandidateTable, chosen: list[int], value: float, i: int, j: int) -> tuple[list[int], float]:
     """Share the time of two manoeuvres anew between them."""
     first, second = (np.flatnonzero(table.run == table.run[chosen[k]]) for k in (i, j))
     over = float(table.total([c for k, c in enumerate(chosen) if k != i])[chosen[i]]) - table.time

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
+from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.autopilot.judgement.judgement import Judgement
 from shipid.foundation.errors import UsageError
@@ -13,11 +14,14 @@ from shipid.report.page import Page
 
 if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
+    from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
 
-    Reported: TypeAlias = Fit | FilterRun | RecursiveIdentification | Judgement | TuningComparison
+    Reported: TypeAlias = (
+        Fit | FilterRun | Observability | RecursiveIdentification | Autopilot | Judgement | TuningComparison
+    )
 
 
 def write_report(
@@ -26,11 +30,12 @@ def write_report(
     """Write a result as a self-contained HTML report.
 
     The file appears under its name only when it is complete. The same result gives the same bytes. The report computes
-    nothing: what it shows is in the result.
+    nothing: what it shows is in the result, and it says what was not asked for (`shipid.assess` of a fit, `observability` of a
+    filter, `shipid.judge` of an autopilot).
 
     Parameters
     ----------
-    result : Fit, FilterRun, RecursiveIdentification, Judgement or TuningComparison
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement or TuningComparison
         What to report.
     path : str or Path
         The file to write.
@@ -76,6 +81,7 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
 
 
 def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+    from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
@@ -88,10 +94,18 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.filter import filter_page
 
         return filter_page(result)
+    if isinstance(result, Observability):
+        from shipid.report.views.filter import filter_page
+
+        return filter_page(result.run, result)
     if isinstance(result, RecursiveIdentification):
         from shipid.report.views.recursive import recursive_page
 
         return recursive_page(result)
+    if isinstance(result, Autopilot):
+        from shipid.report.views.tuning import design_page
+
+        return design_page(result)
     if isinstance(result, Judgement):
         from shipid.report.views.tuning import tuning_page
 
@@ -100,5 +114,5 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.tunings import comparison_page
 
         return comparison_page(result)
-    known = "Fit, FilterRun, RecursiveIdentification, Judgement, TuningComparison"
+    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")

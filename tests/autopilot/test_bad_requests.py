@@ -7,8 +7,10 @@ import pytest
 
 import shipid
 from shipid import Component, derived, given, join, parameter, state
+from shipid.autopilot.design.closed_loop import poles_at
 from shipid.autopilot.errors import DesignRequestError, NoStraightCourseError, NotSteerableError, UnstableDesignError
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError
+from shipid.generation.simulator import UnstatedInputError
 from shipid.models import PlanarMotion, SteeringMachine
 from shipid.parameters.parameter_set import ParameterSet, Value
 
@@ -94,6 +96,24 @@ def test_a_model_without_heading_rudder_or_rate():
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
 
 
+class Propelled(Yaw):
+    """Yaw by a rudder in the wash of a propeller whose revolutions nothing states."""
+
+    n = given("1/s", "propeller revolutions")
+    n0 = shipid.constant("1/s", "revolutions at which the coefficient holds", default=1.0)
+
+    def yaw(self):
+        """A test."""
+        return self.a * self.delta * self.n / self.n0 - self.b * self.r + self.c
+
+
+def test_an_input_that_nothing_states():
+    """It is refused, and not taken as zero."""
+    made = ParameterSet("s", sections={**ship(**GOOD).sections, "propelled": ship(**GOOD).sections["yaw"]})
+    with pytest.raises(UnstatedInputError, match="model propelled reads 'n' "):
+        shipid.design_autopilot(join("propelled", Propelled, PlanarMotion), made)
+
+
 def test_an_uncontrollable_ship():
     with pytest.raises(NotSteerableError, match="does not move its heading at 5 m/s"):
         shipid.design_autopilot(yaw, ship(**GOOD, a=0.0))
@@ -122,8 +142,8 @@ def test_a_request_that_leaves_the_loop_unstable():
         ({"speeds": "4"}, DesignRequestError, None),
         ({"speeds": "nonsense"}, DesignRequestError, "neither FROM:TO:STEP nor a list"),
         ({"speeds": "9:4:1"}, DesignRequestError, "neither FROM:TO:STEP"),
-        ({"speeds": "0:4:1"}, DesignRequestError, "none to steer at"),
-        ({"speeds": []}, DesignRequestError, "none to steer at"),
+        ({"speeds": "0:4:1"}, DesignRequestError, "no speeds of a ship under way"),
+        ({"speeds": []}, DesignRequestError, "no speeds of a ship under way"),
         ({"speeds": "1:100:0.1"}, DesignRequestError, "more than a schedule holds"),
         ({"speeds": "4:12:1 deg"}, UnitError, "the speeds needs the unit"),
         ({"omega_n": -1.0}, DesignRequestError, "natural frequency of -1 rad/s"),
@@ -187,7 +207,7 @@ def test_named_warnings(model, chosen, options, words):
 def test_a_rudder_that_works_the_other_way(sized):
     pilot = shipid.design_autopilot("de-keizer", sized("soesterberg", "de-keizer", K=-1.6))
     assert "reversed rudder" in pilot.warnings[0] and (pilot.schedule.gains["Kp"] < 0).all()
-    assert pilot.poles(9.5).real.max() < 0
+    assert poles_at(pilot, 9.5).real.max() < 0
 
 
 def test_the_rudder_rate_a_request_needs():

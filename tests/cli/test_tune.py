@@ -55,6 +55,26 @@ def test_in_words(call):
     assert answer.code == 0 and "The weakest point is" in answer.out and "Kp [1]" in answer.out
 
 
+def test_on_board(call, refused, tmp_path):
+    ship = ("tune", "de-keizer", "--ship", "soesterberg", *QUICK)
+    answer = call(*ship, "--on-board", "yaw-filter", "--adapt", "reference", "--out", str(tmp_path / "out"))
+    assert answer.code == 0 and "filter yaw-filter (compass 0.2 deg, gyro 0.02 deg/s), model reference" in answer.out
+    result = json.loads((tmp_path / "out" / "result.json").read_text())["on_board"]
+    assert result["adaptation"] == "reference" and len(result["runs"]) == 4
+    assert {"overshoot_deg", "settling_s", "rms_rudder_deg", "reversals"} <= set(result["runs"][0]["changes"][0])
+    assert "On board" in (tmp_path / "out" / "report.html").read_text()
+    refused(2, [*ship, "--adapt", "gains"], "give the filter by --on-board")
+    refused(2, [*ship, "--on-board", "yaw-filter", "--adapt", "all"], "no adaptation 'all'")
+    refused(2, [*ship, "--on-board", "yaw"], "no model 'yaw'")
+    refused(2, [*ship, "--on-board", "position-filter"], "does not estimate")
+
+
+def test_a_rate_of_turn(call):
+    answer = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--mode", "rate", "--json")
+    result = json.loads(answer.out)
+    assert answer.code == 0 and result["mode"] == "rate" and len(result["margins"]["disk"]) == 2
+
+
 def test_an_own_model_and_ship(call, own_model, own_ship, tmp_path):
     out = str(tmp_path / "out")
     answer = call("tune", f"{own_model()}:Yaw", "--ship", own_ship(), "--samples", "0", "--speeds", "4,5", "--out", out)
@@ -87,7 +107,7 @@ def test_refusals(refused, tuned, tmp_path, own_ship):
     refused(4, ["tune", "de-keizer-lag", "--ship", "gunnerus", "--omega-n", "1.6"], "is unstable")
     refused(3, ["tune", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")
     schedule = str(tuned / "schedule.toml")
-    refused(2, ["tune", "de-keizer", "--compare", schedule, schedule], "leave MODEL and --ship out")
+    refused(2, ["tune", "de-keizer", "--compare", schedule, schedule], "leave MODEL, --ship and --on-board out")
     edited = tmp_path / "edited.toml"
     table = tomllib.loads((tuned / "schedule.toml").read_text())
     table["schedule"]["Kp"]["value"][0] *= -1

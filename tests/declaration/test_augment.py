@@ -4,13 +4,30 @@ from math import exp, log
 
 import pytest
 
-from shipid import augment, find_model
+from shipid import Component, augment, find_model, given, join, parameter, state
 from shipid.declaration.model import Evaluation
+from shipid.declaration.unit_check import check_units
 from shipid.foundation.errors import DeclarationError, UnknownNameError
+from shipid.parameters.parameter_set import resolve
 
 POINT = {"r": 0.012, "u": 5.0, "psi": 0.3, "delta": 0.2, "cruise": 6.0, "L": 45.0, "r_disturbance": 0.0}
 POINT |= {"u_disturbance": 0.0, "current_north": 0.0, "current_east": 0.0}
 SHIP = {"K": 1.2, "tau": 0.9, "K_u": 0.8, "tau_u": 2.0, "gamma": 0.4, "alpha1": 1.0, "alpha3": 2.0}
+
+
+class Drag(Component):
+    """A speed with three coefficients, whose lower bounds are zero, negative and missing."""
+
+    u = state("m/s", "speed")
+    thrust = given("m/s^2", "thrust over mass")
+    linear = parameter("1/s", "linear drag", low=0.0, high=2.0)
+    square = parameter("1/m", "quadratic drag", start=0.1, low=-1e-9, high=2.0)
+    cubic = parameter("s/m^2", "cubic drag", start=0.1)
+
+    @u.rate
+    def surge(self):
+        """Made up: one coefficient for each kind of lower bound."""
+        return self.thrust - self.linear * self.u - self.square * self.u**2 - self.cubic * self.u**3
 
 
 def rates(model, values):
@@ -41,6 +58,19 @@ def test_a_parameter_of_either_sign_becomes_a_plain_state() -> None:
     assert got == pytest.approx(rates(find_model("de-keizer"), POINT | SHIP | {"alpha1": -0.4}), rel=1e-14)
 
 
+def test_a_lower_bound_of_zero_asks_for_the_logarithm_and_no_bound_does_not() -> None:
+    wide = augment(join("drag", Drag), ["linear", "square", "cubic"])
+    assert set(wide.states) == {"u", "log_linear", "square", "cubic"}
+
+
+def test_the_logarithm_starts_at_that_of_the_parameter_or_at_one_unit() -> None:
+    wide = augment(join("drag", Drag), ["linear", "cubic"], log=["linear", "cubic"])
+    started = {name: wide[name].number("start") for name in ("log_linear", "log_cubic")}
+    assert started == {"log_linear": 0.0, "log_cubic": pytest.approx(log(0.1))}
+    # ln 1 = 0: the parameter without a start begins at one of its unit.
+    assert Evaluation(wide, {"log_linear": started["log_linear"], "unit_linear": 1.0})["linear"] == pytest.approx(1.0)
+
+
 def test_the_logarithm_may_be_chosen() -> None:
     wide = augment(find_model("de-keizer"), ["K", "tau"], log=["K"])
     assert "log_K" in wide.states and "tau" in wide.states
@@ -51,6 +81,8 @@ def test_a_dimensional_parameter_keeps_its_unit() -> None:
     assert wide["tau"].unit == "s" and wide["log_tau"].unit == "1"
     assert Evaluation(wide, {"log_tau": log(31.0), "unit_tau": 1.0})["tau"] == pytest.approx(31.0)
     assert Evaluation(wide, {"log_tau": 0.3, "unit_tau": 1.0})["tau"] == pytest.approx(exp(0.3))
+    assert resolve(wide, {}) == {"unit_tau": 1.0}
+    check_units(wide)
 
 
 def test_a_constant_may_be_augmented_too() -> None:

@@ -46,6 +46,10 @@ def test_the_published_cubic_coefficient_is_three_thousand_times_itself() -> Non
         ("9 kg", "m/s", r"the speed needs the unit m/s, and kg does not fit it"),
         ("0.4 s^2", "s^2/rad^2", r"s² does not say which angle it counts in\. .*s²/rad² or s²/deg²"),
         ("5 1/s", "rad/s", r"1/s does not say which angle"),
+        ("0.4 s^2*deg^2", "s^2/rad^2", r"s²·deg² does not say which angle it counts in"),
+        ("2 1/deg", "rad", r"1/deg does not say which angle it counts in"),
+        ("2 deg", "1/rad", r"deg does not say which angle it counts in"),
+        ("2 m/deg", "m/rad^2", r"m/deg does not say which angle it counts in"),
         ("nan m", "m", r"does not start with a number"),
         ("kn", "m/s", r"'kn' does not start with a number"),
         ("1 floz_per_league_", "m", r"is not a unit"),
@@ -58,6 +62,23 @@ def test_the_published_cubic_coefficient_is_three_thousand_times_itself() -> Non
 def test_what_does_not_fit_says_what_was_needed(value: object, wanted: str, words: str) -> None:
     with pytest.raises(UnitError, match=words):
         units.to_si(value, wanted, "the speed")
+
+
+@pytest.mark.parametrize(
+    ("text", "power"),
+    [
+        ("deg/s", 1),
+        ("rpm", 1),
+        ("s^2*deg^2", 2),
+        ("s^2/deg^2", -2),
+        ("s²/rad²", -2),
+        ("1/deg", -1),
+        ("1/s", 0),
+        ("1", 0),
+    ],
+)
+def test_the_power_of_the_angle_has_a_sign(text: str, power: float) -> None:
+    assert units.angle_exponent(text) == power
 
 
 @pytest.mark.parametrize("text", ["", "1", "-", "rad", "1/s", "m*s/rad^2", "s^2/rad^2", "m/rad"])

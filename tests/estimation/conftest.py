@@ -118,11 +118,11 @@ class Plain:
         return self.kalman.model.states
 
     def evaluation(self, x: np.ndarray, u: np.ndarray) -> Evaluation:
-        point: dict[str, Any] = dict(self.values) | dict(zip(self.kalman.base.inputs, u))
+        point: dict[str, Any] = dict(self.values) | dict(zip(self.kalman.design.base.inputs, u))
         for name, value in zip(self.states, x):
             base = name.removeprefix("log_")
             point[base] = np.exp(value) if base != name else value
-        return Evaluation(self.kalman.base, point)
+        return Evaluation(self.kalman.design.base, point)
 
     def advance(self, x: np.ndarray, u0: np.ndarray, u1: np.ndarray, T: float) -> np.ndarray:
         def rate(x: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -173,7 +173,7 @@ class Plain:
         total = F @ half @ F.T + half
         if T > 0:
             total += np.diag([self.sample.get(s, 0.0) ** 2 for s in self.states])
-            names = self.kalman.base.inputs
+            names = self.kalman.design.base.inputs
             power = [self.driving.get(n, 0.0) ** 2 + self.lasting.get(n, 0.0) ** 2 / T for n in names]
             G = self.effect(x, u0, u1, T)
             total += G @ np.diag(power) @ G.T
@@ -182,7 +182,10 @@ class Plain:
     def rows(self, record: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Intervals, inputs and what the sensors show, from the record."""
         t = record["t"]
-        inputs = [record.get(n, np.full(t.size, self.kalman.inputs.get(n, 0.0))) for n in self.kalman.base.inputs]
+        inputs = [
+            record.get(n, np.full(t.size, self.kalman.design.instruments.inputs.get(n, 0.0)))
+            for n in self.kalman.design.base.inputs
+        ]
         shown = np.array([record[n] for n in self.kalman.measured]).T
         return np.diff(t, prepend=t[0]), np.array(inputs).T.reshape(t.size, len(inputs)), shown
 
@@ -190,7 +193,7 @@ class Plain:
         self, t: np.ndarray, inputs: Mapping[str, np.ndarray], x0: np.ndarray, levels: np.ndarray, rng: Any
     ) -> tuple[dict[str, np.ndarray], np.ndarray]:
         """Simulate a record with its noise; return it with the true states."""
-        names = self.kalman.base.inputs
+        names = self.kalman.design.base.inputs
         u = np.array([np.broadcast_to(inputs.get(n, 0.0), t.shape) for n in names], dtype=float).T.reshape(t.size, -1)
         x, states, shown = np.array(x0, dtype=float), [], []
         w = np.zeros(len(names))

@@ -8,6 +8,7 @@ import pytest
 from shipid import ExtendedKalmanFilter, find_model
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError, SensorRateError
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError, UnknownNameError, UsageError
+from shipid.generation.simulator import UnstatedInputError
 
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s"}
 CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
@@ -68,15 +69,15 @@ def test_a_parameter_that_starts_at_zero_and_may_be_anything(setup: Any) -> None
     from dataclasses import replace
 
     kalman = setup("yaw", {"psi": 0.01}, estimated=["b"]).kalman
-    assert kalman._estimates["b"] == (0.0, pytest.approx(0.1))
-    base = kalman.base
+    assert kalman.design.first.parameters["b"] == (0.0, pytest.approx(0.1))
+    base = kalman.design.base
     entry = replace(base["b"], quantity=replace(base["b"].quantity, low=None, high=None))
     free = replace(base, entries={**base.entries, "b": entry})
     with pytest.raises(
-        NoiseLevelError, match=r"'b' starts at zero, and nothing says how sure that is: give initial=\{'b'"
+        NoiseLevelError, match=r"'b' starts at zero, and nothing gives its standard deviation: give initial=\{'b'"
     ):
-        ExtendedKalmanFilter(free, kalman.ship, measured=SENSORS, estimated=["b"])
-    given = ExtendedKalmanFilter(free, kalman.ship, measured=SENSORS, estimated=["b"], initial={"b": "0.05 rad"})
+        ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"])
+    given = ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"], initial={"b": "0.05 rad"})
     assert (
         given.filter({"t": np.arange(3.0), "psi": np.zeros(3), "r": np.zeros(3), "delta": np.zeros(3)}).std_of("b")[0]
         > 0
@@ -112,10 +113,12 @@ def test_records(models: Any, ship: Any) -> None:
         NotMeasurableError, match=r"'r' is measured, and trial record has no such column\. Its columns: t, psi"
     ):
         kalman.filter({n: c for n, c in bare.items() if n != "r"})
-    with pytest.raises(
-        NotMeasurableError, match=r"model yaw reads 'delta' \(rudder angle\), which trial record does not"
-    ):
-        kalman.filter({n: c for n, c in bare.items() if n != "delta"})
+    # A column without a number states nothing either.
+    for unstated in ({n: c for n, c in bare.items() if n != "delta"}, bare | {"delta": np.full(20, np.nan)}):
+        with pytest.raises(
+            UnstatedInputError, match=r"model yaw reads 'delta' \(rudder angle\), that trial record does not record"
+        ):
+            kalman.filter(unstated)
     with pytest.raises(UsageError, match=r"column 'psi' of the record has 3 samples, and 't' has 20"):
         kalman.filter(bare | {"psi": np.zeros(3)})
     with pytest.raises(UsageError, match=r"of 0 stamps 0 can be used"):
@@ -149,21 +152,44 @@ def test_an_output_is_found_by_what_it_measures(models: Any, ship: Any) -> None:
 
 
 def test_names_of_results(models: Any, ship: Any) -> None:
-    run = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"]).filter(record())
-    for ask in (run.__getitem__, run.std_of, run.smooth().__getitem__):
+    kalman = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"])
+    run = kalman.filter(record())
+    for ask in (run.__getitem__, run.std_of, kalman.smooth(run).__getitem__):
         with pytest.raises(UnknownNameError, match=r"no state or estimated parameter of model yaw called 'q'"):
             ask("q")
     # Along a run any quantity of the model can be asked for; smoothed are the states alone.
     assert (run.std_of("delta") == 0).all()
     with pytest.raises(UnknownNameError, match=r"no state or estimated parameter of model yaw called 'delta'"):
-        run.smooth()["delta"]
+        kalman.smooth(run)["delta"]
+
+
+def test_a_run_belongs_to_its_filter(models: Any, ship: Any) -> None:
+    run = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"]).filter(record())
+    same = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"])
+    assert same.smooth(run).x.shape == run.x.shape
+    other = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["tau"])
+    for ask in (other.smooth, other.observability):
+        with pytest.raises(UsageError, match="the run of record record is of another filter"):
+            ask(run)
+
+
+def test_a_model_is_found_by_name() -> None:
+    named = ExtendedKalmanFilter("nomoto", "soesterberg", measured={"r": "0.1 deg/s"})
+    assert named.model == ExtendedKalmanFilter(find_model("nomoto"), "soesterberg", measured={"r": "0.1 deg/s"}).model
+    with pytest.raises(UnknownNameError, match="no model 'nomotto'"):
+        ExtendedKalmanFilter("nomotto", "soesterberg")
+    for wrong in (3.0, dict):
+        with pytest.raises(
+            UsageError, match=r"a model is a name such as 'norrbin', a component class or what shipid\.join"
+        ):
+            ExtendedKalmanFilter(wrong, "soesterberg")
 
 
 def test_one_sample_is_a_record(models: Any, ship: Any) -> None:
     kalman = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"], rates={"psi": "2 s"})
     run = kalman.filter({n: c[:1] for n, c in record(psi=np.full(20, 0.3)).items()})
-    assert run["psi"] == pytest.approx([0.3]) and run.smooth().x.shape == (1, 3)
-    assert run.observability().states == ("psi", "r", "log_K")
+    assert run["psi"] == pytest.approx([0.3]) and kalman.smooth(run).x.shape == (1, 3)
+    assert kalman.observability(run).states == ("psi", "r", "log_K")
 
 
 def test_a_trial_serves(models: Any) -> None:
@@ -176,5 +202,5 @@ def test_a_trial_serves(models: Any) -> None:
     kalman = ExtendedKalmanFilter(find_model("de-keizer"), "soesterberg", measured=SENSORS, estimated=["K", "tau"])
     run = kalman.filter(trial)
     assert run.record == trial.name and run.t.size == len(trial)
-    assert run.parameters["K"].interval[0] < 1.6 < run.parameters["K"].interval[1]
-    assert {s.name for s in kalman.sources if s.assumed} == {"r", "u"}
+    assert run.parameters["K"].ci95[0] < 1.6 < run.parameters["K"].ci95[1]
+    assert {s.name for s in kalman.design.sources if s.assumed} == {"r", "u"}

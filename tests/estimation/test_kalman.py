@@ -1,6 +1,7 @@
 """The filter over a record against filterpy, which we did not write, and against dense formulas."""
 
 import copy
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 from filterpy.kalman import ExtendedKalmanFilter as Oracle
 
 from shipid import Component, ExtendedKalmanFilter, find_model, find_ship, join, parameter, state
+from shipid.declaration.scale import Scale
 from shipid.estimation.errors import FilterDivergedError
-from shipid.estimation.settings.initial import bounds_of
+from shipid.estimation.settings.initial import state_bounds
 from shipid.parameters.parameter_set import ParameterSet, Value
 
 
@@ -28,7 +30,7 @@ def oracle(hand: Any, record: dict[str, np.ndarray], x0: np.ndarray, p0: np.ndar
     there = np.isfinite(z) if there is None else there
     kf = _Moved(x0.size, z.shape[1])
     kf.x, kf.P = x0.copy(), p0.copy()
-    R = np.diag(hand.kalman.constants[hand.kalman.layout.constants["r"]] ** 2)
+    R = np.diag(hand.kalman.design.r**2)
     xs, ps, ll, nis = [], [], 0.0, []
     for k, T in enumerate(intervals):
         if k:
@@ -114,10 +116,10 @@ def test_equals_filterpy(case: Any) -> None:
     """Several sensors, irregular and missing samples, every kind of noise: to 1e-9 of the standard deviation."""
     hand, record, _ = case
     run = hand.kalman.filter(record)
-    start = run._start
-    n = hand.kalman.layout.n
-    x0 = start[hand.kalman.layout.carried["x"]]
-    packed = start[hand.kalman.layout.carried["P"]]
+    start = run.start
+    n = hand.kalman.design.layout.n
+    x0 = start[hand.kalman.design.layout.carried["x"]]
+    packed = start[hand.kalman.design.layout.carried["P"]]
     p0 = np.diag(packed[np.cumsum(np.arange(1, n + 1)) - 1])
     xs, ps, ll, nis = oracle(hand, record, x0, p0)
     std = np.sqrt(np.diagonal(ps, axis1=1, axis2=2))
@@ -131,10 +133,10 @@ def test_equals_filterpy(case: Any) -> None:
 
 def test_square_root_form_is_the_same_filter(case: Any, setup: Any) -> None:
     hand, record, _ = case
-    name = hand.kalman.base.name
+    name = hand.kalman.design.base.name
     options = next(c[2] for k, c in CASES.items() if c[0] == name and c[1].keys() == set(hand.kalman.measured) and
                    tuple(c[2].get("estimated", ())) == tuple(hand.kalman.parameters))  # fmt: skip
-    sensors = dict(zip(hand.kalman.measured, hand.kalman.constants[hand.kalman.layout.constants["r"]]))
+    sensors = dict(zip(hand.kalman.measured, hand.kalman.design.r))
     other = setup(name, sensors, form="square-root", **options).kalman.filter(record)
     run = hand.kalman.filter(record)
     assert np.all(np.abs(other.x - run.x) <= 1e-8 * run.std)
@@ -146,15 +148,14 @@ def test_uncompiled_is_the_same_filter(case: Any, monkeypatch: pytest.MonkeyPatc
     hand, record, _ = case
     run = hand.kalman.filter(record)
     kalman = copy.copy(hand.kalman)
-    for cached in ("backward", "gramian", "_scores"):
-        kalman.__dict__.pop(cached, None)
-    kalman._loops = {}
+    # The same design, of which nothing has been generated yet.
+    kalman.design = replace(hand.kalman.design)
     monkeypatch.setenv("SHIPID_COMPILE", "0")
     slow = kalman.filter(record)
-    assert not kalman.loop(full=True).compiled and hand.kalman.loop(full=True).compiled
+    assert not kalman.design.loop(full=True).compiled and hand.kalman.design.loop(full=True).compiled
     assert np.all(np.abs(slow.x - run.x) <= 1e-10 * run.std)
     assert slow.log_likelihood == pytest.approx(run.log_likelihood, rel=1e-11)
-    assert np.all(np.abs(slow.smooth().x - run.smooth().x) <= 1e-9 * run.std)
+    assert np.all(np.abs(kalman.smooth(slow).x - hand.kalman.smooth(run).x) <= 1e-9 * run.std)
 
 
 def test_the_estimate_is_as_far_off_as_it_says(case: Any) -> None:
@@ -178,7 +179,7 @@ def test_runs_away_is_an_error(setup: Any) -> None:
 def test_noise_of_a_parameter_in_its_own_unit(setup: Any) -> None:
     """K = 0.07 1/s, estimated by its logarithm: a walk of 0.0014 1/s in a root second is one of 0.02 of the logarithm."""
     kalman = setup("yaw", {"psi": 0.01}, estimated=["K"], density={"K": 0.0014}).kalman
-    assert {s.name: s.level for s in kalman.sources} == {"log_K": pytest.approx(0.02)}
+    assert {s.name: s.level for s in kalman.design.sources} == {"log_K": pytest.approx(0.02)}
     t = np.array([0.0, 100.0])
     run = kalman.filter({"t": t, "psi": np.array([0.0, np.nan]), "delta": np.zeros(2)})
     first, last = run.std[:, run.states.index("log_K")]
@@ -210,7 +211,7 @@ def test_bounds_follow_the_prime_system() -> None:
     kalman = ExtendedKalmanFilter(
         base, known, measured={"r": "0.001 rad/s"}, estimated=["damping"], log=[], noise={"damping": "0.05 1/s/s^0.5"}
     )
-    low, high = bounds_of(base, kalman.model, {"damping": "damping"}, 100.0, 5.0)
+    low, high = state_bounds(base, kalman.model, {"damping": "damping"}, Scale(100.0, 5.0))
     place = kalman.model.states.index("damping")
     assert (low[place], high[place]) == pytest.approx((-0.1, 0.15))
     # A rate that dies away faster than the upper bound allows, and one that grows faster than the lower one does.

@@ -9,6 +9,10 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as some
 
+from shipid.estimation.records.clock import FilterClock
+from shipid.estimation.records.consistency import whiteness
+from shipid.estimation.records.smoother import smooth
+
 SENSORS = {"psi": 0.01, "r": 5e-4}
 OPTIONS: dict[str, Any] = {"density": {"r": 1e-4}, "estimated": ["K", "tau"]}
 FEW = settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
@@ -73,7 +77,7 @@ def test_covariances_are_symmetric_and_positive(
     assert np.all(scale > 0) and scale == pytest.approx(run.std)
     assert np.linalg.eigvalsh(P / (scale[:, :, None] * scale[:, None, :])).min() > -1e-9 - lost
     # What was taken in never makes a state less sure than the prediction, unless it leapt.
-    smoothed = run.smooth()
+    smoothed = smooth(run)
     assert np.isfinite(smoothed.x).all() and np.all(smoothed.std >= 0)
 
 
@@ -125,16 +129,15 @@ def test_any_clock_is_survived(filters: dict[str, Any], record: dict[str, np.nda
 
     kalman, count = filters["gated"], min(len(stamps), record["t"].size)
     spoilt = {n: c[:count] for n, c in record.items()} | {"t": np.array(stamps[:count], dtype=float)}
+    spoilt["delta"] = np.nan_to_num(spoilt["delta"])  # a record without any rudder angle is refused for that
     try:
         run = kalman.filter(spoilt)
     except UsageError as error:
         assert "do not run forward" in str(error)
         return
     assert np.isfinite(run.x).all() and np.all(np.diff(run.t) > 0) and run.t.size + run.arranged.back == count
-    from shipid.estimation.records.clock import Clock
-
-    clock = Clock()
-    assert [clock.let(float(t)) is not None for t in stamps[:count]] == list(run.arranged.forward)
+    clock = FilterClock()
+    assert [clock.elapsed(float(t)) is not None for t in stamps[:count]] == list(run.arranged.forward)
 
 
 def test_results_as_plain_values(filters: dict[str, Any]) -> None:
@@ -151,10 +154,10 @@ def test_results_as_plain_values(filters: dict[str, Any]) -> None:
     low, high = plain["innovations"]["r"]["nis_band95"]
     assert low < 1 < high and 0 <= plain["innovations"]["r"]["white_p"] <= 1
     K = run.parameters["K"]
-    assert plain["parameters"]["K"]["ci95"] == list(K.interval) and K.interval[0] < K.value < K.interval[1]
+    assert plain["parameters"]["K"]["ci95"] == list(K.ci95) and K.ci95[0] < K.value < K.ci95[1]
     assert K.value == run["K"][-1] and K.std == pytest.approx(run.std_of("K")[-1])
     # Of a parameter estimated by its logarithm: exactly, so not symmetric.
-    assert K.interval[0] * K.interval[1] == pytest.approx(K.value**2)
+    assert K.ci95[0] * K.ci95[1] == pytest.approx(K.value**2)
     frame = run.to_frame()
     assert list(frame.columns) == ["t [s]", "psi [rad]", "std_psi [rad]", "r [rad/s]", "std_r [rad/s]", "K [1/s]",
                                    "std_K [1/s]", "tau [s]", "std_tau [s]"]  # fmt: skip
@@ -169,13 +172,10 @@ def test_whiteness() -> None:
     """Ljung and Box's number against statsmodels' formula written out, and what it is for."""
     from scipy.stats import chi2
 
-    from shipid.estimation.records.consistency import autocorrelation, whiteness
-
     rng = np.random.default_rng(1)
     e = rng.standard_normal(500)
     centred = e - e.mean()
     r = np.array([np.sum(centred[k:] * centred[: 500 - k]) for k in range(1, 21)]) / np.sum(centred**2)
-    assert autocorrelation(e, 20) == pytest.approx(r)
     q = 500 * 502 * sum(r[k - 1] ** 2 / (500 - k) for k in range(1, 21))
     assert whiteness(e) == pytest.approx(chi2.sf(q, 20))
     coloured = np.convolve(rng.standard_normal(520), np.ones(5) / 5, "valid")

@@ -8,6 +8,7 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
+from shipid.generation.simulator import UnstatedInputError
 from shipid.identification import identify as module
 from shipid.identification.errors import NoAnswerError, NothingToFitError, TrialTooShortError
 from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError
@@ -131,7 +132,7 @@ def test_nothing_to_fit(refused):
 
 def test_what_a_trial_to_predict_lacks(refused):
     unsteered = make_trial("unsteered", **{"delta [deg]": None})
-    refused(NothingToFitError, [make_trial()], "'delta'", "unsteered", validate=[unsteered])
+    refused(UnstatedInputError, [make_trial()], "'delta'", "unsteered", validate=[unsteered])
 
 
 @pytest.mark.parametrize("length", ["0 m", "-45 m"])

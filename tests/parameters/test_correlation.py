@@ -74,6 +74,59 @@ def test_draws_have_the_covariance(tmp_path):
     assert drawn.source == "the covariance of K, tau in the set of ship soesterberg"
 
 
+@pytest.mark.parametrize(
+    ("model", "name", "si", "other", "factor"),
+    [("nomoto", "tau", "s", "min", 60.0), ("norrbin", "b3", "s/rad^2", "s/deg^2", (180 / np.pi) ** 2)],
+)
+def test_a_standard_deviation_has_the_unit_of_its_value(model, name, si, other, factor):
+    """A ship that is stated in two units has the same draws: tau by its logarithm, b3, which has either sign, as it is."""
+    found, drawn = shipid.find_ship("soesterberg"), []
+    for unit, value, std in ((si, 30.0, 3.0), (other, 30.0 / factor, 3.0 / factor)):
+        stated = {name: Value(name, value, unit, "assumed", std=std)}
+        own = dataclasses.replace(found, sections={**found.sections, model: stated}, joint={})
+        drawn.append(draw_coefficients(shipid.find_model(model), own, 4000).values[:, 0])
+    scattered = np.log(drawn[0] / 30.0) if name == "tau" else (drawn[0] - 30.0) / 30.0
+    assert (scattered.mean(), scattered.std()) == pytest.approx((0.0, 0.1), abs=0.001)
+    np.testing.assert_allclose(drawn[1], drawn[0], rtol=1e-12)
+
+
+def test_draws_end_at_the_bounds_in_the_prime_system():
+    """Nomoto's K' is declared from 0.02 to 50: K is within the same times U/L, and tau times L/U."""
+    drawn = draw_coefficients(MODEL, ship(std=(3.0, 3.0), correlation=0.0), 4000)
+    length, speed = (shipid.find_ship("soesterberg").particular(*p) for p in (("L", "m"), ("speed", "m/s")))
+    scale = np.array([speed / length, length / speed])
+    np.testing.assert_allclose(drawn.values.min(axis=0), 0.02 * scale, rtol=1e-12)
+    np.testing.assert_allclose(drawn.values.max(axis=0), 50.0 * scale, rtol=1e-12)
+
+
+def test_correlations_belong_to_names_in_whatever_order():
+    """Three coefficients, correlated in the order of the set, which is not the order of the model."""
+    names, matrix = ("b3", "a", "b1"), ((1.0, 0.9, -0.6), (0.9, 1.0, -0.3), (-0.6, -0.3, 1.0))
+    stated = (("a", 0.01, "1/s^2"), ("b1", 0.1, "1/s"), ("b3", 30.0, "s/rad^2"))
+    section = {n: Value(n, value, unit, "assumed", std=0.01 * value) for n, value, unit in stated}
+    found = shipid.find_ship("soesterberg")
+    own = dataclasses.replace(
+        found, sections={**found.sections, "norrbin": section}, joint={"norrbin": Joint(names, matrix)}
+    )
+    drawn = draw_coefficients(shipid.find_model("norrbin"), own, 4000)
+    assert drawn.names == ("a", "b1", "b3")
+    # The correlations of 4000 draws scatter by at most 1/sqrt(4000).
+    wanted = {("a", "b3"): 0.9, ("b1", "b3"): -0.6, ("a", "b1"): -0.3}
+    for (one, other), value in wanted.items():
+        columns = drawn.values[:, [drawn.names.index(one), drawn.names.index(other)]]
+        assert np.corrcoef(columns.T)[0, 1] == pytest.approx(value, abs=0.05)
+
+
+def test_a_table_against_speed_is_not_drawn():
+    found = shipid.find_ship("soesterberg")
+    section = {
+        "K": Value("K", (0.1, 0.2), "1/s", "assumed", std=0.01, speed=(4.0, 8.0)),
+        "tau": dataclasses.replace(found.sections["nomoto"]["tau"], std=1.0),
+    }
+    drawn = draw_coefficients(MODEL, dataclasses.replace(found, sections={**found.sections, "nomoto": section}), 10)
+    assert drawn.names == ("tau",)
+
+
 def test_what_the_set_does_not_say():
     apart = draw_coefficients(MODEL, ship(joint=False), 2000)
     assert abs(np.corrcoef(apart.values.T)[0, 1]) < 0.1 and "taken as independent" in apart.source

@@ -8,9 +8,18 @@ from hypothesis import given as given_values
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from shipid import ParameterSet, find_model, read_parameter_set, write_parameter_set
+from shipid import (
+    Component,
+    ParameterSet,
+    derived,
+    find_model,
+    join,
+    parameter,
+    read_parameter_set,
+    write_parameter_set,
+)
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, UnknownNameError
-from shipid.parameters.parameter_set import Value, missing_values, parse_value
+from shipid.parameters.parameter_set import Value, missing_values, parse_value, resolve
 
 SHIP = """
 name = "boat"
@@ -64,6 +73,51 @@ def test_a_component_s_table_serves_every_model_that_has_the_component(tmp_path:
     ship = read_parameter_set(written(tmp_path, SHIP))
     for model in ("de-keizer", "van-leeuwen"):
         assert ship.values(find_model(model)) == {"gamma": 0.4, "L": 45.0}
+
+
+def test_a_model_s_own_table_goes_before_a_component_s_and_that_before_the_particulars(tmp_path: Path) -> None:
+    components = find_model("van-leeuwen").components
+    general = SHIP.replace("[norrbin]", 'gamma = { value = 0.9, unit = "1", source = "assumed" }\n\n[norrbin]')
+    own = '\n[my-sway]\ngamma = { value = 0.6, unit = "1", source = "assumed" }\n'
+    ship = read_parameter_set(written(tmp_path, general + own))
+    assert ship.values(join("my-sway", *components))["gamma"] == 0.6
+    assert ship.values(join("another", *components))["gamma"] == 0.4
+
+
+class Inverse(Component):
+    """A gain and its inverse, either of which may be stated, and a third that is worked out of the second."""
+
+    gain = parameter("s", "a gain")
+    inverse = parameter("1/s", "its inverse")
+    square = parameter("1/s^2", "the square of the inverse")
+    shown = derived("1", "their product")
+
+    @gain.instead
+    def from_inverse(self):
+        """By definition."""
+        return 1 / self.inverse
+
+    @inverse.instead
+    def from_gain(self):
+        """By definition."""
+        return 1 / self.gain
+
+    @square.instead
+    def from_the_inverse(self):
+        """By definition."""
+        return self.inverse**2
+
+    @shown.equals
+    def product(self):
+        """By definition."""
+        return self.gain * self.inverse
+
+
+def test_what_follows_from_each_other_needs_one_of_them() -> None:
+    model = join("inverse", Inverse)
+    assert resolve(model, {"gain": 4.0}) == {"gain": 4.0, "inverse": 0.25, "square": 0.0625}
+    assert resolve(model, {"inverse": 0.25}) == {"gain": 4.0, "inverse": 0.25, "square": 0.0625}
+    assert resolve(model, {}) == {}
 
 
 def test_a_table_asks_for_a_speed_inside_it(tmp_path: Path) -> None:

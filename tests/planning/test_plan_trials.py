@@ -12,10 +12,10 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
-from shipid.identification.uncertainty.information import covariance_from, eliminate, gather, sail_of
+from shipid.identification.uncertainty.information import candidate_of, covariance_from, eliminate, gather
 from shipid.parameters.catalogue import find_model, find_ship
-from shipid.planning.request import TimeTooShortError, brief
-from shipid.planning.selection import Table, choose, value_of
+from shipid.planning.planning_problem import TimeTooShortError, planning_problem
+from shipid.planning.selection import CandidateTable, choose, value_of
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
@@ -23,12 +23,12 @@ _WILD = {"values": {"K": "0.5 1/s", "tau": "-0.02 s", "n3": "0 s^2/rad^2"}}
 QUICK = {"draws": 2, "repertoire": ["zigzag:10/10", "zigzag:20/10", "zigzag:30/30", "telegraph:20", "turn:20"]}
 
 
-def briefed(model: str, ship: str, time: str = "15 min", **changed):
+def problem_of(model: str, ship: str, time: str = "15 min", **changed):
     usual = {
         **dict.fromkeys(("speed", "estimate", "sampling", "correlation", "between")),
         **{"noise": "standard", "values": {}, "spread": 0.2, "draws": 0, "seed": 0},
     }
-    return brief(find_model(model), find_ship(ship), time, **{**usual, **changed})
+    return planning_problem(find_model(model), find_ship(ship), time, **{**usual, **changed})
 
 
 def planned(model: str = "norrbin", ship: str = "zeefakkel", time: str = "15 min", **options):
@@ -50,39 +50,37 @@ def plan():
 )
 def test_information_is_that_of_identification(model, ship, text):
     """The same record, noise and unknowns: the Cramer-Rao bound of `identify` at the truth."""
-    asked = briefed(model, ship)
-    question, sail = asked.question, sail_of(text, asked.speeds[0])
-    interval = question.interval(sail.speed)
-    inputs, x0 = question.sail(sail, 600.0, asked.known)
-    t = np.arange(inputs.shape[1]) * interval
-    system = question.record.system
-    p = system.vector(system.coefficients, asked.known)
-    y, _ = question.record(x0, inputs, np.diff(t, append=t[-1]), p)
-    delta = inputs[find_model(model).inputs.index("delta")]
-    columns = {"t": t, "delta": delta, **dict(zip(question.signals, y))}
+    asked = problem_of(model, ship)
+    experiment, candidate = asked.experiment, candidate_of(text, asked.speeds[0])
+    interval, speed = experiment.interval(candidate.speed), candidate.speed
+    delta = experiment.rudder_of(candidate, 600.0, asked.known)
+    t = np.arange(delta.size) * interval
+    inputs = {"u": speed, "cruise": speed, "delta": delta}
+    run = experiment.simulator(t, asked.known, inputs, {"u": speed, "psi": 0.0})
+    columns = {"t": t, "delta": delta, **run.columns}
     units = {n: FIELDS[n].unit for n in columns}
     trial = shipid.Trial.from_frame(pd.DataFrame(columns), name="clean", units=units)
-    noise = {n: (s, units[n]) for n, s in zip(question.signals, question.sigma)}
-    fit = shipid.identify(model, [trial], ship=ship, noise=noise, signals=question.signals, starts=1)
-    assert fit.converged and fit.estimated == question.estimated
-    jacobian = fit._solution.jacobian
+    noise = {n: (s, units[n]) for n, s in zip(experiment.signals, experiment.sigma)}
+    fit = shipid.identify(model, [trial], ship=ship, noise=noise, signals=experiment.signals, starts=1)
+    assert fit.converged and fit.estimated == experiment.estimated
+    jacobian = fit.identified.solution.jacobian
     norms = np.linalg.norm(jacobian, axis=0)
     count = len(fit.estimated)
     whole = np.linalg.inv((jacobian / norms).T @ (jacobian / norms)) / np.outer(norms, norms)
-    sampled = replace(question, rate=1 / interval)
-    mine = sampled.information(sail, [600.0], asked.known, np.ones(count))[0]
+    sampled = replace(experiment, rate=1 / interval)
+    mine = sampled.information(candidate, [600.0], asked.known, np.ones(count))[0]
     # The search ends within its tolerance of the truth, not at it.
     assert np.sqrt(np.diag(covariance_from(mine))) == pytest.approx(np.sqrt(np.diag(whole[:count, :count])), rel=1e-3)
 
 
 def test_steady_turn_of_nomoto_in_closed_form():
     """psi = psi0 + K delta (t - tau) once the ship turns: a straight line, whose slope is known with sigma sqrt(12/(N T^2))."""
-    asked = briefed("nomoto", "zeefakkel", estimate=["K"], noise="psi=0.2 deg", values={"tau": "0.5 s"})
-    question = replace(asked.question, biases=(), rate=1.0, initial=("psi",))
+    asked = problem_of("nomoto", "zeefakkel", estimate=["K"], noise="psi=0.2 deg", values={"tau": "0.5 s"})
+    experiment = replace(asked.experiment, biases=(), rate=1.0, initial=("psi",))
     rudder, speed = np.deg2rad(10), 5.0
-    sail = sail_of("turn:10/100000", speed)
+    turn = candidate_of("turn:10/100000", speed)
     gain = 3000.0
-    info = question.information(sail, [gain], asked.known, np.ones(1))[0, 0, 0]
+    info = experiment.information(turn, [gain], asked.known, np.ones(1))[0, 0, 0]
     begin = 45.0 / speed + 1.0  # the approach of one L/U, then the rudder takes 10 deg/s
     line = gain - begin
     # Zero before the turn, a slope of delta after it, and an unknown level: the variance of that broken line about its mean.
@@ -113,10 +111,10 @@ def test_lengths_of_one_run_are_runs_of_their_own():
     for end, triangle in zip((20, 55, 90), gather(slope, (20, 55, 90))):
         part = slope[:, :, :end].transpose(0, 2, 1).reshape(-1, 5)
         assert triangle.T @ triangle == pytest.approx(part.T @ part)
-    asked = briefed("norrbin", "zeefakkel")
+    asked = problem_of("norrbin", "zeefakkel")
     for text in ("zigzag:20/20", "telegraph:20"):
-        both = asked.question.information(sail_of(text, 5.0), [200.0, 400.0], asked.known, asked.size)
-        alone = asked.question.information(sail_of(text, 5.0), [200.0], asked.known, asked.size)
+        both = asked.experiment.information(candidate_of(text, 5.0), [200.0, 400.0], asked.known, asked.size)
+        alone = asked.experiment.information(candidate_of(text, 5.0), [200.0], asked.known, asked.size)
         assert both[0] == pytest.approx(alone[0], rel=1e-9)
         assert np.linalg.eigvalsh(both[1] - both[0]).min() >= -1e-9 * np.trace(both[1]), "more samples tell no less"
 
@@ -145,11 +143,11 @@ def test_criteria_in_closed_form():
         value_of(information, "E")
 
 
-def table_of(seed: int, time: float) -> Table:
+def table_of(seed: int, time: float) -> CandidateTable:
     rng = np.random.default_rng(seed)
     halves = rng.standard_normal((12, 2, 3, 3)) * rng.uniform(0.1, 3, (12, 1, 1, 1))
     speed = np.repeat([5.0, 4.0], 6)
-    return Table(
+    return CandidateTable(
         halves @ halves.swapaxes(-1, -2),
         rng.uniform(5, 12, 12),
         speed,
@@ -249,8 +247,8 @@ def test_speeds_of_a_model_that_is_scaled():
         "de-keizer", "soesterberg", "40 min", draws=0, speed=["9.5 m/s", "12 kn"], repertoire=["zigzag:10/10"]
     )
     assert {leg.speed for leg in found.legs} <= {9.5, 12 * 1852 / 3600}
-    assert briefed("de-keizer", "soesterberg").speeds == (9.5, 7.125)
-    assert briefed("norrbin", "zeefakkel").speeds == (5.0,)
+    assert problem_of("de-keizer", "soesterberg").speeds == (9.5, 7.125)
+    assert problem_of("norrbin", "zeefakkel").speeds == (5.0,)
 
 
 def test_a_coefficient_nothing_shows_is_said():
@@ -339,7 +337,7 @@ def test_draws_that_cannot_sail_the_standard_are_drawn_anew(monkeypatch):
     wide = {"spread": 1.5, "draws": 12, "repertoire": ["zigzag:5/5"]}
     found = planned("de-keizer", "soesterberg", **wide)
     assert found.standard and found.draws == 12
-    monkeypatch.setattr("shipid.planning.request._SPARE", 1)
+    monkeypatch.setattr("shipid.planning.planning_problem.SPARE_DRAWS", 1)
     found = planned("de-keizer", "soesterberg", **wide)
     assert found.standard and 0 < found.draws < 12, "with a wide prior some De Keizer ships lose their way in a 20/20"
     assert any(f"under {found.draws} of 12 draws the standard zig-zags can be sailed" in w for w in found.warnings)

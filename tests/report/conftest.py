@@ -68,13 +68,14 @@ def criteria(fit):
 @pytest.fixture(scope="session")
 def fit():
     """A simulated ship identified from one trial, with another kept apart."""
-    return shipid.identify(
+    found = shipid.identify(
         "de-keizer",
         [simulate("zigzag:20/20", 1, "first")],
         ship="soesterberg",
         validate=[simulate("zigzag:10/10", 2, "second")],
         starts=1,
     )
+    return shipid.assess(found)
 
 
 @pytest.fixture(scope="session")

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import casadi
 import numpy as np
 import pytest
 
 import shipid
+from shipid.estimation.records.observability import observability
 from shipid.report.write_report import render
 
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
@@ -36,10 +38,25 @@ def test_the_page_stands_alone_and_holds_no_nan(run):
     assert page == render(run)
 
 
+def test_a_page_works_nothing_out(run, monkeypatch):
+    seen = observability(run)
+    page = render(seen)
+
+    def called(*_, **__):
+        raise AssertionError("a page evaluates a model")
+
+    monkeypatch.setattr(casadi.Function, "__call__", called)
+    monkeypatch.setattr(casadi.Function, "buffer", called)
+    assert render(seen) == page
+    assert "`" not in page and "<mfrac>" in page
+
+
 def test_what_went_wrong_is_said(run):
-    page = render(run)
+    page = render(observability(run))
     assert "5 of 738 samples of psi lay beyond the gate" in page
-    assert "x is not observable" in page
+    assert "x is not observable" in page and "was not worked out" not in page
+    # What nobody asked for is not worked out for the page, and the page says so.
+    assert "Whether the sensors show every state was not worked out" in render(run)
     assert "The innovations of r are not white" in page
     assert run.innovations["psi"].rejected == 5
     assert run.innovations["r"].t.size == 718

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 
+import casadi
 import numpy as np
 import pytest
 
@@ -17,13 +18,14 @@ from shipid.report.write_report import render
 @pytest.fixture(scope="module")
 def judged():
     ship = shipid.find_ship("kvlcc2")  # it states standard deviations
-    return shipid.design_autopilot("norrbin", ship, design="pid", speeds=[6.0, 7.97]).judge(samples=20)
+    pilot = shipid.design_autopilot("norrbin", ship, design="pid", speeds=[6.0, 7.97])
+    return shipid.judge(pilot, samples=20, on_board=shipid.run_on_board(pilot, "yaw-filter"))
 
 
 @pytest.fixture(scope="module")
 def weak():
     """Poles far too quick for the servo, a speed range beyond the table, and no uncertainty known."""
-    return shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2").judge(samples=20)
+    return shipid.judge(shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2"), samples=20)
 
 
 @pytest.fixture(scope="module")
@@ -43,6 +45,16 @@ def test_pages_are_whole_and_need_nothing(pages, which, read_page):
     bare = re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL)
     assert re.findall(r"(?i)(?<![a-z])(?:nan|inf|infinity)(?![a-z])", bare) == []
     assert re.findall(r"\bNone\b", bare) == [] and "compliant" not in bare
+
+
+def test_a_page_works_nothing_out(pages, judged, monkeypatch):
+    def called(*_, **__):
+        raise AssertionError("a page evaluates a model")
+
+    monkeypatch.setattr(casadi.Function, "__call__", called)
+    monkeypatch.setattr(casadi.Function, "buffer", called)
+    assert render(judged) == pages["judged"]
+    assert "`" not in pages["judged"]
 
 
 def test_the_answer_comes_first(pages, judged, read_page):
@@ -72,9 +84,23 @@ def test_tables_hold_the_numbers(pages, judged, read_page):
     assert "Without the sea filter the rms rudder is" in text
 
 
-def test_a_design_is_judged_before_it_is_reported(judged):
-    with pytest.raises(UsageError, match="Judgement"):
-        render(judged.pilot)
+def test_a_design_that_was_not_judged_says_so(judged, read_page):
+    """Gains, poles and warnings of the design, a line that the judgement was not asked for, and nothing of a judgement."""
+    text = render(judged.pilot)
+    page = read_page(text)
+    assert page.open == [] and "The design was not judged" in page.text and "Gains against the speed" in page.text
+    for part in ("Weak points", "Margins", "Robustness", "On board"):
+        assert part not in page.text
+    links = set(re.findall(r'href="#([^"]+)"', text)) | set(re.findall(r"url\(#([^)]+)\)", text))
+    assert links <= set(page.ids)
+
+
+def test_runs_on_board_are_reported(pages, judged, read_page):
+    text = read_page(pages["judged"]).text
+    assert "and by the Kalman filter yaw-filter; the gains are those of the schedule" in text
+    for run in judged.on_board.runs:
+        assert f"{run.changes[-1].rms_rudder_deg:.2f}" in text
+    assert "Kalman filter" not in read_page(pages["weak"]).text
 
 
 def test_two_tunings_side_by_side(pages, judged, weak, read_page):

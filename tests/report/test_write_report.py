@@ -5,6 +5,7 @@ import os
 import re
 from pathlib import Path
 
+import casadi
 import numpy as np
 import pytest
 
@@ -87,7 +88,7 @@ def test_neither_nan_nor_infinity_reaches_the_page(fit, diverged):
 
 def test_bands_and_closed_loop_stand_beside_the_overshoots(fit, text, read_page):
     page = read_page(text)
-    manoeuvre = fit.manoeuvres["second"]
+    manoeuvre = fit.assessment.manoeuvres["second"]
     low, high = np.rad2deg(manoeuvre.band95[0])
     assert f"{low:.2f} to {high:.2f}" in page.text
     assert f"{np.rad2deg(manoeuvre.closed_loop[0]):.2f}" in page.text
@@ -121,7 +122,7 @@ def test_directions_and_whiteness_are_said_in_words(fit, text, read_page):
         estimate=["K", "tau", "gamma"],
         starts=1,
     )
-    words = read_page(render(blind)).text
+    words = read_page(render(shipid.assess(blind, bands=False))).text
     assert "gamma does not show in one 20/20 zig-zag" in words
 
 
@@ -233,9 +234,31 @@ def test_what_was_tried_and_found_is_on_the_page(fit, text, read_page):
     assert "What was tried" in page.text and "instrumental-variables" in page.text
     assert "Nothing was found in the records" in page.text
     assert "Sampled posterior" not in page.text
-    regressed = dataclasses.replace(fit, checked=False, loss="huber")
-    said = read_page(render(regressed)).text
+    bare = dataclasses.replace(fit, loss="huber", assessment=dataclasses.replace(fit.assessment, findings=None))
+    said = read_page(render(bare)).text
     assert "Check of the trials" not in said and "Huber's loss" in said
+
+
+def test_a_page_works_nothing_out_and_says_what_was_not_asked_for(fit, criteria, text, read_page, monkeypatch):
+    """No function of CasADi is evaluated for a page; what was not asked for is said."""
+
+    def called(*_, **__):
+        raise AssertionError("a page evaluates a model")
+
+    monkeypatch.setattr(casadi.Function, "__call__", called)
+    monkeypatch.setattr(casadi.Function, "buffer", called)
+    assert render(fit, criteria=criteria) == text
+    said = read_page(render(dataclasses.replace(fit, assessment=None))).text
+    assert "The fit was not assessed" in said and "was not assessed" not in read_page(text).text
+    assert "Check of the trials" not in said and "Directions in which coefficients" not in said
+
+
+def test_no_raw_backticks_and_typeset_equations(text, read_page):
+    page = read_page(text)
+    assert "`" not in text
+    assert page.tags.count("math") > 10 and "mfrac" in page.tags and "msubsup" in page.tags
+    labels = [v for n, v in page.attributes if n == "aria-label"]
+    assert any(v.startswith("dr/dt = ") for v in labels)
 
 
 def test_findings_and_a_posterior_on_the_page(fit, read_page):
@@ -246,7 +269,7 @@ def test_findings_and_a_posterior_on_the_page(fit, read_page):
     wrong = dataclasses.replace(fit, fitted=(dataclasses.replace(fit.fitted[0], trial=trial),))
     k, n = len(fit.estimated), 4
     drawn = Posterior(fit.estimated, ("1",) * k, np.ones((n, k)), np.ones((5, k)), np.ones(k), 2, 0.5, (None,) * k)
-    text = render(dataclasses.replace(wrong, posterior=drawn))
+    text = render(dataclasses.replace(shipid.assess(wrong, bands=False), posterior=drawn))
     said = read_page(text).text
     assert "rudder-sign" in said and "nothing was repaired" in said and "<mirrored>" not in text
     assert "Sampled posterior" in said and "4 draws of 2 walkers" in said

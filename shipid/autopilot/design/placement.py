@@ -136,7 +136,7 @@ def _remainder(polynomial: np.ndarray, by: np.ndarray, scale: float) -> np.ndarr
     return rest[-order:]
 
 
-def natural_frequency(plant: Plant, damping: float, pace: float) -> float:
+def default_natural_frequency(plant: Plant, damping: float, pace: float) -> float:
     """Return the natural frequency at which the rudder goes as many degrees as the heading is off, Kp = 1, in rad/s.
 
     Where the rate gain would be negative there, or the loop unstable, it is the nearest frequency at which neither is.

@@ -1,4 +1,4 @@
-"""The ship as an autopilot sees it: from rudder to heading and rate of turn, linearised exactly at each speed.
+"""The linear ship from rudder to heading and rate of turn, linearised exactly at each speed.
 
 Everything here works on many conditions at once: speeds of a grid, or samples of the coefficients.
 """
@@ -8,21 +8,24 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor
+from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import ParameterSetError
-from shipid.generation.system import System, generate
+from shipid.generation.simulator import initial_state, input_rows
+from shipid.generation.system import generate
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 
 #: What an autopilot measures.
 MEASURED = ("psi", "r")
+#: Inputs that are zero on a straight course at heading zero.
+AMIDSHIPS = ("delta", "delta_order", "psi_order", "r_order")
 #: Rates at which a ship still counts as going straight: the change of a state within a ship length, in its own size.
 _STRAIGHT = 1e-9
 
@@ -54,8 +57,14 @@ class Plant:
     denominator: np.ndarray
     numerators: np.ndarray
 
-    def at(self, index: Any) -> Plant:
-        """Return one condition, or some of them."""
+    def at(self, index: int | slice | np.ndarray) -> Plant:
+        """Return one condition, or some of them.
+
+        Parameters
+        ----------
+        index : int, slice or ndarray
+            Of the conditions.
+        """
         return Plant(
             self.states,
             self.A[index],
@@ -67,7 +76,7 @@ class Plant:
 
 
 def check_steerable(model: Model) -> None:
-    """Refuse a model an autopilot has nothing to hold on to.
+    """Refuse a model that an autopilot cannot steer.
 
     Parameters
     ----------
@@ -96,7 +105,7 @@ def check_steerable(model: Model) -> None:
 
 
 @functools.lru_cache(maxsize=64)
-def _linear(model: Model, by: str) -> Any:
+def _linear(model: Model, by: str) -> CasadiFunction:
     """The CasADi function (x, u, p) -> rates and the Jacobians by the states and by one input."""
     system = generate(model)
     column = system.inputs.index(by)
@@ -113,13 +122,13 @@ def _linear(model: Model, by: str) -> Any:
     )
 
 
-def straight_course(system: System, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def straight_course(model: Model, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return states and inputs of a ship that goes straight at each speed, nothing else acting on it.
 
     Parameters
     ----------
-    system : System
-        The equations.
+    model : Model
+        A ship model, with or without its autopilot.
     speeds : ndarray, shape (n,)
         In m/s.
 
@@ -127,14 +136,15 @@ def straight_course(system: System, speeds: np.ndarray) -> tuple[np.ndarray, np.
     -------
     x : ndarray, shape (states, n)
     u : ndarray, shape (inputs, n)
+
+    Raises
+    ------
+    UnstatedInputError
+        If the model reads an input that a straight course does not state and that declares no default.
     """
-    model, speeds = system.model, np.atleast_1d(np.asarray(speeds, dtype=float))
-    x, u = np.zeros((len(system.states), speeds.size)), np.zeros((len(system.inputs), speeds.size))
-    for names, rows in ((system.states, x), (system.inputs, u)):
-        for i, name in enumerate(names):
-            default = model[name].number("default") if names is system.inputs else model[name].number("start")
-            rows[i] = speeds if name in ("u", "cruise") else 0.0 if default is None else default
-    return x, u
+    x = initial_state(model, {"u": speeds})
+    u = input_rows(model, {"u": speeds, "cruise": speeds, **dict.fromkeys(AMIDSHIPS, 0.0)}, speeds.size)
+    return np.broadcast_to(x.reshape(len(x), -1), (len(x), speeds.size)), u
 
 
 def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "delta") -> Plant:
@@ -162,10 +172,12 @@ def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "del
         If a state other than position and heading changes on a straight course with the rudder amidships.
     NotSteerableError
         If the rudder does not move the heading.
+    UnstatedInputError
+        If the model reads an input that a straight course does not state and that declares no default.
     """
     system = generate(model)
     _ = system.right_hand_side  # refuses a sampled model, with its reason
-    x, u = straight_course(system, speeds)
+    x, u = straight_course(model, speeds)
     count = x.shape[1]
     function = _linear(model, by)
     rates, a, b, c = (np.asarray(m.full()) for m in function.map(count)(x, u, p))
@@ -189,6 +201,23 @@ def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "del
     free = not A[:, :, heading].any() and not np.delete(C[:, 0], heading, axis=1).any() and not C[:, 1, heading].any()
     denominator, numerators = _integrated(A, B, C, heading) if free else transfer(A, B, C)
     return Plant(names, A, B, C, denominator, numerators)
+
+
+def ship_plants(model: Model, ship: ParameterSet, speeds: np.ndarray) -> Plant:
+    """Return the linear ship without its steering machine, at several speeds.
+
+    Parameters
+    ----------
+    model : Model
+        The ship's model.
+    ship : ParameterSet
+        The ship.
+    speeds : ndarray, shape (n,)
+        In m/s.
+    """
+    system = generate(model)
+    p = [system.vector(system.coefficients, coefficients_at(model, ship, float(v)).values) for v in speeds]
+    return linear_plant(model, speeds, np.stack(p, axis=1))
 
 
 def _integrated(A: np.ndarray, B: np.ndarray, C: np.ndarray, heading: int) -> tuple[np.ndarray, np.ndarray]:
@@ -257,8 +286,8 @@ def transfer(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, n
 
 
 @dataclass(frozen=True)
-class Known:
-    """The coefficients of a ship at one speed, and what had to be taken for granted.
+class ShipCoefficients:
+    """The coefficients of a ship at one speed, and how they were found.
 
     Attributes
     ----------
@@ -275,8 +304,10 @@ class Known:
     scaled: bool
 
 
-def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapping[str, float] | None = None) -> Known:
-    """Return the coefficients of a ship at a speed it may not have been tried at.
+def coefficients_at(
+    model: Model, ship: ParameterSet, speed: float, values: Mapping[str, float] | None = None
+) -> ShipCoefficients:
+    """Return the coefficients of a ship at a speed that may lie outside its trials.
 
     Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they were identified or
     published, that of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
@@ -301,28 +332,28 @@ def coefficients_at(model: Model, ship: ParameterSet, speed: float, values: Mapp
     tables = [v for v in (ship.find(model, n) for n in model.entries) if v is not None and v.speed]
     limits = [[s * factor(v.speed_unit, "m/s") for s in (v.speed[0], v.speed[-1])] for v in tables]
     span = (max(a for a, _ in limits), min(b for _, b in limits)) if limits else None
-    spoken = _spoken(ship, model)
-    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(spoken) if spoken else own
+    trials = _trial_speeds(ship, model)
+    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(trials) if trials else own
     known = ship.values(model, speed=reference) | dict(values or {})
     lacking = missing_values(model, known, f"ship {ship.name}")
     if lacking:
         raise lacking
     dimensional = [n for n in model.parameters if model[n].quantity.prime]
     if not dimensional or speed == reference:
-        return Known(known, span or spoken, False)
+        return ShipCoefficients(known, span or trials, False)
     if reference is None or length is None or not length > 0:
         what = "speed" if reference is None else "length L"
         raise ParameterSetError(
             f"ship {ship.name} has no {what} of its own, by which {', '.join(dimensional)} of model {model.name} follow the "
             "speed. Add it to the particulars."
         )
+    here, there = Scale(length, speed), Scale(length, reference)
     for name in dimensional:
-        unit = model[name].unit
-        known[name] *= prime_factor(unit, length, speed) / prime_factor(unit, length, reference)
-    return Known(known, span or spoken, True)
+        known[name] *= here.factor_of(model[name]) / there.factor_of(model[name])
+    return ShipCoefficients(known, span or trials, True)
 
 
-def _spoken(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
+def _trial_speeds(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
     """The speeds of the trials a set was identified from, where it says them."""
     joint = ship.joint.get(model.name)
     return None if joint is None else joint.speeds

@@ -8,15 +8,16 @@ and what a target machine is given can be set there.
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.errors import DesignRequestError
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import Equation, Quantity, constant, derived, given
+from shipid.foundation.aliases import Expression
 
 #: Gain: its unit, and its meaning.
 GAINS = {
@@ -51,8 +52,8 @@ class Schedule:
         """Number of load conditions."""
         return len(next(iter(self.gains.values())))
 
-    def at(self, speed: Any, condition: int = 0) -> dict[str, Any]:
-        """Return the gains at a speed, or at several; at the ends of the schedule they stay as they are.
+    def at(self, speed: float | np.ndarray, condition: int = 0) -> dict[str, np.ndarray]:
+        """Return the gains by name at a speed, or at several; beyond the ends of the schedule they stay as they are.
 
         Parameters
         ----------
@@ -63,6 +64,18 @@ class Schedule:
         """
         return {n: np.interp(speed, self.speeds, g[condition]) for n, g in self.gains.items()}
 
+    def gains_at(self, speed: float, condition: int = 0) -> Gains:
+        """Return the gains at one speed.
+
+        Parameters
+        ----------
+        speed : float
+            In m/s.
+        condition : int
+            Which load condition.
+        """
+        return Gains(**{n: float(v) for n, v in self.at(speed, condition).items()})
+
     @property
     def component(self) -> type[Component]:
         """The schedule as a component that states ``gain_Kp``, ``gain_Kd`` and, with an integral, ``gain_Ki``."""
@@ -70,7 +83,7 @@ class Schedule:
         return _component(tuple(self.speeds.tolist()), gains)
 
 
-def clamped(at: Any, nodes: Sequence[Any], values: Sequence[Any]) -> Any:
+def clamped(at: Expression, nodes: Sequence[Expression], values: Sequence[Expression]) -> Expression:
     """Return the value of a piecewise linear function, constant beyond its ends.
 
     Parameters
@@ -92,7 +105,7 @@ def _component(
     speeds: tuple[float, ...], gains: tuple[tuple[str, tuple[tuple[float, ...], ...]], ...]
 ) -> type[Component]:
     conditions = len(gains[0][1])
-    members: dict[str, Any] = {
+    members: dict[str, object] = {
         "__doc__": "Gains of an autopilot against the measured speed, clamped and piecewise linear.",
         "__module__": __name__,
         "speed_seen": given("m/s", "forward speed through the water, as the autopilot measures it"),
@@ -121,8 +134,8 @@ def _component(
 
 
 @functools.lru_cache(maxsize=256)
-def _interpolating(name: str, count: int, conditions: int) -> Any:
-    def schedule(self: Any) -> Any:
+def _interpolating(name: str, count: int, conditions: int) -> Callable[[Component], Expression]:
+    def schedule(self: Expression) -> Expression:
         """Clamped piecewise linear in the speed, and in the load condition where there are several."""
         nodes = [getattr(self, f"pilot_u_{i}") for i in range(1, count + 1)]
         if conditions == 1:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from shipid.autopilot.judgement.judgement import Judgement
+from shipid.autopilot.judgement.margins import Margins
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class ComparedRow:
     values: tuple[float | None, float | None]
     better: int | None
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {"what": self.what, "unit": self.unit, "values": list(self.values), "better": self.better}
 
@@ -56,7 +60,7 @@ class TuningComparison:
     rows: tuple[ComparedRow, ...]
     warnings: tuple[str, ...]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values for JSON, free of NaN."""
         return {
             "names": list(self.names),
@@ -65,7 +69,7 @@ class TuningComparison:
             "warnings": list(self.warnings),
         }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return the rows as a pandas table."""
         import pandas as pd
 
@@ -96,10 +100,14 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
         The tunings; each is judged on the ship of its own file.
     names : tuple of str
         What they are called.
+
+    Returns
+    -------
+    TuningComparison
     """
-    rows = []
+    rows: list[ComparedRow] = []
     for what, unit, read, sense in _QUANTITIES:
-        a, b = _number(read(first)), _number(read(second))
+        a, b = plain(read(first)), plain(read(second))
         better = None
         if sense and a is not None and b is not None and a != b:
             better = int((b > a) == (sense > 0))
@@ -122,37 +130,37 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
     return TuningComparison(names, (first, second), tuple(rows), tuple(warnings))
 
 
-def _worst(read: Callable[[Any], Any]) -> Callable[[Judgement], Any]:
-    def worst(j: Judgement) -> Any:
+def _worst(read: Callable[[Margins], float | None]) -> Callable[[Judgement], float | None]:
+    def worst(j: Judgement) -> float | None:
         values = [read(m) for group in (*j.margins, *j.between) for m in group]
         return min((v for v in values if v is not None), default=None)
 
     return worst
 
 
-def _gain(name: str) -> Callable[[Judgement], Any]:
-    def gain(j: Judgement) -> Any:
-        return getattr(j.pilot.gains(j.pilot.service_speed), name)
+def _gain(name: str) -> Callable[[Judgement], float | None]:
+    def gain(j: Judgement) -> float | None:
+        return float(getattr(j.pilot.gains(j.pilot.service_speed), name))
 
     return gain
 
 
-def _change(name: str, degrees: float, calm: bool = True) -> Callable[[Judgement], Any]:
-    def change(j: Judgement) -> Any:
-        own = float(np.clip(j.pilot.service_speed, j.pilot.speeds[0], j.pilot.speeds[-1]))
-        runs = [s for s in j.steps if s.change_deg == degrees and abs(s.speed - own) < 1e-9] if calm else [
-            s for s in j.weathered if s.change_deg == degrees and s.sea_filter
-        ]  # fmt: skip
+def _change(name: str, degrees: float, calm: bool = True) -> Callable[[Judgement], float | None]:
+    def change(j: Judgement) -> float | None:
+        if calm:
+            runs = [s for s in j.steps if s.change_deg == degrees and abs(s.speed - j.pilot.own_speed) < 1e-9]
+        else:
+            runs = [s for s in j.in_weather if s.change_deg == degrees and s.sea_filter]
         values = [getattr(s, name) for s in runs]
         if not values or any(v is None for v in values):
             return None
-        return max(abs(v) for v in values)
+        return float(max(abs(v) for v in values))
 
     return change
 
 
 #: Quantity, unit, how it is read, and whether more (1) or less (-1) is better.
-_QUANTITIES: tuple[tuple[str, str, Callable[[Judgement], Any], int], ...] = (
+_QUANTITIES: tuple[tuple[str, str, Callable[[Judgement], float | None], int], ...] = (
     ("Kp at the ship's own speed", "", _gain("Kp"), 0),
     ("Kd at the ship's own speed", "s", _gain("Kd"), 0),
     ("Ki at the ship's own speed", "1/s", _gain("Ki"), 0),
@@ -170,7 +178,3 @@ _QUANTITIES: tuple[tuple[str, str, Callable[[Judgement], Any], int], ...] = (
     ("rms rudder in weather, at worst", "deg", _change("rms_rudder_deg", 0.0, calm=False), -1),
     ("rudder reversals in weather, at worst", "1/min", _change("reversals", 0.0, calm=False), -1),
 )
-
-
-def _number(value: Any) -> float | None:
-    return None if value is None or not np.isfinite(value) else float(value)

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.autopilot.course_changes.course_changes import CourseChange
+from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.judgement.margins import Margins
+from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
+from shipid.foundation.aliases import Plain
 
 if TYPE_CHECKING:
-    from shipid.autopilot.design.autopilot import Autopilot
+    import pandas as pd
+
+#: The course change that every draw of the ship makes, and those whose histories are kept, in degrees.
+SAMPLE_CHANGE, SHOWN_CHANGES = 60.0, (10.0, 60.0, 120.0)
 
 #: What is weak: a margin below, an overshoot or an error above. The report shows them beside the numbers.
 LIMITS = {
@@ -21,50 +28,8 @@ LIMITS = {
     "overshoot": 0.1,
     "steady error in wind": 3.0,
 }
-#: Overshoots of less than this many degrees are nobody's concern.
+#: Overshoots of less than this many degrees do not count as weak.
 _LEAST_OVERSHOOT = 1.0
-
-
-@dataclass(frozen=True)
-class CourseChange:
-    """One course change, or one course kept; angles in degrees.
-
-    Attributes
-    ----------
-    speed, change_deg : float
-        Speed before it in m/s, and the change; 0 where a course is kept.
-    weather : str
-        "calm", or what acts.
-    overshoot_deg, settling_s : float or None
-        None where the run diverged, or the heading does not settle.
-    rms_error_deg, mean_error_deg, rms_rudder_deg : float or None
-        Over the run; in weather, after it has begun.
-    reversals : float or None
-        Of the rudder by more than half a degree, a minute.
-    cross_track_m : float or None
-        Width of the track across the new course once the heading is reached.
-    sea_filter : bool
-        Whether heading and rate went through the sea filter.
-    lost : bool
-        Whether the model ran away.
-    """
-
-    speed: float
-    change_deg: float
-    weather: str
-    overshoot_deg: float | None
-    settling_s: float | None
-    rms_error_deg: float | None
-    mean_error_deg: float | None
-    rms_rudder_deg: float | None
-    reversals: float | None
-    cross_track_m: float | None
-    sea_filter: bool = False
-    lost: bool = False
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return {n: getattr(self, n) for n in self.__dataclass_fields__}
 
 
 @dataclass(frozen=True)
@@ -107,7 +72,7 @@ class Robustness:
     sample_change_deg: float
     variants: Mapping[str, Mapping[str, float | None]]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
             "disk_worst": self.disk_worst,
@@ -154,14 +119,33 @@ class Weakest:
         kept = "within" if self.share >= 1 else "beyond"
         return f"The weakest point is the {self.what} {self.where}: {self.value:.3g}{unit}, {kept} its limit of {self.limit:.3g}{unit}."
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
-        return {n: getattr(self, n) for n in self.__dataclass_fields__}
+        return asdict(self)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopResponse:
+    """The loop, opened at the rudder order, against frequency: a Nyquist curve.
+
+    Attributes
+    ----------
+    speed : float
+        In m/s.
+    omega : ndarray, shape (n,)
+        Frequencies in rad/s.
+    response : ndarray of complex, shape (n,)
+        Of the loop.
+    """
+
+    speed: float
+    omega: np.ndarray
+    response: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """A design, judged.
+    """A design, judged; made by `shipid.judge`.
 
     Attributes
     ----------
@@ -175,12 +159,18 @@ class Judgement:
         For each load condition.
     steps : tuple of CourseChange
         In calm.
-    weathered : tuple of CourseChange
+    in_weather : tuple of CourseChange
         In wind, waves and current.
     weather : mapping of str to float
-        The weather they were sailed in.
-    cloud : mapping of str to ndarray
-        Histories of the sample course change for some of the draws: ``t``, then ``psi`` and ``delta`` of shape (draws, n), SI.
+        The wind, waves and current.
+    responses : tuple of LoopResponse
+        The loop against frequency at some speeds.
+    histories : mapping of str to ndarray, shape (changes, n)
+        Course changes of `SHOWN_CHANGES` at the ship's own speed: ``t``, ``psi`` and ``delta``, SI.
+    drawn_histories : mapping of str to ndarray, shape (1 + draws, n)
+        The sample course change of the ship as it is, then of some draws: ``t``, ``psi`` and ``delta``, SI.
+    on_board : OnBoardRuns or None
+        Runs with the Kalman filter in the loop, where they were asked for.
     warnings : tuple of str
         Those of the design, and what the judgement found.
     """
@@ -190,9 +180,12 @@ class Judgement:
     between: tuple[tuple[Margins, ...], ...]
     robust: tuple[Robustness, ...]
     steps: tuple[CourseChange, ...]
-    weathered: tuple[CourseChange, ...]
+    in_weather: tuple[CourseChange, ...]
     weather: Mapping[str, float]
-    cloud: Mapping[str, np.ndarray]
+    responses: tuple[LoopResponse, ...]
+    histories: Mapping[str, np.ndarray]
+    drawn_histories: Mapping[str, np.ndarray]
+    on_board: OnBoardRuns | None
     warnings: tuple[str, ...]
 
     @property
@@ -221,9 +214,9 @@ class Judgement:
             if phases:
                 value, speed = min(phases)
                 found.append(_point("phase margin", f"at {speed:.3g} m/s{load}", value, LIMITS["phase margin"], "deg"))
-        return found + self._sailed()
+        return found + self._of_course_changes()
 
-    def _sailed(self) -> list[Weakest]:
+    def _of_course_changes(self) -> list[Weakest]:
         found = []
         changes = [s for s in self.steps if s.change_deg]
         for s in changes:
@@ -235,7 +228,7 @@ class Judgement:
                 found.append(Weakest("overshoot", where, s.overshoot_deg, limit, "deg", limit / s.overshoot_deg))
         errors = [
             (abs(s.mean_error_deg), s)
-            for s in self.weathered
+            for s in self.in_weather
             if s.mean_error_deg is not None and s.sea_filter and not s.change_deg
         ]
         if errors:
@@ -246,10 +239,12 @@ class Judgement:
             )
         return found
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values for JSON: lists under ``gains``, ``poles`` and ``margins`` run along ``speeds``; no NaN."""
         first = self.pilot.to_dict()
-        found = {n: first[n] for n in ("model", "ship", "design", "request", "service_speed", "rudder_limit_deg")}
+        found = {
+            n: first[n] for n in ("model", "ship", "design", "mode", "request", "service_speed", "rudder_limit_deg")
+        }
         found |= {
             "speeds": first["speeds"],
             "gains": first["gains"],
@@ -258,7 +253,7 @@ class Judgement:
             "between": [m.to_dict() for m in self.between[0]],
             "robust": self.robust[0].to_dict(),
             "steps": [s.to_dict() for s in self.steps],
-            "weather": {**self.weather, "runs": [s.to_dict() for s in self.weathered]},
+            "weather": {**self.weather, "runs": [s.to_dict() for s in self.in_weather]},
             "weakest": self.weakest.to_dict(),
             "limits": dict(LIMITS),
         }
@@ -271,9 +266,11 @@ class Judgement:
                 }
                 for j, name in enumerate(self.pilot.conditions)
             }
+        if self.on_board is not None:
+            found["on_board"] = self.on_board.to_dict()
         return found | {"warnings": list(self.warnings)}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return the margins as a pandas table, a row for each load condition and speed."""
         import pandas as pd
 
@@ -292,7 +289,10 @@ class Judgement:
                 if robust.samples
                 else f"  {name}: disk margin {robust.disk_worst:.3g} at worst; {robust.source}"
             )
-        return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in self.pilot.warnings)])
+        if self.on_board is not None:
+            lines.append(repr(self.on_board))
+        said = (*self.pilot.warnings, *(self.on_board.warnings if self.on_board else ()))
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in said)])
 
 
 def _point(what: str, where: str, value: float, limit: float, unit: str = "") -> Weakest:

@@ -7,12 +7,17 @@ python-control gives gain and phase; disk margins are worked out here for any nu
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.plant import Plant
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import plain
+
+if TYPE_CHECKING:
+    import control
 
 #: Frequencies looked at, in u/L: from a turn of a thousand lengths to the lag of any servo.
 _FREQUENCIES = np.geomspace(1e-3, 1e3, 481)
@@ -55,7 +60,7 @@ class Margins:
     sensitivity: float
     complementary: float
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return asdict(self)
 
@@ -166,7 +171,7 @@ def _at(polynomial: np.ndarray, s: np.ndarray) -> np.ndarray:
     return value
 
 
-def to_transfer_function(plant: Plant, gains: Gains) -> Any:
+def to_transfer_function(plant: Plant, gains: Gains) -> control.TransferFunction:
     """Return the loop of one plant as a python-control transfer function.
 
     Parameters
@@ -212,11 +217,11 @@ def margins_at(plant: Plant, gains: Gains, speed: float, pace: float) -> Margins
     following = np.abs(_order_to_heading(plant, gains, 1j * omega))
     return Margins(
         speed=float(speed),
-        gain=_finite(gain),
-        gain_low=_finite(below.max() if below.size else None),
-        gain_high=_finite(above.min() if above.size else None),
-        phase_deg=_finite(phase),
-        delay_s=_finite(delays.min()),
+        gain=plain(gain),
+        gain_low=plain(below.max() if below.size else None),
+        gain_high=plain(above.min() if above.size else None),
+        phase_deg=plain(phase),
+        delay_s=plain(delays.min()),
         disk=float(disk_margins(numerator, denominator, pace)),
         bandwidth=_bandwidth(omega, following),
         sensitivity=float(sensitivity.max()),
@@ -241,7 +246,3 @@ def _bandwidth(omega: np.ndarray, size: np.ndarray) -> float | None:
     a, b = np.log(size[k - 1 : k + 1])
     share = (np.log(np.sqrt(0.5)) - a) / (b - a)
     return float(np.exp(np.log(omega[k - 1]) + share * np.log(omega[k] / omega[k - 1])))
-
-
-def _finite(value: Any) -> float | None:
-    return None if value is None or not np.isfinite(value) else float(value)

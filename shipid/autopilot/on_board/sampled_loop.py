@@ -1,29 +1,33 @@
-"""A loop as it runs on board: the ship moves between samples, the filter and the autopilot work on them.
+"""A loop as it runs on board: the ship moves between samples, the filter and the autopilot work on the samples.
 
-The ship is a continuous model, the autopilot a model of sampled equations, and the estimator whatever carries a state from
-sample to sample: a Kalman filter, or the truth. The whole is one expression, compiled, and accumulated over a record.
+The ship is a continuous model, the autopilot a model that is read once a sample (its continuous states by Euler's rule), and
+the estimator carries a state from sample to sample: a Kalman filter, or the truth. The whole is one expression, compiled with
+the loop over its samples.
 """
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.foundation.errors import DeclarationError, UnknownNameError
-from shipid.generation.compiling import compile_function
+from shipid.foundation.aliases import Expression
+from shipid.foundation.errors import DeclarationError, UnknownNameError, UsageError
+from shipid.generation.loop import Loop, make_loop
+from shipid.generation.simulator import Named, coefficient_vector, initial_state, unstated_input
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
+
+#: ``(carried, shown, interval) -> (carried, estimates)``.
+Advance = Callable[[Expression, Mapping[str, Expression], Expression], tuple[Expression, Mapping[str, Expression]]]
 
 
 @dataclass(frozen=True, eq=False)
 class Estimator:
-    """What stands between the instruments and the autopilot; the seat of the yaw filter.
+    """What stands between the instruments and the autopilot: a Kalman filter, or the truth.
 
     Attributes
     ----------
@@ -38,7 +42,7 @@ class Estimator:
     """
 
     start: np.ndarray
-    advance: Callable[[Any, Mapping[str, Any], Any], tuple[Any, Mapping[str, Any]]]
+    advance: Advance
     inputs: tuple[str, ...] = ()
 
 
@@ -48,24 +52,29 @@ class SampledLoop:
 
     Attributes
     ----------
-    ship, pilot : System
-        Their equations.
+    ship, pilot : Model
+        Both declarations.
     estimator : Estimator
         What stands between.
     inputs : tuple of str
         What has a value at every sample, in order.
+    noises : tuple of str
+        Inputs that neither model declares: noise of the instruments, zero where it is not given.
     outputs : tuple of str
         What is recorded at every sample, before the step.
+    loop : Loop
+        The compiled step.
     """
 
-    ship: System
-    pilot: System
+    ship: Model
+    pilot: Model
     estimator: Estimator
     inputs: tuple[str, ...]
+    noises: tuple[str, ...]
     outputs: tuple[str, ...]
-    _step: Any = field(repr=False)
+    loop: Loop = field(repr=False)
 
-    def start(self, ship: Mapping[str, float] | None = None, pilot: Mapping[str, float] | None = None) -> np.ndarray:
+    def start(self, ship: Named | None = None, pilot: Named | None = None) -> np.ndarray:
         """Return a state to start from.
 
         Parameters
@@ -73,14 +82,11 @@ class SampledLoop:
         ship, pilot : mapping of str to float, optional
             States of both, SI; the declared starts where not given.
         """
-        parts = [
-            [known.get(n, system.model[n].number("start") or 0.0) for n in system.states]
-            for system, known in ((self.ship, ship or {}), (self.pilot, pilot or {}))
-        ]
-        rudder = (ship or {}).get("delta", 0.0)
-        return np.concatenate([*parts, self.estimator.start, [rudder]])
+        rudder = float((ship or {}).get("delta", 0.0))
+        states = initial_state(self.ship, ship), initial_state(self.pilot, pilot)
+        return np.concatenate([*states, self.estimator.start, [rudder]])
 
-    def coefficients(self, ship: Mapping[str, float], pilot: Mapping[str, float]) -> np.ndarray:
+    def coefficients(self, ship: Named, pilot: Named) -> np.ndarray:
         """Return the coefficients of both, in order.
 
         Parameters
@@ -88,12 +94,10 @@ class SampledLoop:
         ship, pilot : mapping of str to float
             SI; declared defaults where not given.
         """
-        return np.concatenate(
-            [s.vector(s.coefficients, known) for s, known in ((self.ship, ship), (self.pilot, pilot))]
-        )
+        return np.concatenate([coefficient_vector(self.ship, ship), coefficient_vector(self.pilot, pilot)])
 
     def __call__(
-        self, start: np.ndarray, inputs: Mapping[str, np.ndarray | float], p: np.ndarray, interval: float, count: int
+        self, start: np.ndarray, inputs: Named, p: np.ndarray, interval: float, count: int
     ) -> dict[str, np.ndarray]:
         """Run the loop.
 
@@ -102,7 +106,7 @@ class SampledLoop:
         start : ndarray
             From `start`.
         inputs : mapping of str to ndarray or float
-            A value a sample, or one for all; zero where not given.
+            A value a sample, or one for all; the declared default where not given.
         p : ndarray
             From `coefficients`.
         interval : float
@@ -114,24 +118,36 @@ class SampledLoop:
         -------
         dict of str to ndarray, shape (count,)
             The outputs, SI.
+
+        Raises
+        ------
+        UnknownNameError
+            If an input is none of the loop's.
+        UsageError
+            If a switch of the estimator is not given.
+        UnstatedInputError
+            If an input is not given and declares no default.
         """
         unknown = sorted(set(inputs) - set(self.inputs))
         if unknown:
             raise UnknownNameError("input of the loop called", unknown[0], self.inputs)
-        table = np.zeros((len(self.inputs), count))
-        for name, value in inputs.items():
-            table[self.inputs.index(name)] = value
-        _, y = _run(self, count)(start, table, p, interval)
-        return dict(zip(self.outputs, np.asarray(y.full())))
+        table = np.zeros((count, len(self.inputs) + 1))
+        for i, name in enumerate(self.inputs):
+            table[:, i] = inputs[name] if name in inputs else self._default(name)
+        table[:, -1] = interval
+        _, out = self.loop(start, table, p)
+        return dict(zip(self.outputs, out.T))
 
-
-@functools.lru_cache(maxsize=32)
-def _run(loop: SampledLoop, count: int) -> Any:
-    step = loop._step
-    z, w = ca.MX.sym("z", step.size1_in(0)), ca.MX.sym("w", step.size1_in(1), count)
-    p, interval = ca.MX.sym("p", step.size1_in(2)), ca.MX.sym("T")
-    end, y = step.mapaccum(count)(z, w, ca.repmat(p, 1, count), ca.repmat(interval, 1, count))
-    return ca.Function("loop", [z, w, p, interval], [end, y])
+    def _default(self, name: str) -> float:
+        if name in self.noises:
+            return 0.0
+        for model in (self.pilot, self.ship):
+            if name in model.inputs:
+                default = model[name].number("default")
+                if default is None:
+                    raise unstated_input(model, name)
+                return default
+        raise UsageError(f"the estimator is switched by '{name}', which has no default: give it to the loop.")
 
 
 def make_sampled_loop(
@@ -150,10 +166,9 @@ def make_sampled_loop(
     ship : Model
         A continuous model that reads ``delta_order``.
     pilot : Model
-        A model of sampled equations that states ``delta_order``. Its inputs are estimates, what the instruments show, or
-        inputs of the loop.
+        A model that states ``delta_order``. Its inputs are estimates, what the instruments show, or inputs of the loop.
     estimator : Estimator
-        What the autopilot knows.
+        What stands between the instruments and the autopilot.
     shown : mapping of str to sequence of str
         What the instruments show: a name, and the quantities of the ship and inputs of the loop whose sum it is, such as
         ``{"r_shown": ("r", "r_wave", "gyro_noise")}``.
@@ -169,67 +184,66 @@ def make_sampled_loop(
     Raises
     ------
     DeclarationError
-        If the autopilot states no order, or has a continuous state.
+        If the autopilot states no order, or the ship reads none, or what is recorded follows the order at once.
+    UnknownNameError
+        If an output is none of the loop's quantities.
     """
-    plant, mind = generate(ship), generate(pilot)
+    plant, law = generate(ship), generate(pilot)
     if "delta_order" not in pilot.entries or "delta_order" not in plant.inputs:
         raise DeclarationError(f"model {pilot.name} has to state 'delta_order', and model {ship.name} to read it.")
-    if len(mind.nexts) < len(mind.states):
-        raise DeclarationError(f"the autopilot {pilot.name} has a continuous state; a sampled loop needs @x.next.")
     summed = {part for parts in shown.values() for part in parts}
     own = [n for n in plant.inputs if n != "delta_order"]
+    noises = tuple(dict.fromkeys(n for parts in shown.values() for n in parts if n not in plant.values))
     outside = [n for n in (*summed, *own) if n not in plant.values or n in own]
-    free = dict.fromkeys([*outside, *estimator.inputs])
-    interval = plant.T
-    x, c = plant.x, ca.SX.sym("c", estimator.start.size)
-    before = ca.SX.sym("delta_before")
-    symbols = {n: ca.SX.sym(n) for n in free}
-    # The ship's quantities in terms of its states, the inputs of the loop, and nothing else.
-    at = [plant.inputs.index(n) for n in own]
-    if own:
-        put = ca.vertcat(*(symbols[n] for n in own))
-        values = dict(zip(plant.values, ca.substitute(list(plant.values.values()), [plant.u[at]], [put])))
-    else:
-        values = dict(plant.values)
-
-    def value(name: str) -> Any:
-        return symbols[name] if name in symbols else values[name]
-
-    instruments = {name: sum(value(part) for part in parts) for name, parts in shown.items()}
-    seen = {**values, **symbols, **instruments, "delta_before": before}
-    carried, estimates = estimator.advance(c, seen, interval)
+    interval, before = plant.T, ca.SX.sym("delta_before")
+    carried = ca.SX.sym("carried", estimator.start.size)
+    symbols = {n: ca.SX.sym(n) for n in dict.fromkeys([*outside, *estimator.inputs])}
+    values = _with_inputs(plant, own, symbols)
+    instruments = {
+        name: sum(symbols[part] if part in symbols else values[part] for part in parts) for name, parts in shown.items()
+    }
+    visible = {**values, **symbols, **instruments, "delta_before": before}
+    following, estimates = estimator.advance(carried, visible, interval)
     known = {**instruments, **estimates}
-    extra = [n for n in mind.inputs if n not in known and n not in symbols]
-    symbols |= {n: ca.SX.sym(n) for n in extra}
+    symbols |= {n: ca.SX.sym(n) for n in law.inputs if n not in known and n not in symbols}
     known |= symbols
-    # The autopilot with its inputs put in.
-    given = [ca.SX(known[n]) for n in mind.inputs]
+
+    of_law = [n for n in outputs if n in law.values]
     decided = ca.Function(
         "pilot",
-        [mind.x, mind.u, mind.p, mind.T],
-        [mind.values["delta_order"], ca.vertcat(*(mind.nexts[i] for i in range(len(mind.states)))),
-         mind.expression([n for n in outputs if n in mind.values])],
-    )  # fmt: skip
-    order, next_mind, of_mind = decided(mind.x, ca.vertcat(*given), mind.p, interval)
-    step = make_step(plant, "rk4", "zero", substeps).function
+        [law.x, law.u, law.p, law.T],
+        [law.values["delta_order"], make_step(law, "euler", "zero").x_next, law.expression(of_law)],
+    )
+    order, law_next, of_law_now = decided(law.x, ca.vertcat(*(ca.SX(known[n]) for n in law.inputs)), law.p, interval)
     held = ca.vertcat(*(order if n == "delta_order" else symbols[n] for n in plant.inputs))
-    moved = step(x, held, held, plant.p, interval)
-    of_ship = [n for n in outputs if n in plant.values and n not in mind.values]
-    names = [*[n for n in outputs if n in mind.values], *of_ship, *instruments, *estimates]
+    moved = make_step(plant, "rk4", "zero", substeps).function(plant.x, held, held, plant.p, interval)
+
+    of_ship = [n for n in outputs if n in plant.values and n not in law.values and n not in instruments]
+    names = (*of_law, *of_ship, *instruments, *estimates)
     lost = [n for n in outputs if n not in names]
     if lost:
         raise UnknownNameError("quantity of the loop called", lost[0], names)
-    row = ca.vertcat(of_mind, *(values[n] for n in of_ship), *instruments.values(), *estimates.values())
+    row = ca.vertcat(of_law_now, *(values[n] for n in of_ship), *instruments.values(), *estimates.values())
     if ca.depends_on(ca.vertcat(row, order), plant.u[plant.inputs.index("delta_order")]):
         raise DeclarationError(
             f"what is shown or recorded of model {ship.name} follows the rudder order at once: put a steering machine between."
         )
-    delta = values.get("delta", order)
-    state = ca.vertcat(x, mind.x, c, before)
-    inputs = tuple(symbols)
-    function = ca.Function(
+    step = ca.Function(
         "sample",
-        [state, ca.vertcat(*symbols.values()), ca.vertcat(plant.p, mind.p), interval],
-        [ca.densify(ca.vertcat(moved, next_mind, carried, delta)), ca.densify(row)],
+        [
+            ca.vertcat(plant.x, law.x, carried, before),
+            ca.vertcat(*symbols.values(), interval),
+            ca.vertcat(plant.p, law.p),
+        ],
+        [ca.densify(ca.vertcat(moved, law_next, following, values.get("delta", order))), ca.densify(row)],
     )
-    return SampledLoop(plant, mind, estimator, inputs, tuple(names), compile_function(function))
+    return SampledLoop(ship, pilot, estimator, tuple(symbols), noises, names, make_loop(step))
+
+
+def _with_inputs(plant: System, own: Sequence[str], symbols: Mapping[str, Expression]) -> dict[str, Expression]:
+    """The ship's quantities in terms of its states and the inputs of the loop."""
+    if not own:
+        return dict(plant.values)
+    places = [plant.inputs.index(n) for n in own]
+    put = ca.vertcat(*(symbols[n] for n in own))
+    return dict(zip(plant.values, ca.substitute(list(plant.values.values()), [plant.u[places]], [put])))

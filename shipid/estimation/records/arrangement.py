@@ -1,20 +1,26 @@
-"""From a trial to the controls of a filter: inputs, intervals, what each sensor shows and when it is there.
+"""From a record to the rows of a filter: inputs, intervals, what each sensor shows and when it is there.
 
 A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; what becomes of time stamps that
-cannot be right is told in `shipid.estimation.records.clock`.
+cannot be right is explained in `shipid.estimation.records.clock`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
-from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, own_time, steps
+from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, filter_time, steps
+from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.errors import UsageError
+from shipid.generation.simulator import input_rows
+from shipid.trials.speed import speed_before
+from shipid.trials.trial import Trial
+
+#: What can be filtered: a trial, or SI columns with ``t`` in which NaN stands for a sample that is missing.
+FilterRecord = Trial | Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +34,7 @@ class Arrangement:
     intervals : ndarray, shape (N,)
         Time since the row before, in s; zero for the first.
     inputs : ndarray, shape (N, inputs)
+        SI.
     z : ndarray, shape (N, sensors)
         What the sensors show; zero where they show nothing.
     there : ndarray of bool, shape (N, sensors)
@@ -39,7 +46,7 @@ class Arrangement:
     limited : ndarray of int, shape (sensors,)
         Samples left out because they are outside the sensor's range.
     forward : ndarray of bool, shape (samples,)
-        Which samples of the record were let through; the others have a time stamp that cannot be right.
+        Which samples of the record are used; the others have a time stamp that cannot be right.
     """
 
     t: np.ndarray
@@ -53,123 +60,134 @@ class Arrangement:
     forward: np.ndarray
 
     @property
+    def sample(self) -> np.ndarray:
+        """The sample that each row belongs to, among those used, shape (N,): rows that bridge a gap belong to the one that ends it."""
+        found = np.searchsorted(np.flatnonzero(self.shown), np.arange(self.t.size))
+        return np.asarray(np.minimum(found, np.count_nonzero(self.shown) - 1))
+
+    @property
     def back(self) -> int:
         """How many samples were left out because their time stamp cannot be right."""
         return int(np.count_nonzero(~self.forward))
 
 
-def column_of(model: Model, name: str, columns: Collection[str]) -> str | None:
-    """Return the column that holds what a sensor shows: its own name, or the quantity it measures; None if neither.
+def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:
+    """Return the SI columns of a record, and its name.
 
     Parameters
     ----------
-    model : Model
-        The model.
-    name : str
-        The measured quantity.
-    columns : collection of str
-        What the record has.
+    record : Trial or mapping of str to ndarray
+        What is filtered.
+
+    Raises
+    ------
+    UsageError
+        If it has no times, or its columns are not of one length.
     """
-    return next((n for n in (name, model[name].quantity.measures) if n and n in columns), None)
+    if isinstance(record, Trial):
+        return {n: record[n] for n in record.table.columns}, record.name
+    if "t" not in record:
+        raise UsageError(f"a record to filter needs its times 't'; it has {', '.join(record)}.")
+    columns = {n: np.asarray(c, dtype=float) for n, c in record.items()}
+    count = columns["t"].size
+    for name, column in columns.items():
+        if column.shape != (count,):
+            raise UsageError(
+                f"column '{name}' of the record has {column.size} samples, and 't' has {count}: give one value for each time."
+            )
+    return columns, "record"
 
 
-def arrange(
-    model: Model,
-    columns: Mapping[str, np.ndarray],
-    record: str,
-    sensors: tuple[str, ...],
-    inputs: Mapping[str, float],
-    needed: tuple[str, ...],
-    every: Mapping[str, float],
-    ranges: Mapping[str, tuple[float, float]],
-    speed: float | None = None,
-) -> Arrangement:
-    """Arrange a trial for a filter.
+def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
+    """Arrange a record for a filter.
 
     Parameters
     ----------
-    model : Model
-        The model.
-    columns : mapping of str to ndarray
-        The record, SI: ``t`` and what was sampled; NaN where a sample is missing.
-    record : str
-        Its name, for messages.
-    sensors : tuple of str
-        Measured quantities.
-    inputs : mapping of str to float
-        Constant values of inputs, SI; they go before the record's columns.
-    needed : tuple of str
-        Inputs without which nothing can be predicted.
-    every : mapping of str to float
-        Seconds between the samples a sensor uses, where it is read less often than the record is sampled.
-    ranges : mapping of str to tuple of float
-        Smallest and largest value a sensor can show, SI.
-    speed : float, optional
-        The ship's speed in m/s, where the record tells no speed.
+    instruments : Instruments
+        Sensors and inputs of the filter.
+    record : Trial or mapping of str to ndarray
+        What is filtered.
+
+    Returns
+    -------
+    Arrangement
 
     Raises
     ------
     NotMeasurableError
-        If the record lacks a sensor or an input.
+        If the record lacks a sensor.
+    UnstatedInputError
+        If it lacks an input that declares no default.
     SensorRateError
         If a sensor is to be read more often than the record is sampled.
     UsageError
         If its time stamps cannot be used.
     """
-    forward, t = own_time(columns["t"])
+    columns, name = columns_of(record)
+    forward, t = filter_time(columns["t"])
     if not t.size or (t.size == 1 < forward.size):
         raise UsageError(
-            f"the times 't' of record {record} do not run forward: of {forward.size} stamps {t.size} can be used. They are in s, "
+            f"the times 't' of record {name} do not run forward: of {forward.size} stamps {t.size} can be used. They are in s, "
             f"rise, and lie no more than {LONGEST_GAP:g} s apart."
         )
     columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
-    z = np.column_stack([columns[_column(model, s, columns, record)] for s in sensors])
+    z, there, limited = _sensor_table(instruments, columns, name)
+    table = input_table(instruments, columns, name)
+    rows = _bridged(t)
+    at = np.searchsorted(rows, t)
+    shown = np.zeros(rows.size, dtype=bool)
+    shown[at] = True
+    full_z, full_there = np.zeros((rows.size, z.shape[1])), np.zeros((rows.size, z.shape[1]), dtype=bool)
+    full_z[at], full_there[at] = np.where(there, z, 0.0), there
+    held = hold_last(table)
+    inputs = np.column_stack([np.interp(rows, t, c) for c in held.T]) if held.shape[1] else np.empty((rows.size, 0))
+    # Rows that bridge a gap belong to the sample that ends it.
+    lost = ~np.isfinite(table)[np.searchsorted(t, rows)]
+    return Arrangement(rows, _intervals(rows, t, at), inputs, full_z, full_there, lost, shown, limited, forward)
+
+
+def _sensor_table(
+    instruments: Instruments, columns: Mapping[str, np.ndarray], record: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return what the sensors show, where they are read within their range, and how many samples were outside."""
+    t, sensors = columns["t"], instruments.sensors
+    z = np.column_stack([columns[_column(instruments, s, columns, record)] for s in sensors])
     there = np.isfinite(z)
     limited = np.zeros(len(sensors), dtype=int)
     for j, name in enumerate(sensors):
-        if name in every:
-            there[:, j] = read_every(t, there[:, j], every[name], name, record)
-        if name in ranges:
-            low, high = ranges[name]
+        if name in instruments.rates:
+            there[:, j] = read_every(t, there[:, j], instruments.rates[name], name, record)
+        if name in instruments.ranges:
+            low, high = instruments.ranges[name]
             with np.errstate(invalid="ignore"):
                 outside = there[:, j] & ((z[:, j] < low) | (z[:, j] > high))
             limited[j] = np.count_nonzero(outside)
             there[:, j] &= ~outside
-    table = input_table(model, columns, record, inputs, needed, speed)
-    lost = ~np.isfinite(table)
-    table = _held(table)
-    rows = _bridged(t)
-    shown = np.zeros(rows.size, dtype=bool)
-    shown[np.searchsorted(rows, t)] = True
-    at = np.searchsorted(rows, t)
-    full_z, full_there = np.zeros((rows.size, len(sensors))), np.zeros((rows.size, len(sensors)), dtype=bool)
-    full_z[at], full_there[at] = np.where(there, z, 0.0), there
-    full_inputs = (
-        np.column_stack([np.interp(rows, t, c) for c in table.T]) if table.shape[1] else np.empty((rows.size, 0))
-    )
-    # Rows that bridge a gap belong to the sample that ends it.
-    full_lost = lost[np.searchsorted(t, rows)]
-    gaps = np.minimum(np.diff(t, prepend=t[0]), LONGEST_GAP)
-    intervals = np.diff(rows, prepend=rows[0])
-    # A pause longer than the longest one is shortened to it, whatever the clock says.
-    long = np.diff(t, prepend=t[0]) > LONGEST_GAP
-    if long.any():
-        share = np.ones(rows.size)
-        for k in np.flatnonzero(long):
-            share[at[k - 1] + 1 : at[k] + 1] = gaps[k] / (t[k] - t[k - 1])
-        intervals = intervals * share
-    return Arrangement(rows, intervals, full_inputs, full_z, full_there, full_lost, shown, limited, forward)
+    return z, there, limited
 
 
-def _column(model: Model, name: str, columns: Mapping[str, np.ndarray], record: str) -> str:
-    found = column_of(model, name, columns)
+def _column(instruments: Instruments, name: str, columns: Mapping[str, np.ndarray], record: str) -> str:
+    found = instruments.column_of(name, columns)
     if found is None:
-        measures = model[name].quantity.measures
+        measures = instruments.model[name].quantity.measures
         what = f"'{name}'" + (f", which measures '{measures}'," if measures else "")
         raise NotMeasurableError(
             f"{what} is measured, and trial {record} has no such column. Its columns: {', '.join(columns)}."
         )
     return found
+
+
+def _intervals(rows: np.ndarray, t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return the interval before each row; a pause longer than the longest one is shortened to it, whatever the clock says."""
+    intervals = np.diff(rows, prepend=rows[0])
+    gaps = np.diff(t, prepend=t[0])
+    long = np.flatnonzero(gaps > LONGEST_GAP)
+    if long.size:
+        share = np.ones(rows.size)
+        for k in long:
+            share[at[k - 1] + 1 : at[k] + 1] = LONGEST_GAP / (t[k] - t[k - 1])
+        intervals = intervals * share
+    return intervals
 
 
 def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, trial: str) -> np.ndarray:
@@ -205,44 +223,50 @@ def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, tria
     return read
 
 
-def input_table(
-    model: Model,
-    columns: Mapping[str, np.ndarray],
-    record: str,
-    inputs: Mapping[str, float],
-    needed: tuple[str, ...],
-    speed: float | None = None,
-) -> np.ndarray:
-    """Return the inputs of a model along a record, SI, shape (N, inputs).
+def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], record: str) -> np.ndarray:
+    """Return the inputs of a model along a record, SI, shape (N, inputs); NaN where one is missing.
 
     Parameters
     ----------
-    model, columns, record, inputs, needed, speed
-        See `arrange`.
+    instruments : Instruments
+        Constant inputs, and those that are needed.
+    columns : mapping of str to ndarray, shape (N,)
+        The record, SI.
+    record : str
+        Its name, for messages.
+
+    Raises
+    ------
+    UnstatedInputError
+        If the record lacks an input that is needed and declares no default.
     """
-    table = np.empty((columns["t"].size, len(model.inputs)))
-    for i, name in enumerate(model.inputs):
-        default = model[name].number("default")
-        if name in inputs:
-            table[:, i] = inputs[name]
-        elif name in columns:
-            table[:, i] = columns[name]
-        elif name == "cruise" and "u" in columns:
-            table[:, i] = np.nanmedian(columns["u"][:10])
-        elif name in ("cruise", "u") and speed is not None:
-            table[:, i] = speed
-        elif default is not None or name not in needed:
-            table[:, i] = 0.0 if default is None else default
-        else:
-            raise NotMeasurableError(
-                f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which trial {record} does not "
-                f"record. Give it, as in inputs={{'{name}': ...}}. The trial's columns: {', '.join(columns)}."
-            )
-    return table
+    given: dict[str, float | np.ndarray] = {}
+    speed = instruments.scale.speed
+    if speed is not None:
+        given |= {"cruise": speed, "u": speed}
+    if "u" in columns:
+        before = speed_before(columns["t"], columns["u"], columns.get("delta"), instruments.scale.unit_time)
+        if before is not None:
+            given["cruise"] = before.value
+    # A column without a number states nothing, unless the user said how uncertain the input is while it is missing.
+    given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
+    given |= instruments.inputs
+    return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
 
 
-def _held(table: np.ndarray) -> np.ndarray:
-    """Let the last value stand in where one is missing; the first one before it, zero where there is none."""
+def hold_last(table: np.ndarray) -> np.ndarray:
+    """Return a table in which the last value stands in where one is missing.
+
+    Parameters
+    ----------
+    table : ndarray, shape (N, columns)
+        NaN where a value is missing.
+
+    Returns
+    -------
+    ndarray, shape (N, columns)
+        Before the first value of a column that value; zero where it has none.
+    """
     finite = np.isfinite(table)
     if finite.all():
         return table

@@ -1,8 +1,8 @@
 """Time stamps that cannot be right: repeated, jumping back, or jumping ahead by more than a pause is long.
 
 One such stamp is left out. When three in a row agree with each other the clock itself has been set, and the filter goes on
-with the new one: otherwise a clock that was set back would silence it for as long as that was, and so would one stamp that
-was far ahead.
+with the new one: otherwise it would leave out all samples until the old time is reached again, and one stamp far ahead
+would stop it altogether.
 """
 
 from __future__ import annotations
@@ -22,20 +22,27 @@ _RECENT = 9
 LATEST = 1e11
 
 
-class Clock:
+class FilterClock:
     """The filter's own time from stamps that may be wrong.
+
+    Parameters
+    ----------
+    typical : float
+        Sampling interval in s, where it is known beforehand.
 
     Attributes
     ----------
+    last : float or None
+        The last stamp that was used, in s; None before the first.
     shift : float
         What the filter's time is ahead of the stamps, in s: the clocks that were set back since the first sample.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, typical: float = 0.0) -> None:
         self.last: float | None = None
         self.shift = 0.0
-        self._recent: list[float] = []
-        self._doubted: list[float] = []
+        self._recent: list[float] = [typical] * _RECENT if typical else []
+        self._suspect: list[float] = []
 
     @property
     def typical(self) -> float:
@@ -44,19 +51,29 @@ class Clock:
 
     @property
     def now(self) -> float:
-        """The filter's time of the last sample that was let through, in s."""
+        """The filter's time of the last sample that was used, in s."""
         return (self.last or 0.0) + self.shift
 
     @property
     def state(self) -> list[list[float]]:
         """Everything it remembers, as numbers."""
-        return [[self.last or 0.0, self.shift], self._recent, self._doubted]
+        return [[self.last or 0.0, self.shift], self._recent, self._suspect]
 
     @state.setter
     def state(self, numbers: list[list[float]]) -> None:
-        (self.last, self.shift), self._recent, self._doubted = numbers
+        (self.last, self.shift), self._recent, self._suspect = numbers
 
-    def let(self, t: float) -> float | None:
+    def skip_to(self, t: float) -> None:
+        """Go on to the last of several stamps that follow each other.
+
+        Parameters
+        ----------
+        t : float
+            That stamp in s.
+        """
+        self.last, self._suspect = t, []
+
+    def elapsed(self, t: float) -> float | None:
         """Return the seconds since the sample before, or None for one that is left out.
 
         Parameters
@@ -71,20 +88,20 @@ class Clock:
             return 0.0
         elapsed = t - self.last
         if 0 < elapsed <= LONGEST_GAP:
-            self.last, self._doubted = t, []
+            self.last, self._suspect = t, []
             self._recent = [*self._recent[1 - _RECENT :], elapsed]
             return elapsed
-        follows = self._doubted and 0 < t - self._doubted[-1] <= LONGEST_GAP
-        self._doubted = [*self._doubted, t] if follows else [t]
-        if len(self._doubted) < CONFIRMED:
+        follows = self._suspect and 0 < t - self._suspect[-1] <= LONGEST_GAP
+        self._suspect = [*self._suspect, t] if follows else [t]
+        if len(self._suspect) < CONFIRMED:
             return None
         if elapsed <= 0:
             # The first stamp of the new clock came one interval after the last of the old one.
-            passed = min(t - self._doubted[0] + self.typical, LONGEST_GAP)
+            passed = min(t - self._suspect[0] + self.typical, LONGEST_GAP)
             self.shift += self.last + passed - t
         else:
             passed = LONGEST_GAP
-        self.last, self._doubted = t, []
+        self.last, self._suspect = t, []
         return passed
 
 
@@ -104,8 +121,8 @@ def steps(elapsed: float, typical: float) -> int:
     return max(1, math.ceil(min(elapsed / (LONGEST_STEP * typical), MOST_STEPS) - 1e-6))
 
 
-def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return which samples of a record are let through, shape (N,), and the filter's time of those.
+def filter_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return which samples of a record are used, shape (N,), and the filter's time of those.
 
     Parameters
     ----------
@@ -118,14 +135,14 @@ def own_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     bad = np.flatnonzero(~((d > 0) & (d <= LONGEST_GAP)))
     if not bad.size and np.isfinite(t).all():
         return np.ones(t.size, dtype=bool), t
-    kept, own, clock = np.zeros(t.size, dtype=bool), np.array(t, dtype=float), Clock()
+    kept, own = np.zeros(t.size, dtype=bool), np.array(t, dtype=float)
     good = d[(d > 0) & (d <= LONGEST_GAP)]
-    clock._recent = [float(np.median(good))] * _RECENT if good.size else []
-    # Between two stamps that cannot be right all follow each other: one that is let through brings the rest with it.
+    clock = FilterClock(float(np.median(good)) if good.size else 0.0)
+    # Between two stamps that cannot be right all follow each other: where one of them is used, so is the rest.
     for a, b in zip([0, *(bad + 1)], [*(bad + 1), t.size]):
-        first = next((k for k in range(a, b) if clock.let(float(t[k])) is not None), b)
+        first = next((k for k in range(a, b) if clock.elapsed(float(t[k])) is not None), b)
         kept[first:b] = True
         own[first:b] += clock.shift
         if first < b:
-            clock.last, clock._doubted = float(t[b - 1]), []
+            clock.skip_to(float(t[b - 1]))
     return kept, own[kept]

@@ -1,18 +1,13 @@
-"""Quantities that follow from the estimated states, along a filtered record, with first-order standard deviations."""
+"""Quantities of the model out of estimated states and their covariance, with standard deviations."""
 
 from __future__ import annotations
-
-import functools
-from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model, reads_of
-
-if TYPE_CHECKING:
-    from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.estimation.records.run import FilterRun
+from shipid.estimation.design import FilterDesign
+from shipid.foundation.errors import UnknownNameError
 
 
 def published(model: Model, estimated: tuple[str, ...]) -> tuple[str, ...]:
@@ -29,50 +24,71 @@ def published(model: Model, estimated: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(n for n in model.derived if n in read)
 
 
-@functools.lru_cache(maxsize=256)
-def _function(kalman: ExtendedKalmanFilter, name: str) -> Any:
-    """The CasADi function ``(joint, inputs, p, T, P) -> (value, variance)`` of one sample."""
-    equations = kalman.equations
-    system = equations.system
-    at_end = ca.SX.zeros(system.u.shape[0])
-    for k, i in enumerate(equations.carried):
-        at_end[system.inputs.index(equations.sources[i].name)] += equations.joint[system.x.shape[0] + k]
-    u = ca.SX.sym("u", system.u.shape[0])
-    value = ca.densify(ca.substitute(system.expression([name]), system.u, u + at_end))
-    slope = ca.jacobian(value, equations.joint)
-    size = equations.joint.shape[0]
-    covariance = ca.SX.sym("P", size, size)
-    variance = ca.densify(slope @ covariance @ slope.T)
-    return ca.Function(
-        "quantity", [equations.joint, u, system.p, system.T, ca.vec(covariance)], [ca.vertcat(value, variance)]
-    )
-
-
-def along(run: FilterRun, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return a quantity of the model and its standard deviation at each sample, SI, shapes (N,).
+def quantity_along(
+    design: FilterDesign,
+    name: str,
+    joint: np.ndarray,
+    covariance: np.ndarray,
+    inputs: np.ndarray,
+    intervals: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a quantity of the model and its first-order standard deviation at each sample, SI, shapes (N,).
 
     Parameters
     ----------
-    run : FilterRun
-        The filtered record.
+    design : FilterDesign
+        The filter.
     name : str
         A state, input, parameter, derived quantity or sensor.
+    joint : ndarray, shape (N, joint)
+        Estimates of states and carried noise.
+    covariance : ndarray, shape (N, joint, joint)
+        Their covariance.
+    inputs : ndarray, shape (N, inputs)
+        The inputs of the model.
+    intervals : ndarray, shape (N,)
+        Seconds since the sample before.
 
     Raises
     ------
     UnknownNameError
         If the model has no such quantity.
     """
-    kalman, arranged = run.filter, run.arranged
-    function = _function(kalman, name)
-    joint = np.concatenate([run.x, run._rows("w")], axis=1)
     count = len(joint)
-    p = kalman.constants[kalman.layout.constants["p"]]
-    rows = function.map(count)(
-        joint.T,
-        arranged.inputs[arranged.shown].T,
-        ca.repmat(ca.DM(p), 1, count),
-        arranged.intervals[arranged.shown][None, :],
-        run.joint_covariance.reshape(count, -1).T,
-    ).full()
+    rows = (
+        design.quantity(name)
+        .map(count)(
+            joint.T,
+            inputs.T,
+            ca.repmat(ca.DM(design.p), 1, count),
+            intervals[None, :],
+            covariance.reshape(count, -1).T,
+        )
+        .full()
+    )
     return rows[0], np.sqrt(np.maximum(rows[1], 0.0))
+
+
+def named(design: FilterDesign, x: np.ndarray, std: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return estimates and standard deviations of a state or an estimated parameter, SI, the states along the last axis.
+
+    Parameters
+    ----------
+    design : FilterDesign
+        Whose states they are.
+    x, std : ndarray, shape (..., states)
+        Estimates and standard deviations; of a logarithm where a parameter is estimated by it.
+    name : str
+        A state or an estimated parameter.
+
+    Raises
+    ------
+    UnknownNameError
+        If it is neither.
+    """
+    state, states = design.parameters.get(name, name), design.model.states
+    if state not in states:
+        known = [*states, *design.parameters]
+        raise UnknownNameError(f"state or estimated parameter of model {design.base.name} called", name, known)
+    at, spread = x[..., states.index(state)], std[..., states.index(state)]
+    return (at, spread) if state == name else (np.exp(at), np.exp(at) * spread)

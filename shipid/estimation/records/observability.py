@@ -1,30 +1,26 @@
-"""Which directions of the state the sensors tell nothing of, at the points where the filter was linearised.
+"""Which directions of the state the sensors do not show, at the points where the filter was linearised.
 
-The observability Gramian adds up what every sample tells of the first state, ``W = sum Phi' H' R^-1 H Phi``, with the exact
-transitions and sensor rows of the run. Scaled by the first standard deviations its eigenvalues are information gained over
-belief: along a direction whose eigenvalue is zero no sample ever shows anything, and what was believed at the start stays,
-whatever the filter's covariance makes of it later.
+The observability Gramian adds up what every sample shows of the first state, ``W = sum Phi' H' R^-1 H Phi``, with the exact
+transitions and sensor rows of the run. Scaled by the first standard deviations its eigenvalues are the information gained in
+that of the first estimate. Along a direction whose eigenvalue is zero no sample shows anything: the error of the first
+estimate stays, even where the filter's covariance shrinks.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field
 
-import casadi as ca
 import numpy as np
 
-from shipid.estimation.records.vectors import first_estimate
-from shipid.estimation.recursion.step import TAKEN
-from shipid.generation.loop import Loop, make_loop
-
-if TYPE_CHECKING:
-    from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.estimation.records.run import FilterRun
+from shipid.estimation.records.first_estimate import first_estimate
+from shipid.estimation.records.run import FilterRun
+from shipid.estimation.records.smoother import rows_before
+from shipid.estimation.recursion.gate import TAKEN
+from shipid.foundation.aliases import Plain
 
 #: Eigenvalue, as a share of the largest, that rounding leaves of a zero.
 _NULL = 1e-12
-#: Information below which a record makes a direction no surer than it was believed to be.
+#: Information below which a record hardly reduces the first standard deviation along a direction.
 _WEAK = 1e-2
 #: Part of a direction below which a state is not named in it.
 _NAMED = 0.05
@@ -33,7 +29,7 @@ _ENOUGH = 4000
 
 
 @dataclass(frozen=True)
-class Direction:
+class UnseenDirection:
     """A combination of states that the record shows little of.
 
     Attributes
@@ -41,7 +37,7 @@ class Direction:
     weights : mapping of str to float
         What changes together along it, in first standard deviations, largest 1.
     information : float
-        Gained over believed: 1 halves the variance; 0 for one that nothing shows.
+        Gained in that of the first estimate: 1 halves the variance; 0 for a direction that no sensor shows.
     """
 
     weights: dict[str, float]
@@ -52,26 +48,31 @@ class Direction:
         return " ".join(parts)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Observability:
-    """What a record tells of the state.
+    """What a record shows of the state.
 
     Attributes
     ----------
-    states : tuple of str
-        Names of the states.
+    run : FilterRun
+        The filtered record.
     information : ndarray, shape (states,)
         Eigenvalues of the scaled Gramian, smallest first.
-    unobservable : tuple of Direction
-        Directions that no sample shows anything of.
-    weak : tuple of Direction
-        Directions that the record hardly makes surer.
+    unobservable : tuple of UnseenDirection
+        Directions that no sample shows.
+    weak : tuple of UnseenDirection
+        Directions along which the record hardly reduces the standard deviation.
     """
 
-    states: tuple[str, ...]
+    run: FilterRun = field(repr=False)
     information: np.ndarray
-    unobservable: tuple[Direction, ...]
-    weak: tuple[Direction, ...]
+    unobservable: tuple[UnseenDirection, ...]
+    weak: tuple[UnseenDirection, ...]
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states."""
+        return self.run.states
 
     @property
     def messages(self) -> tuple[str, ...]:
@@ -90,7 +91,7 @@ class Observability:
                 )
         return tuple(said)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
             "unobservable": [dict(d.weights) for d in self.unobservable],
@@ -99,38 +100,8 @@ class Observability:
         }
 
 
-def make_gramian(kalman: ExtendedKalmanFilter) -> Loop:
-    """Return the loop that adds up the Gramian of a filter.
-
-    Parameters
-    ----------
-    kalman : ExtendedKalmanFilter
-        The filter.
-    """
-    eq, layout = kalman.equations, kalman.layout
-    n = layout.n
-    # Noise is no part of what the state shows; its first value tells nothing.
-    phi, gramian = ca.SX.sym("F", n, n), ca.SX.sym("W", n, n)
-    before, ahead = ca.SX.sym("xb", layout.joint), ca.SX.sym("xp", layout.joint)
-    taken, deviation = ca.SX.sym("m", layout.sensors), ca.SX.sym("r", layout.sensors)
-    transition = ca.substitute(eq.transition[:, :n], eq.joint, before)
-    if eq.sampled:
-        transition = ca.if_else(eq.T > 0, ca.densify(transition), ca.SX.eye(n))
-    moved = transition @ phi
-    rows = ca.substitute(eq.sensitivity[:, :n], eq.joint, ahead) @ moved
-    weights = ca.diag(taken / deviation**2)
-    summed = gramian + rows.T @ weights @ rows
-    z = ca.vertcat(ca.vec(phi), ca.vec(gramian))
-    step = ca.Function(
-        "gramian",
-        [z, ca.vertcat(before, ahead, eq.u0, eq.u1, eq.T, taken), ca.vertcat(eq.p, deviation)],
-        [ca.densify(ca.vertcat(ca.vec(moved), ca.vec(summed))), ca.SX(1, 1)],
-    )
-    return make_loop(step, kalman.compiled)
-
-
 def observability(run: FilterRun) -> Observability:
-    """Work out the observability of a filtered record.
+    """Return what a filtered record shows of the state.
 
     Parameters
     ----------
@@ -141,43 +112,33 @@ def observability(run: FilterRun) -> Observability:
     -------
     Observability
     """
-    kalman, out, control = run.filter, run._out[:_ENOUGH], run._control[:_ENOUGH]
-    layout = kalman.layout
-    full, places, carried = layout.full, layout.control, layout.carried
-    first = np.concatenate([run._start[carried["x"]], run._start[carried["w"]]])
-    before = np.vstack([first, np.concatenate([out[:, full["x"]], out[:, full["w"]]], axis=1)[:-1]])
-    inputs = control[:, places["u"]]
-    inputs_before = np.vstack([run._start[carried["u"]], inputs[:-1]])
-    rows = np.concatenate(
-        [
-            before,
-            out[:, full["ahead"]],
-            inputs_before,
-            inputs,
-            control[:, places["T"]],
-            out[:, full["fate"]] == TAKEN,
-        ],
-        axis=1,
-    )
-    _, deviation = first_estimate(kalman, {})
-    n = layout.n
+    design, out, control = run.design, run.out[:_ENOUGH], run.control[:_ENOUGH]
+    full, places, n = design.layout.full, design.layout.control, design.layout.n
+    before, inputs_before = rows_before(design, control, out, run.start)
+    rows = [
+        before,
+        out[:, full["ahead"]],
+        inputs_before,
+        control[:, places["u"]],
+        control[:, places["T"]],
+        out[:, full["fate"]] == TAKEN,
+    ]
+    _, deviation = first_estimate(design, {})
     # The state is measured in first standard deviations from the start, so that no product loses digits.
-    z0 = np.concatenate([np.diag(deviation).ravel(order="F"), np.zeros(n * n)])
-    constants = kalman.constants
-    p = np.concatenate([constants[layout.constants["p"]], constants[layout.constants["r"]]])
-    end, _ = kalman.gramian(z0, rows, p)
+    first = np.concatenate([np.diag(deviation).ravel(order="F"), np.zeros(n * n)])
+    end, _ = design.gramian(first, np.concatenate(rows, axis=1), np.concatenate([design.p, design.r]))
     gramian = end[n * n :].reshape(n, n, order="F")
     values, vectors = np.linalg.eigh((gramian + gramian.T) / 2)
     values = np.maximum(values, 0.0)
-    # A zero is judged beside what the same states are told in other directions.
+    # A zero is one beside what the same states are shown in other directions.
     null = values <= _NULL * max(float(values[-1]), 1.0)
-    names = kalman.model.states
-    unobservable = tuple(Direction(w, 0.0) for w in _described(vectors[:, null], names))
+    names = design.model.states
+    unobservable = tuple(UnseenDirection(w, 0.0) for w in _described(vectors[:, null], names))
     weak = tuple(
-        Direction(_described(vectors[:, [i]], names)[0], float(values[i]))
+        UnseenDirection(_described(vectors[:, [i]], names)[0], float(values[i]))
         for i in np.flatnonzero(~null & (values < _WEAK))
     )
-    return Observability(names, values, unobservable, weak)
+    return Observability(run, values, unobservable, weak)
 
 
 def _described(basis: np.ndarray, names: tuple[str, ...]) -> list[dict[str, float]]:

@@ -3,22 +3,26 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from shipid.estimation.design import FilterDesign
+from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
-from shipid.estimation.recursion.step import MISSING, REJECTED, TAKEN
-from shipid.foundation.errors import UnknownNameError
+from shipid.estimation.records.derived import named, published, quantity_along
+from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import interval_95
 
 if TYPE_CHECKING:
-    from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.estimation.records.observability import Observability
-    from shipid.estimation.records.smoother import Smoothed
+    import pandas as pd
 
-_Z95 = 1.959963984540054
+#: What is reported of an estimate as plain values.
+_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
 
 
 @dataclass(frozen=True)
@@ -58,36 +62,7 @@ class Innovations:
     @property
     def normalised(self) -> np.ndarray:
         """The innovations that were taken in, in standard deviations."""
-        return self.values[self.taken] / np.sqrt(self.variances[self.taken])
-
-
-@dataclass(frozen=True)
-class ParameterEstimate:
-    """The last estimate of a parameter.
-
-    Attributes
-    ----------
-    name, unit, meaning : str
-    value, std : float
-        SI.
-    interval : tuple of float
-        95 %.
-    follows : bool
-        Whether it is a published coefficient that follows from the estimated ones.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    value: float
-    std: float
-    interval: tuple[float, float]
-    follows: bool = False
-
-    @property
-    def determined(self) -> bool:
-        """Whether the standard deviation is below half the value, as for a fit."""
-        return self.std < 0.5 * abs(self.value)
+        return np.asarray(self.values[self.taken] / np.sqrt(self.variances[self.taken]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,43 +71,59 @@ class FilterRun:
 
     Attributes
     ----------
-    filter : ExtendedKalmanFilter
+    design : FilterDesign
         Which filter.
     record : str
         Name of the record.
     arranged : Arrangement
         The record as the filter took it.
+    control : ndarray, shape (rows, controls)
+        What the step took of each row; `StepLayout.control` says what stands where.
+    start : ndarray, shape (carried,)
+        What it carried into the first row (`StepLayout.carried`).
+    out : ndarray, shape (rows, outputs)
+        What it returned of each row (`StepLayout.full`).
+    smoothable : bool
+        Whether the rows are those of one filter, so that it can be run back over them; a mixture of several is not.
     """
 
-    filter: ExtendedKalmanFilter
+    design: FilterDesign
     record: str
     arranged: Arrangement
-    _control: np.ndarray = field(repr=False)
-    _start: np.ndarray = field(repr=False)
-    _out: np.ndarray = field(repr=False)
+    control: np.ndarray
+    start: np.ndarray
+    out: np.ndarray
+    smoothable: ClassVar[bool] = True
 
-    def _rows(self, name: str) -> np.ndarray:
-        return self._out[self.arranged.shown][:, self.filter.layout.full[name]]
+    def rows(self, name: str) -> np.ndarray:
+        """Return a part of what the step returned, at the samples of the record, shape (N, part).
+
+        Parameters
+        ----------
+        name : str
+            A key of `StepLayout.full`.
+        """
+        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.full[name]])
 
     @property
     def t(self) -> np.ndarray:
         """Times of the samples in s, shape (N,)."""
-        return self.arranged.t[self.arranged.shown]
+        return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
     def x(self) -> np.ndarray:
         """Estimates of the states after each sample, SI, shape (N, states)."""
-        return self._rows("x")
+        return self.rows("x")
 
     @property
     def std(self) -> np.ndarray:
         """Their standard deviations, shape (N, states)."""
-        return np.sqrt(np.maximum(self._rows("var"), 0.0))
+        return np.asarray(np.sqrt(np.maximum(self.rows("var"), 0.0)))
 
     @property
     def states(self) -> tuple[str, ...]:
         """Names along the estimates."""
-        return self.filter.model.states
+        return self.design.model.states
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the estimates of any quantity of the model along the record, SI, shape (N,)."""
@@ -157,117 +148,93 @@ class FilterRun:
             A state, an estimated parameter, or what follows from them: its standard deviation is then first-order, by the
             exact Jacobian and the whole covariance.
         """
-        if name in self.states or name in self.filter.parameters or name not in self.filter.model:
-            return named(self.filter, self.x, self.std, name)
-        from shipid.estimation.records.derived import along
-
-        return along(self, name)
+        if name in self.states or name in self.design.parameters or name not in self.design.model:
+            return named(self.design, self.x, self.std, name)
+        shown = self.arranged.shown
+        joint = np.concatenate([self.x, self.rows("w")], axis=1)
+        inputs, intervals = self.arranged.inputs[shown], self.arranged.intervals[shown]
+        return quantity_along(self.design, name, joint, self.joint_covariance, inputs, intervals)
 
     @functools.cached_property
     def joint_covariance(self) -> np.ndarray:
         """Covariance after each sample of the states and the noise that sensors share with them, shape (N, joint, joint)."""
-        return unpacked(self._rows("P"), self.filter.layout.joint)
+        return unpacked(self.rows("P"), self.design.layout.joint)
 
     @property
     def covariance(self) -> np.ndarray:
         """Covariance of the states after each sample, shape (N, states, states)."""
-        n = self.filter.layout.n
+        n = self.design.layout.n
         return self.joint_covariance[:, :n, :n]
 
     @property
     def log_likelihood(self) -> float:
         """Logarithm of the likelihood of what was taken in, given the model and the noise levels."""
-        return float(self._out[:, self.filter.layout.full["ll"]].sum())
+        return float(self.out[:, self.design.layout.full["ll"]].sum())
 
     @functools.cached_property
     def innovations(self) -> dict[str, Innovations]:
         """Innovations by sensor."""
-        e, spread, fate = (self._rows(n) for n in ("e", "S", "fate"))
-        return {n: _innovations(self, i, e[:, i], spread[:, i], fate[:, i]) for i, n in enumerate(self.filter.measured)}
+        e, spread, fate = (self.rows(n) for n in ("e", "S", "fate"))
+        return {n: _innovations(self, i, e[:, i], spread[:, i], fate[:, i]) for i, n in enumerate(self.design.measured)}
 
     @property
     def nis(self) -> np.ndarray:
         """Sum of the squared normalised innovations taken in at each sample, shape (N,)."""
-        fate = self._rows("fate") == TAKEN
-        return np.where(fate, self._rows("e") ** 2 / self._rows("S"), 0.0).sum(axis=1)
+        fate = self.rows("fate") == TAKEN
+        return np.asarray(np.where(fate, self.rows("e") ** 2 / self.rows("S"), 0.0).sum(axis=1))
 
     @functools.cached_property
-    def parameters(self) -> dict[str, ParameterEstimate]:
+    def parameters(self) -> dict[str, Estimate]:
         """The last estimate of each parameter, then of the published ones that follow, with 95 % intervals.
 
         The interval of one estimated by its logarithm is exact, that of one that follows first-order.
         """
         result = {}
-        for name, state in self.filter.parameters.items():
-            i = self.states.index(state)
-            entry = self.filter.base[name]
-            x, std = float(self.x[-1, i]), float(self.std[-1, i])
-            value, spread = (x, std) if state == name else (float(np.exp(x)), float(np.exp(x)) * std)
-            ends = (x - _Z95 * std, x + _Z95 * std)
-            low, high = ends if state == name else (float(np.exp(ends[0])), float(np.exp(ends[1])))
-            result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, spread, (low, high))
+        for name, state in self.design.parameters.items():
+            value, spread = (float(column[-1]) for column in self.quantity(name))
+            ends = None
+            if state != name:
+                i = self.states.index(state)
+                low, high = interval_95(float(self.x[-1, i]), float(self.std[-1, i]))
+                ends = (float(np.exp(low)), float(np.exp(high)))
+            result[name] = estimate_of(self.design.base[name], value, spread, ci95=ends)
         for name in self._published:
-            entry = self.filter.base[name]
             value, spread = (float(column[-1]) for column in self.quantity(name))
             # A gain or a time constant that passes infinity is no number.
             if np.isfinite([value, spread]).all():
-                ends = (value - _Z95 * spread, value + _Z95 * spread)
-                result[name] = ParameterEstimate(
-                    name, entry.unit, entry.quantity.meaning, value, spread, ends, follows=True
-                )
+                result[name] = estimate_of(self.design.base[name], value, spread, follows=True)
         return result
 
     @property
     def _published(self) -> tuple[str, ...]:
-        from shipid.estimation.records.derived import published
+        return published(self.design.base, tuple(self.design.parameters))
 
-        return published(self.filter.base, tuple(self.filter.parameters))
-
-    def smooth(self) -> Smoothed:
-        """Return estimates that every sample of the record bears on (see `shipid.estimation.records.smoother`)."""
-        from shipid.estimation.records.smoother import smooth
-
-        return smooth(self)
-
-    def observability(self) -> Observability:
-        """Return which directions of the state the record tells nothing of (see `shipid.estimation.records.observability`)."""
-        from shipid.estimation.records.observability import observability
-
-        return observability(self)
-
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: time, estimates and standard deviations, SI, units in the headers."""
         import pandas as pd
 
         columns: dict[str, np.ndarray] = {"t [s]": self.t}
-        names = [s for s in self.states if s not in self.filter.parameters.values()]
-        for name in (*names, *self.filter.parameters, *self._published):
-            unit = self.filter.model[name].unit
+        names = [s for s in self.states if s not in self.design.parameters.values()]
+        for name in (*names, *self.design.parameters, *self._published):
+            unit = self.design.model[name].unit
             columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = self.quantity(name)
         return pd.DataFrame(columns)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values, free of NaN."""
         return {
-            "model": self.filter.base.name,
-            "ship": self.filter.ship.name,
+            "model": self.design.base.name,
+            "ship": self.design.ship.name,
             "record": self.record,
             "samples": int(self.t.size),
             "parameters": {
-                n: {
-                    "value": p.value,
-                    "unit": p.unit,
-                    "std": p.std,
-                    "ci95": list(p.interval),
-                    "identifiable": p.determined,
-                    "meaning": p.meaning,
-                }
+                n: {key: value for key, value in p.to_dict().items() if key in _REPORTED}
                 for n, p in self.parameters.items()
             },
             "states": {
-                n: {"value": float(self[n][-1]), "std": float(self.std_of(n)[-1]), "unit": self.filter.model[n].unit}
+                n: {"value": float(self[n][-1]), "std": float(self.std_of(n)[-1]), "unit": self.design.model[n].unit}
                 for n in self.states
-                if n not in self.filter.parameters.values()
+                if n not in self.design.parameters.values()
             },
             "innovations": {
                 n: {
@@ -285,9 +252,8 @@ class FilterRun:
         }
 
     def __repr__(self) -> str:
-        lines = [f"{self.filter!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
-        for name, p in self.parameters.items():
-            lines.append(f"  {name:<12s}{p.value:11.4g} ± {p.std:.2g} {p.unit}   {p.meaning}")
+        lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
+        lines += [f"  {p}" for p in self.parameters.values()]
         for name, i in self.innovations.items():
             mean = "-" if i.nis_mean is None else f"{i.nis_mean:.3f}"
             white = "-" if i.white_p is None else f"{i.white_p:.2g}"
@@ -295,26 +261,6 @@ class FilterRun:
                 f"  innovations of {name:<10s} NIS {mean} (1 is right), whiteness p {white}, rejected {i.rejected}"
             )
         return "\n".join(lines)
-
-
-def named(kalman: ExtendedKalmanFilter, x: np.ndarray, std: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return estimates and standard deviations of a state or an estimated parameter, SI, the states along the last axis.
-
-    Parameters
-    ----------
-    kalman : ExtendedKalmanFilter
-        Whose states they are.
-    x, std : ndarray, shape (..., states)
-        Estimates and standard deviations; of a logarithm where a parameter is estimated by it.
-    name : str
-        A state or an estimated parameter.
-    """
-    state, states = kalman.parameters.get(name, name), kalman.model.states
-    if state not in states:
-        known = [*states, *kalman.parameters]
-        raise UnknownNameError(f"state or estimated parameter of model {kalman.base.name} called", name, known)
-    at, spread = x[..., states.index(state)], std[..., states.index(state)]
-    return (at, spread) if state == name else (np.exp(at), np.exp(at) * spread)
 
 
 def _innovations(run: FilterRun, i: int, e: np.ndarray, spread: np.ndarray, fate: np.ndarray) -> Innovations:
@@ -339,20 +285,3 @@ def _innovations(run: FilterRun, i: int, e: np.ndarray, spread: np.ndarray, fate
         band,
         whiteness(normalised),
     )
-
-
-def unpacked(packed: np.ndarray, n: int) -> np.ndarray:
-    """Return symmetric matrices of packed upper triangles, shape (N, n, n).
-
-    Parameters
-    ----------
-    packed : ndarray, shape (N, n (n + 1) / 2)
-        Columns one after the other.
-    n : int
-        Size.
-    """
-    rows = np.concatenate([np.arange(j + 1) for j in range(n)]) if n else np.zeros(0, dtype=int)
-    columns = np.repeat(np.arange(n), np.arange(1, n + 1))
-    full = np.empty((packed.shape[0], n, n))
-    full[:, rows, columns] = full[:, columns, rows] = packed
-    return full

@@ -6,26 +6,45 @@ predicted one, which makes the result that of the joint update.
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 
 from shipid.estimation.recursion.equations import Equations
+from shipid.foundation.aliases import Expression
 
 
 def size(n: int) -> int:
-    """Length of the carried vector for `n` unknowns."""
+    """Return the length of the carried vector.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    """
     return n * (n + 1) // 2
 
 
-def symbol(n: int) -> tuple[Any, Any]:
-    """Return the carried vector as a symbol, and the covariance it stands for."""
+def symbol(n: int) -> tuple[Expression, Expression]:
+    """Return the carried vector as a symbol, and the covariance it stands for.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    """
     packed = ca.SX.sym("P", size(n))
     return packed, unpack(packed, n)
 
 
-def unpack(packed: Any, n: int) -> Any:
-    """Return the symmetric matrix of a packed upper triangle (columns one after the other)."""
+def unpack(packed: Expression, n: int) -> Expression:
+    """Return the symmetric matrix of a packed upper triangle.
+
+    Parameters
+    ----------
+    packed : casadi.SX, shape (n (n + 1) / 2,)
+        The columns of the triangle one after the other.
+    n : int
+        Size of the matrix.
+    """
     full = ca.SX(n, n)
     k = 0
     for j in range(n):
@@ -35,13 +54,19 @@ def unpack(packed: Any, n: int) -> Any:
     return full
 
 
-def pack(covariance: Any) -> Any:
-    """Return the upper triangle of a symmetric matrix as one column."""
+def pack(covariance: Expression) -> Expression:
+    """Return the upper triangle of a symmetric matrix as one column.
+
+    Parameters
+    ----------
+    covariance : casadi.SX, shape (n, n)
+        The matrix.
+    """
     n = covariance.shape[0]
     return ca.vertcat(*(covariance[i, j] for j in range(n) for i in range(j + 1))) if n else ca.SX(0, 1)
 
 
-def predicted(equations: Equations, covariance: Any) -> Any:
+def predicted(equations: Equations, covariance: Expression) -> Expression:
     """Return the covariance of the joint vector at the end of the interval.
 
     Parameters
@@ -55,9 +80,9 @@ def predicted(equations: Equations, covariance: Any) -> Any:
     before = covariance + 0
     for i in range(n):
         before[i, i] += equations.spread[i]
-    block = _symmetric(equations.transition @ before @ equations.transition.T)
+    block = symmetric(equations.transition @ before @ equations.transition.T)
     for column, variance in equations.added:
-        block = block + _symmetric((column * variance) @ column.T)
+        block = block + symmetric((column * variance) @ column.T)
     for i in range(n):
         block[i, i] += equations.spread[i]
     result = ca.SX.zeros(total, total)
@@ -67,7 +92,7 @@ def predicted(equations: Equations, covariance: Any) -> Any:
     return result
 
 
-def innovation(covariance: Any, row: Any, variance: Any) -> Any:
+def innovation(covariance: Expression, row: Expression, variance: Expression) -> Expression:
     """Return the innovation variance of a sensor.
 
     Parameters
@@ -78,7 +103,7 @@ def innovation(covariance: Any, row: Any, variance: Any) -> Any:
     return (row @ covariance @ row.T) + variance
 
 
-def stretched(covariance: Any, index: int, factor: Any) -> Any:
+def inflated(covariance: Expression, index: int, factor: Expression) -> Expression:
     """Return the covariance in which the standard deviation of one unknown is so many times larger.
 
     Parameters
@@ -96,7 +121,9 @@ def stretched(covariance: Any, index: int, factor: Any) -> Any:
     return wider
 
 
-def updated(covariance: Any, row: Any, variance: Any, taken: Any, adapting: Any = None) -> tuple[Any, Any, Any]:
+def updated(
+    covariance: Expression, row: Expression, variance: Expression, taken: Expression, adapting: Expression = None
+) -> tuple[Expression, Expression, Expression]:
     """Return gain, new covariance and innovation variance of one sensor.
 
     Parameters
@@ -117,18 +144,43 @@ def updated(covariance: Any, row: Any, variance: Any, taken: Any, adapting: Any 
     spread = (row @ column) + variance
     gain = column / spread * taken
     if adapting is None:
-        return gain, _symmetric(covariance - gain @ column.T), spread
+        return gain, symmetric(covariance - gain @ column.T), spread
     gain = gain * adapting
     # (I - K H) P (I - K H)' + K R K' for one sensor, with S = H P H' + R.
     joseph = covariance - gain @ column.T - column @ gain.T + (gain * spread) @ gain.T
-    return gain, _symmetric(joseph), spread
+    return gain, symmetric(joseph), spread
 
 
-def _symmetric(matrix: Any) -> Any:
-    """Keep the upper triangle and mirror it: the lower one is never computed."""
+def symmetric(matrix: Expression) -> Expression:
+    """Return the upper triangle of a matrix and its mirror image: the lower one is never computed.
+
+    Parameters
+    ----------
+    matrix : casadi.SX, shape (n, n)
+        A matrix that is symmetric but for rounding.
+    """
     return ca.densify(ca.triu2symm(ca.triu(matrix)))
 
 
-def variances(covariance: Any, n: int) -> Any:
-    """Return the variances of the first `n` unknowns."""
+def covariance_of(covariance: Expression) -> Expression:
+    """Return the covariance that is carried: in this form itself.
+
+    Parameters
+    ----------
+    covariance : casadi.SX, shape (n, n)
+        The matrix.
+    """
+    return covariance
+
+
+def variances(covariance: Expression, n: int) -> Expression:
+    """Return the variances of the first unknowns.
+
+    Parameters
+    ----------
+    covariance : casadi.SX
+        The matrix.
+    n : int
+        How many.
+    """
     return ca.vertcat(*(covariance[i, i] for i in range(n)))

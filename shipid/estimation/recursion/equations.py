@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.estimation.settings.noise import Source
+from shipid.estimation.settings.noise import NoiseSource
 from shipid.foundation.aliases import Expression
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
@@ -30,7 +30,7 @@ class Equations:
         The model.
     measured : tuple of str
         Quantities with a sensor.
-    sources : tuple of Source
+    sources : tuple of NoiseSource
         What drives the states.
     carried : tuple of int
         Which sources are unknowns of the joint vector, by index.
@@ -54,22 +54,22 @@ class Equations:
 
     system: System
     measured: tuple[str, ...]
-    sources: tuple[Source, ...]
+    sources: tuple[NoiseSource, ...]
     carried: tuple[int, ...]
-    joint: Any
-    u0: Any
-    u1: Any
-    T: Any
-    p: Any
-    levels: Any
-    scale: Any
-    advanced: Any
-    transition: Any
-    added: tuple[tuple[Any, Any], ...]
-    spread: Any
-    shown: Any
-    sensitivity: Any
-    doubled: tuple[tuple[Any, Any], ...] = ()
+    joint: Expression
+    u0: Expression
+    u1: Expression
+    T: Expression
+    p: Expression
+    levels: Expression
+    scale: Expression
+    advanced: Expression
+    transition: Expression
+    added: tuple[tuple[Expression, Expression], ...]
+    spread: Expression
+    shown: Expression
+    sensitivity: Expression
+    doubled: tuple[tuple[Expression, Expression], ...] = ()
 
     @property
     def model(self) -> Model:
@@ -87,11 +87,53 @@ class Equations:
         both = ca.vertcat(ca.vec(self.transition), ca.vec(self.sensitivity))
         return not ca.depends_on(both, self.joint)
 
-    def carried_variance(self) -> list[Any]:
-        """Return the variance of each carried noise in one sample."""
-        return [self._variance(i) for i in self.carried]
+    @property
+    def carried_noise(self) -> Expression:
+        """The carried noise as what it adds to each input at the end of the interval, casadi.SX, shape (inputs,)."""
+        noise, states = ca.SX.zeros(self.system.u.shape[0]), self.system.x.shape[0]
+        for k, i in enumerate(self.carried):
+            noise[self.system.inputs.index(self.sources[i].name)] += self.joint[states + k]
+        return noise
 
-    def _variance(self, index: int) -> Any:
+    def carried_variance(self) -> list[Expression]:
+        """Return the variance of each carried noise in one sample."""
+        return [self.variance_of(i) for i in self.carried]
+
+    def sensor_variance(self, sensor: int, deviation: Expression) -> Expression:
+        """Return the variance of what a sensor shows: its own noise, and noise of inputs that is not carried.
+
+        Parameters
+        ----------
+        sensor : int
+            Which sensor.
+        deviation : casadi.SX, shape (sensors,)
+            Standard deviations of the sensors.
+        """
+        return deviation[sensor] ** 2 + sum(effect[sensor] ** 2 * variance for effect, variance in self.doubled)
+
+    def innovation(self, sensor: int, z: Expression, shown: Expression, wraps: bool) -> Expression:
+        """Return what a sensor shows less what was predicted; of an angle that wraps the difference within half a turn.
+
+        Parameters
+        ----------
+        sensor : int
+            Which sensor.
+        z, shown : casadi.SX, shape (sensors,)
+            What the sensors show, and what was predicted.
+        wraps : bool
+            Whether the sensor shows an angle that wraps.
+        """
+        e = z[sensor] - shown[sensor]
+        return e - 2 * np.pi * ca.floor(e / (2 * np.pi) + 0.5) if wraps else e
+
+    def variance_of(self, index: int) -> Expression:
+        """Return the variance that a noise source adds over the interval (to a state), or has in a sample (an input).
+
+        Parameters
+        ----------
+        index : int
+            Which source.
+        """
         source = self.sources[index]
         power = (self.levels[index] * self.scale[index]) ** 2
         # With no time between two samples there is no step for the noise to enter.
@@ -103,7 +145,7 @@ class Equations:
 def make_equations(
     model: Model,
     measured: Mapping[str, float] | tuple[str, ...],
-    sources: tuple[Source, ...],
+    sources: tuple[NoiseSource, ...],
     method: str,
     hold: str,
     substeps: int,
@@ -117,12 +159,16 @@ def make_equations(
         With estimated parameters as states.
     measured : sequence of str
         Quantities with a sensor.
-    sources : tuple of Source
+    sources : tuple of NoiseSource
         What drives the states.
     method, hold, substeps
         See `shipid.generation.step.make_step`.
     shared : bool
         Whether noise that drives a state and shows in a sensor is carried from the one to the other.
+
+    Returns
+    -------
+    Equations
     """
     system = generate(model)
     names = tuple(measured)
@@ -178,15 +224,17 @@ def make_equations(
     )
     added, spread = [], ca.SX.zeros(system.x.shape[0])
     for k, i in enumerate(other):
-        added.append((effect[:, k], equations._variance(i)))
+        added.append((effect[:, k], equations.variance_of(i)))
     for i, source in enumerate(sources):
         if source.place == "state":
             row = system.states.index(source.name)
             if source.density:
-                spread[row] += equations._variance(i) / 2
+                spread[row] += equations.variance_of(i) / 2
             else:
                 unit = ca.SX(system.x.shape[0], 1)
                 unit[row] = 1
-                added.append((unit, equations._variance(i)))
-    doubled = [(by_input[:, system.inputs.index(sources[i].name)], equations._variance(i)) for i in seen if not shared]
+                added.append((unit, equations.variance_of(i)))
+    doubled = [
+        (by_input[:, system.inputs.index(sources[i].name)], equations.variance_of(i)) for i in seen if not shared
+    ]
     return replace(equations, added=tuple(added), spread=spread, doubled=tuple(doubled))

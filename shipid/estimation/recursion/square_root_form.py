@@ -7,33 +7,63 @@ times the covariance form, and single precision then holds as many digits of P a
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 
 from shipid.estimation.recursion.equations import Equations
+from shipid.foundation.aliases import Expression
 
 #: Stands for a norm of zero, where nothing is uncertain and nothing is to be divided.
 _TINY = 1e-30
 
 
 def size(n: int) -> int:
-    """Length of the carried vector for `n` unknowns."""
+    """Return the length of the carried vector.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    """
     return n * n
 
 
-def symbol(n: int) -> tuple[Any, Any]:
-    """Return the carried vector as a symbol, and the root it stands for."""
+def symbol(n: int) -> tuple[Expression, Expression]:
+    """Return the carried vector as a symbol, and the root it stands for.
+
+    Parameters
+    ----------
+    n : int
+        Number of unknowns.
+    """
     packed = ca.SX.sym("S", size(n))
-    return packed, ca.reshape(packed, n, n)
+    return packed, unpack(packed, n)
 
 
-def pack(root: Any) -> Any:
-    """Return the root as one column."""
+def unpack(packed: Expression, n: int) -> Expression:
+    """Return the root of a carried vector.
+
+    Parameters
+    ----------
+    packed : casadi.SX, shape (n n,)
+        Its columns one after the other.
+    n : int
+        Number of unknowns.
+    """
+    return ca.reshape(packed, n, n)
+
+
+def pack(root: Expression) -> Expression:
+    """Return the root as one column.
+
+    Parameters
+    ----------
+    root : casadi.SX, shape (n, n)
+        The root.
+    """
     return ca.vec(ca.densify(root))
 
 
-def predicted(equations: Equations, root: Any) -> Any:
+def predicted(equations: Equations, root: Expression) -> Expression:
     """Return the root at the end of the interval (see `shipid.estimation.recursion.covariance_form.predicted`).
 
     Parameters
@@ -57,7 +87,7 @@ def predicted(equations: Equations, root: Any) -> Any:
     return result
 
 
-def _triangular(wide: Any) -> Any:
+def _triangular(wide: Expression) -> Expression:
     """Return the lower triangle L with ``L L' = A A'``."""
     n = wide.shape[0]
     rows = [wide[i, :] for i in range(n)]
@@ -72,7 +102,7 @@ def _triangular(wide: Any) -> Any:
     return lower
 
 
-def innovation(root: Any, row: Any, variance: Any) -> Any:
+def innovation(root: Expression, row: Expression, variance: Expression) -> Expression:
     """Return the innovation variance of a sensor (see the covariance form).
 
     Parameters
@@ -83,7 +113,7 @@ def innovation(root: Any, row: Any, variance: Any) -> Any:
     return ca.sumsqr(root.T @ row.T) + variance
 
 
-def stretched(root: Any, index: int, factor: Any) -> Any:
+def inflated(root: Expression, index: int, factor: Expression) -> Expression:
     """Return the root in which the standard deviation of one unknown is so many times larger.
 
     Parameters
@@ -100,7 +130,9 @@ def stretched(root: Any, index: int, factor: Any) -> Any:
     return wider
 
 
-def updated(root: Any, row: Any, variance: Any, taken: Any, adapting: Any = None) -> tuple[Any, Any, Any]:
+def updated(
+    root: Expression, row: Expression, variance: Expression, taken: Expression, adapting: Expression = None
+) -> tuple[Expression, Expression, Expression]:
     """Return gain, new root and innovation variance of one sensor (see the covariance form).
 
     Parameters
@@ -122,11 +154,25 @@ def updated(root: Any, row: Any, variance: Any, taken: Any, adapting: Any = None
     return gain, root - gain @ seen.T / (1 + ca.sqrt(variance / spread)), spread
 
 
-def covariance(root: Any) -> Any:
-    """Return ``S S'``."""
+def covariance_of(root: Expression) -> Expression:
+    """Return the covariance ``S S'``.
+
+    Parameters
+    ----------
+    root : casadi.SX, shape (n, n)
+        The root S.
+    """
     return root @ root.T
 
 
-def variances(root: Any, n: int) -> Any:
-    """Return the variances of the first `n` unknowns."""
+def variances(root: Expression, n: int) -> Expression:
+    """Return the variances of the first unknowns.
+
+    Parameters
+    ----------
+    root : casadi.SX
+        The root.
+    n : int
+        How many.
+    """
     return ca.vertcat(*(ca.sumsqr(root[i, :]) for i in range(n)))

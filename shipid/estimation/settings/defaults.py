@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from typing import Any
 
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
-from shipid.estimation.records.arrangement import column_of
+from shipid.estimation.settings.instruments import Amount, column_of
 from shipid.trials.manoeuvres.simulate import standard_noise
 
 _TRACK = ("x", "y")
 
 
-def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Any]:
+def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Amount | None]:
     """Return the sensors a record holds: the declared outputs of a model, or its quantities that a standard sensor measures.
 
     Parameters
@@ -34,7 +33,7 @@ def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Any]:
         If the record holds none.
     """
     if model.outputs:
-        found: dict[str, Any] = {n: None for n in model.outputs if column_of(model, n, columns)}
+        found: dict[str, Amount | None] = {n: None for n in model.outputs if column_of(model, n, columns)}
     else:
         known = [*model.states, *model.derived]
         found = {n: (v, model[n].unit) for n, v in standard_noise().items() if n in known and n in columns}

@@ -1,26 +1,28 @@
-"""Where a filter starts: the first estimate of each state, and how sure it is."""
+"""Where a filter starts: the first estimate of each state, and its standard deviation."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from shipid.declaration.model import Entry, Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.estimation.errors import NoiseLevelError
+from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.parameters.parameter_set import ParameterSet
 
 #: Default standard deviation of a first estimate: a share of a parameter, and of what L and U make of any other unit.
 PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
-#: A state that starts from a first sample is so many times less sure than that: one part in a hundred of it counts twice.
-VAGUER = 10.0
+#: A state that starts from a first sample has so many times its standard deviation: one part in a hundred of it counts twice.
+WIDER = 10.0
 
 
-def walking(model: Model) -> tuple[str, ...]:
-    """Return the parameters whose declaration says how they walk: those a filter estimates unless told otherwise.
+def drifting(model: Model) -> tuple[str, ...]:
+    """Return the parameters that are declared with noise: those a filter estimates unless the user names others.
 
     Parameters
     ----------
@@ -30,14 +32,56 @@ def walking(model: Model) -> tuple[str, ...]:
     return tuple(n for n in model.parameters if model[n].quantity.noise)
 
 
+@dataclass(frozen=True)
+class FirstEstimates:
+    """What is known of states and parameters before the first sample, SI.
+
+    Attributes
+    ----------
+    states : mapping of str to float
+        First estimates of states that the user gave.
+    parameters : mapping of str to tuple of float
+        First value and standard deviation of each estimated parameter.
+    deviations : mapping of str to float
+        Standard deviations that the user gave, by state or estimated parameter.
+    """
+
+    states: Mapping[str, float]
+    parameters: Mapping[str, tuple[float, float]]
+    deviations: Mapping[str, float]
+
+
+def read_states(model: Model, given: Mapping[str, Amount], parameters: Collection[str]) -> dict[str, float]:
+    """Return first estimates of states, SI.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    given : mapping of str to str
+        By state, with units.
+    parameters : collection of str
+        Estimated parameters, for the message.
+
+    Raises
+    ------
+    UnknownNameError
+        If a name is no state.
+    """
+    for name in given:
+        if name not in model.states:
+            known = [*model.states, *parameters]
+            raise UnknownNameError(f"state of model {model.name} to start called", name, known)
+    return {n: to_si(v, model[n].unit, f"start of '{n}'") for n, v in given.items()}
+
+
 def parameter_starts(
     base: Model,
     names: tuple[str, ...],
     ship: ParameterSet,
     known: Mapping[str, float],
-    given: Mapping[str, str | float],
-    length: float | None,
-    speed: float | None,
+    given: Mapping[str, Amount],
+    scale: Scale,
     spreads: Collection[str] = (),
 ) -> dict[str, tuple[float, float]]:
     """Return first value and standard deviation of each estimated parameter, SI.
@@ -54,87 +98,85 @@ def parameter_starts(
         The ship's values, SI.
     given : mapping of str to str
         First values that replace them, with units.
-    length, speed : float or None
-        L in m and U in m/s, for starts declared in the prime system.
+    scale : Scale
+        L and U, for starts declared in the prime system.
     spreads : collection of str
         Parameters whose standard deviation the user gives.
 
     Raises
     ------
     NoiseLevelError
-        If nothing says where a parameter starts, or how sure that is.
+        If neither start nor standard deviation of a parameter follow from what is given.
     """
     result = {}
     for name in names:
         entry = base[name]
-        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
-        declared = entry.number("start")
+        declared, factor = scale.start_of(entry), scale.factor_of(entry)
         if name in given:
             value = to_si(given[name], entry.unit, f"start of '{name}'")
         elif name in known:
             value = known[name]
         elif declared is not None:
-            value = declared * scale
+            value = declared
         else:
             raise NoiseLevelError(f"nothing says where the estimate of '{name}' starts: give start={{'{name}': ...}}.")
         spread = entry.number("spread")
         held = ship.find(base, name)
         if held is not None and held.std is not None and name not in given:
             deviation = abs(to_si((held.std, held.unit), entry.unit, f"standard deviation of '{name}'"))
-        elif spread is not None:
-            deviation = spread * scale
+        elif spread is not None and np.isfinite(factor):
+            deviation = spread * factor
         else:
-            deviation = PARAMETER_SHARE * max(abs(value), abs((declared or 0.0) * scale))
+            deviation = PARAMETER_SHARE * max(abs(value), abs(declared or 0.0))
         if not deviation and name not in spreads:
-            deviation = _room(entry, scale)
+            deviation = _usual_size(entry, scale)
         result[name] = (value, deviation)
     return result
 
 
-def _room(entry: Entry, scale: float) -> float:
-    """How unsure a parameter is that starts at zero, of which a share says nothing: its nominal size, or its bounds."""
-    nominal, low, high = (entry.number(n) for n in ("nominal", "low", "high"))
-    if nominal:
-        return abs(nominal) * scale
-    if low is None or high is None:
+def _usual_size(entry: Entry, scale: Scale) -> float:
+    """Return the standard deviation of a parameter that starts at zero: its nominal size, or a quarter of its bounds."""
+    nominal, (low, high) = entry.number("nominal"), scale.bounds_of(entry)
+    size = abs(nominal) * scale.factor_of(entry) if nominal else (high - low) / 4
+    if not np.isfinite(size):
         # It would never move: what is certain to be zero is not estimated.
         raise NoiseLevelError(
-            f"the estimate of '{entry.name}' starts at zero, and nothing says how sure that is: give "
+            f"the estimate of '{entry.name}' starts at zero, and nothing gives its standard deviation: give "
             f"initial={{'{entry.name}': ...}}, its first standard deviation."
         )
-    return (high - low) / 4 * scale
+    return size
 
 
-def state_spreads(model: Model, length: float | None, speed: float | None, sensors: Mapping[str, float]) -> np.ndarray:
+def state_spreads(model: Model, scale: Scale, sensors: Mapping[str, float]) -> np.ndarray:
     """Return the default standard deviation of each first state, SI, shape (states,).
 
     Parameters
     ----------
     model : Model
         The model.
-    length, speed : float or None
-        L in m and U in m/s.
+    scale : Scale
+        L and U.
     sensors : mapping of str to float
         Noise of the sensor that shows a state, by state: the first estimate comes from its first sample.
     """
     result = np.empty(len(model.states))
     for i, name in enumerate(model.states):
         spread, nominal = model[name].number("spread"), model[name].number("nominal")
-        vaguer = 1.0
+        wider = 1.0
         if spread is None:
-            # The sample the estimate starts from is taken in as well: a start hardly vaguer than that would count it twice.
-            vaguer = VAGUER
+            # The sample the estimate starts from is taken in as well: a start hardly wider than that would count it twice.
+            wider = WIDER
             try:
-                scaled = STATE_SHARE * prime_factor(model[name].unit, length, speed) if length and speed else None
+                spread = STATE_SHARE * scale.factor(model[name].unit) if scale.known else None
             except UnitError:
-                scaled = None
-            spread = scaled if scaled is not None else abs(nominal) if nominal else 1.0
-        result[i] = np.hypot(spread, vaguer * sensors.get(name, 0.0))
+                spread = None
+            spread = spread if spread is not None else abs(nominal) if nominal else 1.0
+        result[i] = np.hypot(spread, wider * sensors.get(name, 0.0))
     return result
 
 
-def read_deviations(model: Model, given: Mapping[str, str | float], estimated: Mapping[str, str]) -> dict[str, float]:
-    """Read standard deviations of first estimates given by the user, SI, by state or parameter.
+def read_deviations(model: Model, given: Mapping[str, Amount], estimated: Mapping[str, str]) -> dict[str, float]:
+    """Return standard deviations of first estimates given by the user, SI, by state or parameter.
 
     Parameters
     ----------
@@ -166,8 +208,8 @@ def read_deviations(model: Model, given: Mapping[str, str | float], estimated: M
     return result
 
 
-def bounds_of(
-    base: Model, model: Model, estimated: Mapping[str, str], length: float | None, speed: float | None
+def state_bounds(
+    base: Model, model: Model, estimated: Mapping[str, str], scale: Scale
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the bounds of the states, SI, shapes (states,): an estimated parameter keeps those it was declared with.
 
@@ -177,16 +219,12 @@ def bounds_of(
         Without and with the estimated parameters as states.
     estimated : mapping of str to str
         The state of each estimated parameter; a logarithm needs no bounds.
-    length, speed : float or None
-        L in m and U in m/s, for bounds declared in the prime system.
+    scale : Scale
+        L and U, for bounds declared in the prime system.
     """
     low, high = np.full(len(model.states), -np.inf), np.full(len(model.states), np.inf)
     for name, state in estimated.items():
-        if state != name:
-            continue
-        entry, i = base[name], model.states.index(state)
-        scale = prime_factor(entry.unit, length, speed) if entry.quantity.prime and length and speed else 1.0
-        least, most = entry.number("low"), entry.number("high")
-        low[i] = -np.inf if least is None else least * scale
-        high[i] = np.inf if most is None else most * scale
+        if state == name:
+            i = model.states.index(state)
+            low[i], high[i] = scale.bounds_of(base[name])
     return low, high

@@ -8,23 +8,24 @@ the variance ``level**2 / T``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale, prime_exponents
 from shipid.declaration.units import to_si, unit
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
+from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
+from shipid.generation.linearisation import COORDINATES
 
 #: Default density of the noise that drives a state, in the prime system: a model of low order is wrong by about as much.
 MODEL_NOISE = 0.005
-_COORDINATES = ("x", "y", "psi")
 
 
 @dataclass(frozen=True)
-class Source:
+class NoiseSource:
     """White noise that enters a model.
 
     Attributes
@@ -38,7 +39,7 @@ class Source:
     density : bool
         Whether the level is per root second (for an input: times root second).
     assumed : bool
-        Whether nobody gave it, so that it is the toolbox's default.
+        Whether it is the toolbox's default.
     """
 
     name: str
@@ -48,7 +49,7 @@ class Source:
     assumed: bool = False
 
 
-def sensor_levels(model: Model, measured: Mapping[str, Any]) -> dict[str, float]:
+def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[str, float]:
     """Return the standard deviation of one sample of each sensor, SI.
 
     Parameters
@@ -91,7 +92,7 @@ def _example(own: str) -> str:
     return f"'0.2 {own.replace('rad', 'deg')}'" if own != "1" else "'0.01'"
 
 
-def _positive(value: Any, units: Sequence[str], what: str) -> tuple[float, int]:
+def _positive(value: Amount, units: Sequence[str], what: str) -> tuple[float, int]:
     """Read a positive level in one of several units; return it in SI, and which unit it was."""
     refused: UnitError | None = None
     for i, wanted in enumerate(units):
@@ -113,15 +114,29 @@ def _positive(value: Any, units: Sequence[str], what: str) -> tuple[float, int]:
     raise UnitError(f"{refused} A noise level here is in {choices}.")
 
 
+def declared_noise(base: Model, model: Model, estimated: Collection[str]) -> dict[str, Amount]:
+    """Return the noise that a model declares on its states and inputs, and on the parameters that are estimated.
+
+    Parameters
+    ----------
+    base, model : Model
+        Without and with the estimated parameters as states.
+    estimated : collection of str
+        The estimated parameters.
+    """
+    entries = [e for e in model.entries.values() if e.quantity.kind in ("state", "given")]
+    return {e.name: e.quantity.noise for e in (*entries, *(base[n] for n in estimated)) if e.quantity.noise}
+
+
 def process_sources(
     model: Model,
-    noise: Mapping[str, Any],
+    noise: Mapping[str, Amount],
     estimated: Mapping[str, str],
     sizes: Mapping[str, float],
-    length: float | None,
-    speed: float | None,
+    scale: Scale,
     model_noise: bool = True,
-) -> tuple[Source, ...]:
+    lost: Mapping[str, float] | None = None,
+) -> tuple[NoiseSource, ...]:
     """Return what drives the states: the levels given, and the default for moving states that have none.
 
     Parameters
@@ -134,10 +149,12 @@ def process_sources(
         The state that stands for each estimated parameter.
     sizes : mapping of str to float
         Value of each parameter that is estimated by its logarithm: its noise is taken as a share of it.
-    length, speed : float or None
-        L in m and U in m/s, for the default.
+    scale : Scale
+        L and U, for the default.
     model_noise : bool
         Whether states that have a rate, and are no parameter and no position or heading, get the default.
+    lost : mapping of str to float, optional
+        Standard deviation of inputs while they are missing, SI: a noise of its own where the input has none.
 
     Raises
     ------
@@ -148,30 +165,32 @@ def process_sources(
     UnitError
         If its unit fits neither a sample nor a density.
     """
-    found: list[Source] = []
+    found: list[NoiseSource] = []
     for name, value in noise.items():
         state = estimated.get(name, name)
         if state in model.states:
             share = sizes.get(name)
             own = model[name].unit if share is not None else model[state].unit
             level, dense = _positive(value, (own, _times(own, "1/s^0.5")), f"noise of '{name}'")
-            found.append(Source(state, level / abs(share or 1.0), "state", bool(dense)))
+            found.append(NoiseSource(state, level / abs(share or 1.0), "state", bool(dense)))
         elif name in model.inputs:
             own = model[name].unit
             level, dense = _positive(value, (own, _times(own, "s^0.5")), f"noise of '{name}'")
-            found.append(Source(name, level, "input", bool(dense)))
+            found.append(NoiseSource(name, level, "input", bool(dense)))
         else:
             raise UnknownNameError(
                 f"state, input or estimated parameter of model {model.name} to put noise on called",
                 name,
                 [*model.states, *model.inputs, *estimated],
             )
-    if model_noise and length and speed:
-        driven = {s.name for s in found} | set(estimated.values()) | set(_COORDINATES)
+    if model_noise and scale.known:
+        driven = {s.name for s in found} | set(estimated.values()) | set(COORDINATES)
         for name in model.states:
             if name not in driven and _walks(model, name):
                 density = _times(model[name].unit, "1/s^0.5")
-                found.append(Source(name, MODEL_NOISE * prime_factor(density, length, speed), "state", True, True))
+                found.append(NoiseSource(name, MODEL_NOISE * scale.factor(density), "state", True, True))
+    driven = {s.name for s in found}
+    found += [NoiseSource(n, v, "input", False) for n, v in (lost or {}).items() if n not in driven]
     return tuple(found)
 
 
@@ -179,7 +198,7 @@ def _walks(model: Model, name: str) -> bool:
     """Whether a state has a rate, and a unit that L and U scale."""
     equation = model[name].equation
     try:
-        prime_factor(model[name].unit, 1.0, 1.0)
+        prime_exponents(model[name].unit)
     except UnitError:
         return False
     return equation is not None and equation.kind == "rate"

@@ -14,22 +14,23 @@ import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import ClassVar
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.units import to_si
-from shipid.estimation.kalman import ExtendedKalmanFilter
+from shipid.estimation.kalman import ExtendedKalmanFilter, check_finite
 from shipid.estimation.online.online_filter import OnlineFilter
-from shipid.estimation.records.arrangement import Arrangement
+from shipid.estimation.records.arrangement import FilterRecord, arrange, columns_of
+from shipid.estimation.records.controls import controls_of
+from shipid.estimation.records.first_estimate import first_carried
 from shipid.estimation.records.run import FilterRun
-from shipid.estimation.records.vectors import carried_vector, columns_of, controls_of, first_sample
 from shipid.estimation.recursion import covariance_form
-from shipid.estimation.recursion.step import total
+from shipid.estimation.recursion.layout import Places
+from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.generation.loop import Loop, make_loop
-from shipid.trials.trial import Trial
+from shipid.generation.loop import Loop, Stepper, make_loop
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -40,13 +41,12 @@ class AdaptiveRun(FilterRun):
     ----------
     probabilities : ndarray, shape (N, levels)
         Of each level, after each sample.
+    smoothable : bool
+        Never: no smoother runs back over the mixture of several filters.
     """
 
     probabilities: np.ndarray
-
-    def smooth(self) -> Any:
-        """Refuse: the mixture of several filters has no smoother here."""
-        raise UsageError("an adaptive filter has no smoother; smooth the run of the filter it was made of.")
+    smoothable: ClassVar[bool] = False
 
 
 class AdaptiveFilter:
@@ -79,7 +79,8 @@ class AdaptiveFilter:
         factors: Sequence[float] = (1.0, 20.0),
         lasting: Sequence[str] = ("600 s", "60 s"),
     ) -> None:
-        driven = [s.name for s in kalman.sources]
+        design = kalman.design
+        driven = [s.name for s in design.sources]
         for name in raised:
             if name not in driven:
                 raise UnknownNameError("noise of the filter to raise called", name, driven)
@@ -92,19 +93,19 @@ class AdaptiveFilter:
             raise UsageError(
                 f"the factors {', '.join(f'{f:g}' for f in factors)} multiply a noise: each is above zero."
             )
-        if kalman.form != "covariance":
+        if design.form != "covariance":
             raise UsageError("an adaptive filter mixes covariances: make its filter with form='covariance'.")
-        self.kalman, self.raised, self.factors = kalman, tuple(raised), tuple(float(f) for f in factors)
+        self.design, self.raised, self.factors = design, tuple(raised), tuple(float(f) for f in factors)
         self.lasting = tuple(to_si(v, "s", "how long a level lasts") for v in lasting)
         if not all(v > 0 for v in self.lasting):
             raise UsageError(f"levels that last {', '.join(lasting)}: each lasts longer than zero.")
-        self._sources = [i for i, s in enumerate(kalman.sources) if s.name in raised]
+        self._sources = [i for i, s in enumerate(design.sources) if s.name in raised]
 
     def __repr__(self) -> str:
         levels = ", ".join(f"x{f:g} for {v:g} s" for f, v in zip(self.factors, self.lasting))
-        return f"<noise on {', '.join(self.raised)} at {levels}; {self.kalman!r}>"
+        return f"<noise on {', '.join(self.raised)} at {levels}; {self.design!r}>"
 
-    def step(self, full: bool = False) -> Any:
+    def step(self, full: bool = False) -> CasadiFunction:
         """Return the generated step; its carried vector is that of one filter after the other, then the probabilities.
 
         Parameters
@@ -112,7 +113,7 @@ class AdaptiveFilter:
         full : bool
             Whether it returns covariances and predicted values as well; the probabilities come last.
         """
-        base, layout, count = self.kalman.step(full), self.kalman.layout, len(self.factors)
+        base, layout, count = self.design.step(full), self.design.layout, len(self.factors)
         before = [ca.SX.sym(f"z{j}", base.size1_in(0)) for j in range(count)]
         control, constants = (ca.SX.sym(n, base.size1_in(i)) for i, n in ((1, "c"), (2, "k")))
         weight = ca.SX.sym("weight", count)
@@ -127,21 +128,21 @@ class AdaptiveFilter:
             following, out = base(self._mixed(before, before[j], shares), raised, constants)
             followed.append(following)
             outs.append(out)
-            likelihoods.append(self._told(out, control[layout.control["there"]]))
-        told = ca.vertcat(*likelihoods)
-        best = ca.mmax(told)
-        after = ahead * ca.exp(told - best)
+            likelihoods.append(self._log_likelihood(out, control[layout.control["there"]]))
+        logs = ca.vertcat(*likelihoods)
+        best = ca.mmax(logs)
+        after = ahead * ca.exp(logs - best)
         evidence = ca.sum1(after)
         # A level never becomes impossible: it could not come back in finite time.
         after = ca.fmax(after / evidence, 1e-9)
         after = after / ca.sum1(after)
         places = layout.full if full else layout.brief
-        out = self._told_together(outs, after, ahead, places, ca.log(evidence) + best)
+        out = self._mixture(outs, after, ahead, places, ca.log(evidence) + best)
         z = ca.vertcat(*followed, after)
         following, out = ca.cse([ca.densify(z), ca.densify(ca.vertcat(out, after))])
         return ca.Function("adaptive_step", [ca.vertcat(*before, weight), control, constants], [following, out])
 
-    def _transition(self, interval: Any) -> Any:
+    def _transition(self, interval: Expression) -> Expression:
         """Chance of every level (row) to be followed by every other (column)."""
         count = len(self.factors)
         chance = ca.SX(count, count)
@@ -151,9 +152,9 @@ class AdaptiveFilter:
                 chance[i, j] = stays if i == j else (1 - stays) / (count - 1)
         return ca.densify(chance)
 
-    def _mixed(self, before: Sequence[Any], own: Any, shares: Any) -> Any:
+    def _mixed(self, before: Sequence[Expression], own: Expression, shares: Expression) -> Expression:
         """The carried vector of one filter with its estimate and covariance replaced by the mixture of all."""
-        layout = self.kalman.layout
+        layout = self.design.layout
         joint = slice(0, layout.joint)
         mixture = sum(shares[i] * z[joint] for i, z in enumerate(before))
         packed = sum(
@@ -164,18 +165,18 @@ class AdaptiveFilter:
         mixed[joint], mixed[layout.carried["P"]] = mixture, packed
         return mixed
 
-    def _told(self, out: Any, there: Any) -> Any:
+    def _log_likelihood(self, out: Expression, there: Expression) -> Expression:
         """Logarithm of the likelihood of a sample; what one filter would reject counts for all as beyond the gate."""
-        brief, gate = self.kalman.layout.brief, self.kalman.gate
+        brief, gate = self.design.layout.brief, self.design.gate
         squares = out[brief["e"]] ** 2 / out[brief["S"]]
         if gate is not None:
             squares = ca.fmin(squares, gate.width**2)
         return -0.5 * ca.sum1(there * (ca.log(2 * np.pi * out[brief["S"]]) + squares))
 
-    def _told_together(
-        self, outs: Sequence[Any], after: Any, ahead: Any, places: Mapping[str, slice], evidence: Any
-    ) -> Any:
-        """What the mixture of all filters tells: means and variances, before a sample (`ahead`) and after it."""
+    def _mixture(
+        self, outs: Sequence[Expression], after: Expression, ahead: Expression, places: Places, evidence: Expression
+    ) -> Expression:
+        """The outputs of the mixture of all filters: means and variances, before a sample (`ahead`) and after it."""
         joined = sum(after[j] * out for j, out in enumerate(outs))
         predicted = sum(ahead[j] * out for j, out in enumerate(outs))
         off = [out - joined for out in outs]
@@ -210,28 +211,15 @@ class AdaptiveFilter:
 
     @functools.cached_property
     def _brief(self) -> Loop:
-        return make_loop(self.step(), self.kalman.compiled, self.kalman.single)
+        return make_loop(self.step(), self.design.compiled, self.design.single)
 
     @functools.cached_property
     def _full(self) -> Loop:
-        return make_loop(self.step(full=True), self.kalman.compiled, self.kalman.single)
-
-    def carried(self, record: Trial | Mapping[str, np.ndarray], arranged: Arrangement) -> np.ndarray:
-        """Return the carried vector before the first sample.
-
-        Parameters
-        ----------
-        record : Trial or mapping of str to ndarray
-            What is filtered.
-        arranged : Arrangement
-            The same, arranged.
-        """
-        first = carried_vector(self.kalman, first_sample(self.kalman, record), arranged.inputs[0])
-        return self.mixed_start(first)
+        return make_loop(self.step(full=True), self.design.compiled, self.design.single)
 
     def filter(
         self,
-        record: Trial | Mapping[str, np.ndarray],
+        record: FilterRecord,
         *,
         adapt: np.ndarray | bool = True,
         scale: Mapping[str, np.ndarray | float] | None = None,
@@ -252,16 +240,15 @@ class AdaptiveFilter:
         FilterDivergedError
             If the estimate runs away.
         """
-        kalman, count = self.kalman, len(self.factors)
-        arranged = kalman.arrangement(record)
-        control = controls_of(kalman, arranged, adapt, scale)
-        z0 = self.carried(record, arranged)
-        _, out = self.loop(full=True)(z0, control, kalman.constants)
+        design, count = self.design, len(self.factors)
+        arranged = arrange(design.instruments, record)
+        control = controls_of(design, arranged, adapt, scale)
+        start = first_carried(design, record, arranged.inputs)
+        _, out = self.loop(full=True)(self.mixed_start(start), control, design.constants)
         out = np.asarray(out, dtype=float)
-        kalman._check_finite(out, arranged)
-        start = z0[: total(kalman.layout.carried)]
-        told, probabilities = out[:, :-count], out[arranged.shown, -count:]
-        return AdaptiveRun(kalman, columns_of(record)[1], arranged, control, start, told, probabilities)
+        check_finite(design, arranged, out)
+        mixture, probabilities = out[:, :-count], out[arranged.shown, -count:]
+        return AdaptiveRun(design, columns_of(record)[1], arranged, control, start, mixture, probabilities)
 
     def start(self) -> OnlineAdaptive:
         """Return the filter for samples that arrive one by one."""
@@ -289,7 +276,7 @@ class OnlineAdaptive(OnlineFilter):
     """
 
     def __init__(self, adaptive: AdaptiveFilter) -> None:
-        super().__init__(adaptive.kalman)
+        super().__init__(adaptive.design)
         self.adaptive = adaptive
 
     @property
@@ -297,11 +284,15 @@ class OnlineAdaptive(OnlineFilter):
         """Of each level, after the last sample; None before the first."""
         return None if self.stepper is None else np.array(self.stepper.out[-len(self.adaptive.factors) :], dtype=float)
 
-    def _begin(self, sample: Mapping[str, float], inputs: np.ndarray) -> None:
-        super()._begin(sample, inputs)
-        assert self.stepper is not None
-        first = self.adaptive.mixed_start(self.stepper.z)
-        self.stepper = self.adaptive.loop().one_at_a_time(first, self.filter.constants)
+    def first_stepper(self, carried: np.ndarray) -> Stepper:
+        """Return the step of all filters, each of which starts from the same carried vector.
+
+        Parameters
+        ----------
+        carried : ndarray, shape (carried,)
+            What is known before the first sample.
+        """
+        return self.adaptive.loop().one_at_a_time(self.adaptive.mixed_start(carried), self.design.constants)
 
     def save(self, path: str | Path) -> None:
         """Refuse: the state of several filters is not one that `ExtendedKalmanFilter.restore` reads.
@@ -310,11 +301,16 @@ class OnlineAdaptive(OnlineFilter):
         ----------
         path : str or Path
             Where it would go.
+
+        Raises
+        ------
+        UsageError
+            Always.
         """
         raise UsageError(
             f"the state of an adaptive filter cannot be saved to {path}; start it anew from recent samples."
         )
 
 
-def _outer(d: Any) -> Any:
+def _outer(d: Expression) -> Expression:
     return d @ d.T

@@ -1,32 +1,28 @@
 """Filters in a row, each at its own rate: what one estimates is an input of those after it.
 
-One filter for everything carries the covariance of everything with everything. Where one part hardly tells another anything
-(the position of a ship says little of her yaw), two small filters do nearly as well: n (n + 1) / 2 elements each, after
-Passenier (1989), sections 5.2 and 5.4. What an earlier filter knows of the error of its estimate is lost on the way, unless
-it is passed on as noise of the input.
+One filter of all states carries the covariance of each with each. Where two parts are hardly correlated (the position of a
+ship and her yaw), two small filters do nearly as well: n (n + 1) / 2 elements each, after Passenier (1989), sections 5.2 and
+5.4. The covariance of what an earlier filter estimates is lost on the way, unless it is passed on as noise of the input.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from shipid.declaration.units import to_si
+from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import SensorRateError
 from shipid.estimation.kalman import ExtendedKalmanFilter
-from shipid.estimation.records.arrangement import read_every
-from shipid.estimation.records.clock import own_time
+from shipid.estimation.online.online_filter import OnlineEstimate
+from shipid.estimation.records.arrangement import FilterRecord, columns_of, read_every
+from shipid.estimation.records.clock import filter_time
 from shipid.estimation.records.run import FilterRun
-from shipid.estimation.records.vectors import columns_of
+from shipid.estimation.recursion import covariance_form
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
+from shipid.estimation.several.cascade_run import CascadeRun
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.trials.trial import Trial
-
-if TYPE_CHECKING:
-    from shipid.estimation.online.online_filter import OnlineEstimate
 
 
 class Cascade:
@@ -45,8 +41,8 @@ class Cascade:
 
     Attributes
     ----------
-    plain : mapping of str to ExtendedKalmanFilter
-        The filters; of an adaptive one, the filter it is made of.
+    designs : mapping of str to FilterDesign
+        What each filter is made of.
     passed : mapping of str to mapping of str to str
         For each filter, by input: the earlier filter it comes from.
 
@@ -68,7 +64,7 @@ class Cascade:
         if not filters:
             raise UsageError('a cascade needs at least one filter, as in Cascade({"yaw": yaw, "position": position}).')
         self.filters = dict(filters)
-        self.plain = {n: f.kalman if isinstance(f, AdaptiveFilter) else f for n, f in filters.items()}
+        self.designs: Mapping[str, FilterDesign] = {n: f.design for n, f in filters.items()}
         self.every = {}
         for name, value in (every or {}).items():
             if name not in self.filters:
@@ -78,12 +74,12 @@ class Cascade:
                 raise SensorRateError(f"'{name}' is to run every {value}: an interval is longer than zero.")
         self.passed: dict[str, dict[str, str]] = {}
         estimated: dict[str, str] = {}
-        for name, kalman in self.plain.items():
-            self.passed[name] = {i: estimated[i] for i in kalman.model.inputs if i in estimated}
-            estimated |= dict.fromkeys([*kalman.model.states, *kalman.parameters], name)
+        for name, design in self.designs.items():
+            self.passed[name] = {i: estimated[i] for i in design.model.inputs if i in estimated}
+            estimated |= dict.fromkeys([*design.model.states, *design.parameters], name)
         for i in uncertain:
             takers = [n for n, inputs in self.passed.items() if i in inputs]
-            lacking = [n for n in takers if i not in {s.name for s in self.plain[n].sources if s.place == "input"}]
+            lacking = [n for n in takers if i not in {s.name for s in self.designs[n].sources if s.place == "input"}]
             if not takers or lacking:
                 what = f"'{lacking[0]}', which has no noise on it" if lacking else "no filter"
                 raise UsageError(
@@ -96,7 +92,7 @@ class Cascade:
     def covariance_elements(self) -> int:
         """How many elements of covariances it carries from sample to sample."""
         levels = {n: len(f.factors) if isinstance(f, AdaptiveFilter) else 1 for n, f in self.filters.items()}
-        return sum(levels[n] * k.layout.joint * (k.layout.joint + 1) // 2 for n, k in self.plain.items())
+        return sum(levels[n] * covariance_form.size(d.layout.joint) for n, d in self.designs.items())
 
     def __repr__(self) -> str:
         lines = []
@@ -108,7 +104,7 @@ class Cascade:
 
     def filter(
         self,
-        record: Trial | Mapping[str, np.ndarray],
+        record: FilterRecord,
         *,
         scale: Mapping[str, Mapping[str, np.ndarray | float]] | None = None,
     ) -> CascadeRun:
@@ -131,13 +127,13 @@ class Cascade:
             If a filter is to run more often than the record is sampled.
         """
         columns, title = columns_of(record)
-        ahead, t = own_time(columns["t"])
+        ahead, t = filter_time(columns["t"])
         columns = {n: np.asarray(c, dtype=float)[ahead] for n, c in columns.items()} | {"t": t}
         runs: dict[str, FilterRun] = {}
         for name, kalman in self.filters.items():
-            rows = slice(None)
+            rows = np.ones(t.size, dtype=bool)
             if name in self.every:
-                rows = read_every(t, np.ones(t.size, dtype=bool), self.every[name], name, title)  # type: ignore[assignment]
+                rows = read_every(t, rows, self.every[name], name, title)
             taken = {n: c[rows] for n, c in columns.items()}
             factors = dict((scale or {}).get(name, {}))
             for i, source in self.passed[name].items():
@@ -145,63 +141,17 @@ class Cascade:
                 values, spread = runs[source].quantity(i)
                 taken[i] = values[latest]
                 if i in self.uncertain:
-                    factors[i] = spread[latest] / _level(self.plain[name], i) * factors.get(i, 1.0)
+                    factors[i] = spread[latest] / _level(self.designs[name], i) * factors.get(i, 1.0)
             runs[name] = kalman.filter(taken, scale=factors)
-        return CascadeRun(self, title, runs)
+        return CascadeRun(title, runs)
 
     def start(self) -> OnlineCascade:
         """Return the cascade for samples that arrive one by one."""
         return OnlineCascade(self)
 
 
-def _level(kalman: ExtendedKalmanFilter, name: str) -> float:
-    return next(s.level for s in kalman.sources if s.name == name)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class CascadeRun:
-    """A record and what the filters of a cascade made of it.
-
-    Attributes
-    ----------
-    cascade : Cascade
-        Which filters.
-    record : str
-        Name of the record.
-    runs : mapping of str to FilterRun
-        By filter, each at its own samples.
-    """
-
-    cascade: Cascade
-    record: str
-    runs: Mapping[str, FilterRun]
-
-    def __getitem__(self, name: str) -> FilterRun:
-        """Return what one filter made of the record."""
-        if name not in self.runs:
-            raise UnknownNameError("filter of the cascade called", name, self.runs)
-        return self.runs[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.runs)
-
-    def to_frame(self) -> Any:
-        """Return a pandas table at the samples of the first filter; estimates of the others stand until the next."""
-        import pandas as pd
-
-        frames = [run.to_frame() for run in self.runs.values()]
-        whole = frames[0]
-        for other in frames[1:]:
-            new = other[["t [s]", *(c for c in other.columns if c not in whole.columns)]]
-            whole = pd.merge_asof(whole, new, on="t [s]")
-        return whole
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the result as plain values, free of NaN."""
-        return {"record": self.record, "filters": {n: run.to_dict() for n, run in self.runs.items()}}
-
-    def __repr__(self) -> str:
-        return "\n".join(f"{n}: {run!r}" for n, run in self.runs.items())
+def _level(design: FilterDesign, name: str) -> float:
+    return next(s.level for s in design.sources if s.name == name)
 
 
 class OnlineCascade:
@@ -248,7 +198,7 @@ class OnlineCascade:
             for i, source in cascade.passed[name].items():
                 taken[i] = self.latest[source][i]
                 if i in cascade.uncertain:
-                    factors[i] = self.latest[source].std_of(i) / _level(cascade.plain[name], i)
+                    factors[i] = self.latest[source].std_of(i) / _level(cascade.designs[name], i)
             self.latest[name] = ran[name] = online.update(taken, scale=factors)
         if np.isfinite(t) and (self._began is None or t > self._last):
             self._began, self._last = (t if self._began is None else self._began), t

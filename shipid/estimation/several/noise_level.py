@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
@@ -12,17 +11,17 @@ import numpy as np
 from shipid.declaration.component import Component, slug
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.estimation.records.arrangement import input_table
-from shipid.estimation.records.vectors import columns_of
+from shipid.estimation.kalman import ExtendedKalmanFilter
+from shipid.estimation.records.arrangement import FilterRecord, columns_of, hold_last, input_table
+from shipid.estimation.settings.instruments import Instruments
+from shipid.foundation.aliases import CasadiFunction, Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.loop import Loop, Stepper, make_loop
+from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
+from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.trials.trial import Trial
-
-if TYPE_CHECKING:
-    from shipid.estimation.kalman import ExtendedKalmanFilter
 
 
 class LevelEstimator:
@@ -34,7 +33,7 @@ class LevelEstimator:
         A model whose inputs a record holds, such as the component ``WaveLevel``.
     level : str
         The derived quantity that is the level.
-    ship : ParameterSet, optional
+    ship : ParameterSet or str, optional
         Constants that replace the declared ones.
     inputs : mapping of str to float, optional
         Constant inputs, SI.
@@ -49,43 +48,50 @@ class LevelEstimator:
         self,
         model: Model | type[Component],
         level: str = "sigma_w",
-        ship: ParameterSet | None = None,
+        ship: ParameterSet | str | None = None,
         inputs: Mapping[str, float] | None = None,
     ) -> None:
         model = model if isinstance(model, Model) else join(slug(model), model)
         if level not in (*model.derived, *model.states):
             raise UnknownNameError(f"level of model {model.name} called", level, (*model.derived, *model.states))
-        self.model, self.level, self.inputs = model, level, dict(inputs or {})
-        system = generate(model)
-        self.unit = model[level].unit
-        self._needed = system.inputs_behind([level])
-        known = (ship or ParameterSet("unnamed")).values(model)
+        self.model, self.level, self.unit = model, level, model[level].unit
+        self.instruments = Instruments(model, (), generate(model).inputs_behind([level]), dict(inputs or {}))
+        known = ship_of(ship).values(model)
         lacking = missing_values(model, known, "it")
         if lacking:
             raise lacking
-        self._p = system.vector(system.coefficients, known)
-        self._start = np.array([model[s].number("start") or 0.0 for s in model.states])
+        self.coefficients = coefficient_vector(model, known)
         self.loop: Loop = make_loop(_level_step(model, level))
 
-    def __hash__(self) -> int:
-        return id(self)
+    def carried(self, inputs: np.ndarray) -> np.ndarray:
+        """Return what is carried into the first sample: the declared start and the inputs there.
 
-    def estimate(self, record: Trial | Mapping[str, np.ndarray]) -> LevelRun:
+        Parameters
+        ----------
+        inputs : ndarray, shape (inputs,)
+            The inputs of the first sample, SI.
+        """
+        return np.concatenate([initial_state(self.model), inputs])
+
+    def estimate(self, record: FilterRecord) -> LevelRun:
         """Return the level along a record.
 
         Parameters
         ----------
         record : Trial or mapping of str to ndarray
             SI columns with ``t``; where a sample is missing the last one stands in.
+
+        Raises
+        ------
+        UsageError
+            If its clock goes back.
         """
         columns, name = columns_of(record)
-        table = input_table(self.model, columns, name, self.inputs, self._needed)
+        table = hold_last(input_table(self.instruments, columns, name))
         intervals = np.diff(columns["t"], prepend=columns["t"][0])
         if (intervals < 0).any():
             raise UsageError(f"the clock of record {name} goes back; a level is estimated forward in time.")
-        table = _held(table)
-        carried = np.concatenate([self._start, table[0]])
-        _, out = self.loop(carried, np.column_stack([table, intervals]), self._p)
+        _, out = self.loop(self.carried(table[0]), np.column_stack([table, intervals]), self.coefficients)
         return LevelRun(columns["t"], out[:, 0], self.level, self.unit)
 
     def start(self) -> OnlineLevel:
@@ -128,7 +134,7 @@ class LevelRun:
         """
         return {source: factor_of(self.values, _given_level(kalman, source), least)}
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the level at the end as plain values."""
         return {"name": self.name, "unit": self.unit, "value": float(self.values[-1]), "samples": int(self.t.size)}
 
@@ -160,15 +166,24 @@ class OnlineLevel:
         ----------
         sample : mapping of str to float
             Time ``t`` and inputs, SI; an input that is missing keeps its value.
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        UsageError
+            If the sample has no time.
         """
         made, t = self.estimator, float(sample.get("t", np.nan))
         if not np.isfinite(t):
             raise UsageError("a sample needs its time 't' in s, a finite number.")
         self._held |= {n: float(v) for n, v in sample.items() if np.isfinite(v)}
         columns = {n: np.array([v]) for n, v in self._held.items()}
-        inputs = input_table(made.model, columns, "of samples", made.inputs, made._needed)[0]
+        inputs = input_table(made.instruments, columns | {"t": np.array([t])}, "of samples")[0]
         if self._stepper is None:
-            self._stepper = made.loop.one_at_a_time(np.concatenate([made._start, inputs]), made._p)
+            self._stepper = made.loop.one_at_a_time(made.carried(inputs), made.coefficients)
         if self.t is None or t > self.t:
             self._stepper.control[:-1] = inputs
             self._stepper.control[-1] = 0.0 if self.t is None else t - self.t
@@ -205,7 +220,7 @@ def factor_of(level: np.ndarray, given: float, least: float) -> np.ndarray:
 
 
 def _given_level(kalman: ExtendedKalmanFilter, source: str) -> float:
-    levels = {s.name: s for s in kalman.sources}
+    levels = {s.name: s for s in kalman.design.sources}
     if source not in levels:
         raise UnknownNameError("noise of the filter called", source, levels)
     if levels[source].density:
@@ -215,7 +230,7 @@ def _given_level(kalman: ExtendedKalmanFilter, source: str) -> float:
     return levels[source].level
 
 
-def _level_step(model: Model, level: str) -> Any:
+def _level_step(model: Model, level: str) -> CasadiFunction:
     """One sample: ``(states and last inputs, inputs and interval, coefficients) -> (..., level)``."""
     system = generate(model)
     step = make_step(system, "rk4", "linear").function
@@ -227,11 +242,3 @@ def _level_step(model: Model, level: str) -> Any:
         [ca.vertcat(x, last), ca.vertcat(now, system.T), system.p],
         [ca.densify(ca.vertcat(following, now)), ca.densify(shown)],
     )
-
-
-def _held(table: np.ndarray) -> np.ndarray:
-    """Let the last value stand in where one is missing, and the first one before it."""
-    index = np.where(np.isfinite(table), np.arange(len(table))[:, None], 0)
-    held: np.ndarray = np.take_along_axis(table, np.maximum.accumulate(index, axis=0), axis=0)
-    first = np.take_along_axis(table, np.argmax(np.isfinite(table), axis=0)[None, :], axis=0)
-    return np.where(np.isfinite(held), held, np.where(np.isfinite(first), first, 0.0))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 #: Operations in a term beyond which its sums are broken over lines.
 _LONG = 25
 #: Between two factors there is nothing to see; a hair of space keeps upright words apart.
-_TIMES = '<mo lspace="0.08em" rspace="0.08em">\u2062</mo>'
+_TIMES = '<mo lspace="0.12em" rspace="0.12em">\u2062</mo>'
 
 #: An operator at the end of a piece would be set as a sign, without space around it.
 _AROUND = 'form="infix" lspace="0.2em" rspace="0.2em"'
@@ -95,7 +95,7 @@ class _Pieces:
     def _term(self, term: sympy.Expr, *, first: bool) -> list[str]:
         import sympy
 
-        negative = bool(term.as_coeff_Mul()[0].is_negative)
+        negative = term.could_extract_minus_sign()
         term = -term if negative else term
         operator = "−" if negative else "" if first else "+"
         sign = f'<mo form="prefix">{operator}</mo>' if first else f"<mo {_AROUND}>{operator}</mo>"
@@ -120,7 +120,7 @@ def _element(text: str) -> minidom.Element:
 def _serial(node: minidom.Node) -> str:
     """Return a node as text: SymPy's printer writes entities and a bare ``<`` into its text nodes."""
     if isinstance(node, minidom.Text):
-        return escape(unescape(node.data), quote=False)
+        return escape(unescape(node.data).replace("\u2147", "e"), quote=False)
     assert isinstance(node, minidom.Element)
     children = [_serial(child) for child in node.childNodes]
     inside = "".join(children)

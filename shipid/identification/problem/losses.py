@@ -35,7 +35,7 @@ def weights_of(loss: str, residual: np.ndarray, scale: float) -> np.ndarray:
     if loss == "linear":
         return np.ones_like(residual)
     size = np.abs(residual) / (_BEND[loss] * scale)
-    return 1 / np.maximum(size, 1.0) if loss == "huber" else 1 / np.sqrt(1 + size**2)
+    return np.asarray(1 / np.maximum(size, 1.0) if loss == "huber" else 1 / np.sqrt(1 + size**2))
 
 
 def curvature_of(loss: str, weights: np.ndarray) -> np.ndarray:

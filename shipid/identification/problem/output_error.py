@@ -1,57 +1,31 @@
 """The output-error problem: trials, a model and the unknowns, as one vector of residuals with its exact Jacobian.
 
 Unknowns are the estimated parameters, shared by all trials, and for each trial its initial states and the constant biases
-of the rudder (and of the cruising speed, where the model reads it): ``q = [parameters, trial 1, trial 2, ...]``.
+of the rudder (and of the speed before the manoeuvre, where the model reads it):
+``q = [parameters, trial 1, trial 2, ...]``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.generation.record import Record, make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.generation.system import generate
-from shipid.identification.problem.trial_data import Sailed
+from shipid.identification.problem.prior import Prior
+from shipid.identification.problem.trial_data import TrialData
 
 #: Weighted residual of a sample at which the model has run away.
 RUNAWAY = 1e6
-#: How much less is believed of the cruising speed, and of a state nobody measures, where a trial begins in the middle of a
-#: manoeuvre.
+#: How much wider the prior of the speed before the manoeuvre, and of a state nobody measures, is where a trial begins in the
+#: middle of a manoeuvre.
 _UNSETTLED = 20.0
 #: Slope beyond which squares would overflow.
 _STEEP = 1e30
-
-
-@dataclass(frozen=True)
-class Prior:
-    """What is believed of the unknowns of each trial before it is fitted.
-
-    Attributes
-    ----------
-    biases : mapping of str to float
-        Standard deviation of a trial's bias about the mean of all trials, SI, by input.
-    mean_biases : mapping of str to float
-        Standard deviation of that mean about zero.
-    own : mapping of str to float
-        Standard deviation of a bias that trials do not share about zero, SI, by input: the cruising speed.
-    initial : mapping of str to float
-        Standard deviation of an initial state about its first guess, SI, by state.
-    parameters : mapping of str to tuple of float
-        Mean and standard deviation of a shared parameter, SI.
-    strength : float
-        How many samples of the record one belief is worth: residuals are correlated, so that a belief would be
-        outvoted by samples that repeat each other.
-    """
-
-    biases: Mapping[str, float]
-    mean_biases: Mapping[str, float]
-    own: Mapping[str, float]
-    initial: Mapping[str, float]
-    parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    strength: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +36,7 @@ class Problem:
     ----------
     model : Model
         The model.
-    sailed : tuple of Sailed
+    trials : tuple of TrialData
         The trials.
     signals : tuple of str
         Fitted signals.
@@ -77,7 +51,7 @@ class Problem:
     bias_offset : mapping of str to float
         Biases that are known beforehand, by input.
     prior : Prior or None
-        What is believed of biases and initial states; None where they are free.
+        Prior of biases and initial states; None where they are free.
     loss : str
         How residuals count (`shipid.identification.problem.losses`).
     weights : tuple of ndarray or None
@@ -85,7 +59,7 @@ class Problem:
     """
 
     model: Model
-    sailed: tuple[Sailed, ...]
+    trials: tuple[TrialData, ...]
     signals: tuple[str, ...]
     estimated: tuple[str, ...]
     initial: tuple[str, ...]
@@ -110,56 +84,123 @@ class Problem:
     @property
     def size(self) -> int:
         """Number of unknowns."""
-        return len(self.estimated) + len(self.sailed) * self.per_trial
+        return len(self.estimated) + len(self.trials) * self.per_trial
 
     def own(self, index: int) -> slice:
-        """Where the unknowns of one trial stand in q."""
+        """Return where the unknowns of one trial stand in q.
+
+        Parameters
+        ----------
+        index : int
+            Which trial.
+        """
         begin = len(self.estimated) + index * self.per_trial
         return slice(begin, begin + self.per_trial)
 
     def first_guess(self, parameters: np.ndarray) -> np.ndarray:
-        """Return q with these parameters, initial states as measured, and no further bias."""
-        states = self.record.system.states
-        q = np.zeros(self.size)
-        q[: len(self.estimated)] = parameters
-        for i, s in enumerate(self.sailed):
-            q[self.own(i)] = [*(s.x0[states.index(n)] for n in self.initial), *(0.0 for _ in self.biases)]
-        return q
+        """Return q with these parameters, initial states as measured, and no further bias.
 
-    def run(self, q: np.ndarray, index: int, sailed: Sailed | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Run one trial: outputs (signals, N) and their derivatives (signals, unknowns of the record, N)."""
-        s = sailed or self.sailed[index]
-        record = self.record
-        own = q[self.own(index)]
-        x0 = s.x0.copy()
-        x0[[record.system.states.index(n) for n in self.initial]] = own[: len(self.initial)]
-        values = {**self.fixed, **dict(zip(self.estimated, q))}
-        p = record.system.vector(record.system.coefficients, values)
-        return record(x0, s.inputs, s.intervals, p, self.bias_vector(own))
+        Parameters
+        ----------
+        parameters : ndarray, shape (parameters,)
+            Values, SI.
+        """
+        own = [[*(t.start[n] for n in self.initial), *(0.0 for _ in self.biases)] for t in self.trials]
+        return np.concatenate([parameters, *own])
 
-    def named_biases(self, own: np.ndarray) -> dict[str, float]:
-        """Return the biases of one trial by input, those known beforehand included."""
-        return {n: float(b) for n, b in zip(self.record.system.inputs, self.bias_vector(own)) if b}
+    def values(self, q: np.ndarray) -> dict[str, float]:
+        """Return the values of all coefficients, SI, by name.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns; those of the trials are passed over.
+        """
+        return {**self.fixed, **dict(zip(self.estimated, q.tolist()))}
+
+    def start(self, q: np.ndarray, index: int) -> dict[str, float]:
+        """Return the initial states of one trial, SI, by name.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
+        index : int
+            Which trial.
+        """
+        return {**self.trials[index].start, **dict(zip(self.initial, q[self.own(index)].tolist()))}
+
+    def named_biases(self, q: np.ndarray, index: int) -> dict[str, float]:
+        """Return the biases of one trial that are not zero, SI, by input; those known beforehand are included.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
+        index : int
+            Which trial.
+        """
+        bias = self.bias_vector(q[self.own(index)])
+        return {n: float(b) for n, b in zip(self.model.inputs, bias) if b}
 
     def bias_vector(self, own: np.ndarray) -> np.ndarray:
-        """Return the bias of every input for one trial's own unknowns."""
-        inputs = self.record.system.inputs
+        """Return the bias of every input, SI, shape (inputs,).
+
+        Parameters
+        ----------
+        own : ndarray, shape (unknowns of a trial,)
+            One trial's own unknowns.
+        """
+        inputs = self.model.inputs
         bias = np.array([self.bias_offset.get(n, 0.0) for n in inputs])
         for name, value in zip(self.biases, own[len(self.initial) :]):
             bias[inputs.index(name)] += value
         return bias
 
+    def run(self, q: np.ndarray, index: int, record: Record | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Run one trial.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
+        index : int
+            Which trial.
+        record : Record, optional
+            A record function of the same model with other outputs; that of the fitted signals by default.
+
+        Returns
+        -------
+        y : ndarray, shape (signals, N)
+            Outputs.
+        dy : ndarray, shape (signals, unknowns of the record, N)
+            Their derivatives.
+        """
+        data = self.trials[index]
+        return (record or self.record)(
+            initial_state(self.model, self.start(q, index)),
+            data.inputs,
+            data.intervals,
+            coefficient_vector(self.model, self.values(q)),
+            self.bias_vector(q[self.own(index)]),
+        )
+
     def residuals(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return weighted residuals, shape (M,), and their Jacobian, shape (M, unknowns).
 
         Where the model runs away the residual is a large constant with no slope: the search steps back.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
         """
         shared = len(self.estimated)
         rows, blocks = [], []
-        for i, s in enumerate(self.sailed):
+        for i, data in enumerate(self.trials):
             y, dy = self.run(q, i)
             with np.errstate(over="ignore", invalid="ignore"):
-                residual = (y - s.measured) / self.sigma[:, None]
+                residual = (y - data.measured) / self.sigma[:, None]
                 slope = dy / self.sigma[:, None, None]
                 if self.weights is not None:
                     root = np.sqrt(self.weights[i])
@@ -175,14 +216,29 @@ class Problem:
             rows.append(residual.ravel())
             blocks.append(block)
         if self.prior is not None:
-            believed, slope = self.beliefs(q, self.prior)
-            rows.append(believed)
+            residual, slope = self.prior_residuals(q, self.prior)
+            rows.append(residual)
             blocks.append(slope)
         return np.concatenate(rows), np.concatenate(blocks)
 
-    def beliefs(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
-        """Return residuals of the prior and their Jacobian: biases about their mean, that about zero, initial states."""
-        count, states = len(self.sailed), self.record.system.states
+    def prior_residuals(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
+        """Return residuals of the prior and their Jacobian: biases about their mean, that about zero, initial states.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
+        prior : Prior
+            The prior.
+
+        Returns
+        -------
+        residual : ndarray, shape (terms,)
+            Distance from the mean in standard deviations, times the root of the strength.
+        slope : ndarray, shape (terms, unknowns)
+            Its Jacobian.
+        """
+        count = len(self.trials)
         slopes, offsets = [], []
         # Sensor noise is not correlated: what it adds to a guess counts sample by sample.
         noise = np.sqrt(prior.strength)
@@ -202,18 +258,17 @@ class Problem:
                 for i in columns:
                     add({c: float(c == i) - 1 / count for c in columns}, 0.0, prior.biases[name])
             if name in prior.own:
-                for c, sailed in zip(columns, self.sailed):
-                    deviation = prior.own[name] * (1.0 if sailed.settled else _UNSETTLED)
-                    add({c: 1.0}, 0.0, np.hypot(deviation, noise * sailed.cruise_std))
+                for c, data in zip(columns, self.trials):
+                    deviation = prior.own[name] * (1.0 if data.settled else _UNSETTLED)
+                    add({c: 1.0}, 0.0, np.hypot(deviation, noise * data.cruise_std))
         for k, name in enumerate(self.initial):
             if name in prior.initial:
-                for i, sailed in enumerate(self.sailed):
+                for i, data in enumerate(self.trials):
                     # In the middle of a manoeuvre nobody knows what is not measured.
-                    known = sailed.settled or sailed.trial.has(name)
+                    known = data.settled or data.trial.has(name)
                     deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
-                    at = states.index(name)
-                    deviation = float(np.hypot(deviation, noise * sailed.x0_std[at]))
-                    add({self.own(i).start + k: 1.0}, sailed.x0[at], deviation)
+                    deviation = float(np.hypot(deviation, noise * data.start_std[name]))
+                    add({self.own(i).start + k: 1.0}, data.start[name], deviation)
         for k, name in enumerate(self.estimated):
             if name in prior.parameters:
                 mean, deviation = prior.parameters[name]
@@ -224,10 +279,16 @@ class Problem:
         return slope @ q - np.array(offsets) * np.sqrt(prior.strength), slope
 
     def by_signal(self, residual: np.ndarray) -> list[list[np.ndarray]]:
-        """Split a residual vector: for each trial, for each signal; the beliefs at its end are left out."""
+        """Return a residual vector split: for each trial, for each signal; those of the prior at its end are left out.
+
+        Parameters
+        ----------
+        residual : ndarray, shape (M,)
+            Residuals of all trials.
+        """
         out, at = [], 0
-        for s in self.sailed:
-            n = s.intervals.size
+        for data in self.trials:
+            n = data.intervals.size
             out.append([residual[at + j * n : at + (j + 1) * n] for j in range(len(self.signals))])
             at += n * len(self.signals)
         return out
@@ -235,7 +296,7 @@ class Problem:
 
 def make_problem(
     model: Model,
-    sailed: Sequence[Sailed],
+    trials: Sequence[TrialData],
     signals: tuple[str, ...],
     estimated: tuple[str, ...],
     fixed: Mapping[str, float],
@@ -243,11 +304,11 @@ def make_problem(
     biases: tuple[str, ...],
     bias_offset: Mapping[str, float] | None = None,
 ) -> Problem:
-    """Put a problem together: which states have unknowns of their own follows from the model.
+    """Return the problem of some trials: which states have unknowns of their own follows from the model.
 
     Parameters
     ----------
-    model, sailed, signals, estimated, fixed, sigma, biases
+    model, trials, signals, estimated, fixed, sigma, biases
         See `Problem`.
     bias_offset : mapping, optional
         Biases that are known beforehand, by input.
@@ -255,5 +316,5 @@ def make_problem(
     behind = generate(model).states_behind(signals)
     levels = np.asarray(sigma, dtype=float)
     return Problem(
-        model, tuple(sailed), signals, estimated, behind, biases, dict(fixed), levels, dict(bias_offset or {})
+        model, tuple(trials), signals, estimated, behind, biases, dict(fixed), levels, dict(bias_offset or {})
     )

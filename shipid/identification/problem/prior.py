@@ -1,4 +1,4 @@
-"""What is believed of a trial before it is fitted: small rudder biases that trials share, and initial states as measured.
+"""The prior of a trial's own unknowns: small rudder biases that trials share, and initial states as measured.
 
 A bias that is free in every trial takes up what the model cannot describe, and the coefficients are off by as much: in
 clean tank data the fitted biases of mirrored runs come out with opposite signs, which no rudder has. One scale serves all
@@ -7,18 +7,20 @@ ships: angles in degrees, speeds in shares of the ship's own, and one independen
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
-from shipid.identification.problem.output_error import Prior
-from shipid.identification.problem.trial_data import Sailed
+from shipid.declaration.scale import Scale
+from shipid.identification.problem.trial_data import TrialData
 
 #: Standard deviation of a trial's rudder bias about the mean of all trials, and of that mean, in rad.
 RUDDER_BIAS = np.deg2rad(0.08)
 MEAN_RUDDER_BIAS = np.deg2rad(3.0)
 #: Standard deviation of a measured initial heading (and drift) in rad, of an initial speed in shares of the ship's; of the
-#: cruising speed, which the approach shows.
+#: speed before the manoeuvre, which the approach shows.
 INITIAL_ANGLE = np.deg2rad(0.3)
 INITIAL_SPEED = 0.01
 CRUISE = 0.005
@@ -29,15 +31,44 @@ STRUCTURE_SPEED = 0.03
 INDEPENDENT = 1.5
 
 
+@dataclass(frozen=True)
+class Prior:
+    """Normal prior of the unknowns that each trial has of its own, and of shared parameters.
+
+    Attributes
+    ----------
+    biases : mapping of str to float
+        Standard deviation of a trial's bias about the mean of all trials, SI, by input.
+    mean_biases : mapping of str to float
+        Standard deviation of that mean about zero.
+    own : mapping of str to float
+        Standard deviation of a bias that trials do not share about zero, SI, by input: the speed before the manoeuvre.
+    initial : mapping of str to float
+        Standard deviation of an initial state about its first guess, SI, by state.
+    parameters : mapping of str to tuple of float
+        Mean and standard deviation of a shared parameter, SI.
+    strength : float
+        How many samples of the record one term of the prior is worth: residuals are correlated, and samples that repeat each
+        other would outvote it.
+    """
+
+    biases: Mapping[str, float]
+    mean_biases: Mapping[str, float]
+    own: Mapping[str, float]
+    initial: Mapping[str, float]
+    parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    strength: float = 1.0
+
+
 def prior_of(
     model: Model,
     initial: tuple[str, ...],
     biases: tuple[str, ...],
-    sailed: Sailed,
+    data: TrialData,
     unit_time: float,
     estimated: tuple[str, ...] = (),
 ) -> Prior:
-    """Return the prior of the trials of one ship.
+    """Return the prior for the trials of one ship.
 
     Parameters
     ----------
@@ -45,18 +76,18 @@ def prior_of(
         The model.
     initial, biases : tuple of str
         States and inputs with unknowns of their own in each trial.
-    sailed : Sailed
+    data : TrialData
         A trial, for speed and sampling.
     unit_time : float
         L/U in s.
     estimated : tuple of str
-        Parameters of which the declaration may believe something (`spread`).
+        Parameters; those whose declaration states a spread have a prior.
 
     Returns
     -------
     Prior
     """
-    speed = abs(sailed.speed)
+    speed = abs(data.speed)
     spread = {
         "psi": INITIAL_ANGLE,
         "r": INITIAL_ANGLE / unit_time,
@@ -65,27 +96,25 @@ def prior_of(
     }
     # A state nobody measures starts near zero, within its nominal size; a position without one stays free.
     nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
+    scale = Scale(speed * unit_time, speed)
     return Prior(
         biases={"delta": RUDDER_BIAS} if "delta" in biases else {},
         mean_biases={"delta": MEAN_RUDDER_BIAS} if "delta" in biases else {},
         own={"cruise": CRUISE * speed} if "cruise" in biases else {},
         initial={s: spread[s] for s in initial if s in spread} | nominal,
-        parameters={n: belief for n in estimated if (belief := _declared(model, n, speed, unit_time)) is not None},
-        strength=strength_of(sailed, unit_time),
+        parameters={n: prior for n in estimated if (prior := _declared(model, n, scale)) is not None},
+        strength=strength_of(data, unit_time),
     )
 
 
-def _declared(model: Model, name: str, speed: float, unit_time: float) -> tuple[float, float] | None:
+def _declared(model: Model, name: str, scale: Scale) -> tuple[float, float] | None:
     """Mean and standard deviation the declaration gives a parameter, SI."""
     entry = model[name]
-    mean, spread = entry.number("start"), entry.number("spread")
-    if mean is None or spread is None:
-        return None
-    scale = prime_factor(entry.unit, speed * unit_time, speed) if entry.quantity.prime else 1.0
-    return mean * scale, spread * scale
+    mean, spread = scale.start_of(entry), entry.number("spread")
+    return None if mean is None or spread is None else (mean, spread * scale.factor_of(entry))
 
 
-def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.ndarray:
+def structural_errors(signals: tuple[str, ...], data: TrialData, unit_time: float) -> np.ndarray:
     """Return the error of each signal at which a low-order model is as good as can be hoped, SI, shape (signals,).
 
     What such a model leaves unexplained is its structure, not noise: weighting by the smallest residuals a fit can reach
@@ -95,14 +124,14 @@ def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.
     ----------
     signals : tuple of str
         Fitted signals.
-    sailed : Sailed
+    data : TrialData
         A trial, for its speed.
     unit_time : float
         L/U in s.
     """
-    speed = abs(sailed.speed)
+    speed = abs(data.speed)
     track = speed * unit_time * 0.05
-    scale = {
+    errors = {
         "psi": STRUCTURE_ANGLE,
         "r": STRUCTURE_ANGLE / unit_time,
         "u": STRUCTURE_SPEED * speed,
@@ -110,10 +139,18 @@ def scales_of(signals: tuple[str, ...], sailed: Sailed, unit_time: float) -> np.
         "x": track,
         "y": track,
     }
-    return np.array([scale.get(s, 1.0) for s in signals])
+    return np.array([errors.get(s, 1.0) for s in signals])
 
 
-def strength_of(sailed: Sailed, unit_time: float) -> float:
-    """Return how many samples of a record make one independent one, at least one."""
-    interval = float(np.median(sailed.intervals[:-1])) if sailed.intervals.size > 1 else unit_time
+def strength_of(data: TrialData, unit_time: float) -> float:
+    """Return how many samples of a record make one independent one, at least one.
+
+    Parameters
+    ----------
+    data : TrialData
+        The record.
+    unit_time : float
+        L/U in s.
+    """
+    interval = float(np.median(data.intervals[:-1])) if data.intervals.size > 1 else unit_time
     return max(1.0, INDEPENDENT * unit_time / interval)

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-import numpy as np
-
+from shipid.declaration.component import Component
 from shipid.declaration.model import Model
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
-from shipid.identification.problem.scale import own_unit_time, speed_of
-from shipid.identification.search.least_squares import Box, box_of
-from shipid.parameters.catalogue import find_model, find_ship, whole_ship
+from shipid.identification.problem.box import Box, box_of
+from shipid.identification.problem.ship_scale import scale_of, usual_speed
+from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.trials.trial import Trial
 
@@ -34,8 +32,8 @@ class Setting:
         Values of coefficients and particulars, SI.
     estimated : tuple of str
         Coefficients to estimate.
-    length, speed : float
-        L in m and U in m/s.
+    scale : Scale
+        Length and usual speed of the ship.
     notes : tuple of str
         What the reader has to know.
     """
@@ -44,22 +42,21 @@ class Setting:
     ship: ParameterSet
     known: dict[str, float]
     estimated: tuple[str, ...]
-    length: float
-    speed: float
+    scale: Scale
     notes: tuple[str, ...]
 
     @property
-    def unit_time(self) -> float:
-        """L/U in s."""
-        return self.length / self.speed
+    def fixed(self) -> dict[str, float]:
+        """Values that are held, SI, by name."""
+        return {n: v for n, v in self.known.items() if n not in self.estimated}
 
 
 def settle(
-    model: Model | str | Any,
+    model: Model | type[Component] | str,
     trials: Sequence[Trial],
     ship: ParameterSet | str | None,
     estimate: Sequence[str] | None,
-    fixed: dict[str, str | float],
+    fixed: Mapping[str, str | float],
 ) -> Setting:
     """Settle what is fitted, and what is known of it.
 
@@ -67,9 +64,21 @@ def settle(
     ----------
     model, trials, ship, estimate, fixed
         See `shipid.identification.identify.identify`.
+
+    Returns
+    -------
+    Setting
+
+    Raises
+    ------
+    UsageError
+        If a name is to be held that is no coefficient, is estimated as well, or nothing is left to estimate.
+    ParameterSetError
+        If the length is not greater than zero, or the ship lacks a value the model needs.
+    UnknownNameError
+        For a model, a ship or a coefficient that does not exist.
     """
-    whole = find_model(model) if isinstance(model, str) else model if isinstance(model, Model) else whole_ship(model)
-    given = find_ship(ship) if isinstance(ship, str) else ship or ParameterSet("unnamed")
+    whole, given = model_of(model), ship_of(ship)
     held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
     for name in held:
         if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
@@ -78,27 +87,46 @@ def settle(
     published = [n for n in held if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
 
-    speed = speed_of(given, trials)
-    known = given.values(whole, speed=speed) | held
+    known = given.values(whole, speed=usual_speed(given, trials)) | held
     length = known.get("L", given.particular("L", "m"))
     if length is not None and not length > 0:
         raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; a ship is longer than that.")
-    if length is None:
-        length = speed * own_unit_time(trials)
-    estimated = _estimated(whole, estimate, held)
+    scale = scale_of(given, trials, length)
+    estimated = estimated_parameters(whole, estimate, held)
     notes = []
     for name in whole.parameters:
-        start = whole[name].number("start")
+        start = scale.start_of(whole[name])
         if name not in known and start is not None and name not in estimated:
-            known[name] = start * (prime_factor(whole[name].unit, length, speed) if whole[name].quantity.prime else 1.0)
-            notes.append(f"{name} was held at its declared start, {known[name]:.4g}, which is assumed.")
+            known[name] = start
+            notes.append(f"{name} was held at its declared start, {start:.4g}, which is assumed.")
     lacking = missing_values(whole, {**known, **dict.fromkeys(estimated, 0.0)}, f"ship {given.name}")
     if lacking:
         raise lacking
-    return Setting(whole, given, known, estimated, length, speed, tuple(notes))
+    return Setting(whole, given, known, estimated, scale, tuple(notes))
 
 
-def _estimated(model: Model, wanted: Sequence[str] | None, held: Mapping[str, float]) -> tuple[str, ...]:
+def estimated_parameters(
+    model: Model, wanted: Sequence[str] | None = None, held: Mapping[str, float] | None = None
+) -> tuple[str, ...]:
+    """Return the parameters to estimate, in the order of the model.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    wanted : sequence of str, optional
+        Parameters, or published coefficients that stand for them; by default all that the model declares as estimated.
+    held : mapping of str to float, optional
+        Coefficients that are not estimated.
+
+    Raises
+    ------
+    UnknownNameError
+        If a wanted one is no parameter and stands for none.
+    UsageError
+        If a wanted one is held, or nothing is left.
+    """
+    held = held or {}
     if wanted is None:
         chosen = [n for n in model.parameters if model[n].quantity.estimated and n not in held]
     else:
@@ -111,7 +139,9 @@ def _estimated(model: Model, wanted: Sequence[str] | None, held: Mapping[str, fl
                 raise UsageError(f"'{name}' is to be estimated and is fixed as well; choose one.")
             chosen.append(partner)
     if not chosen:
-        raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
+        if held:
+            raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
+        raise UsageError(f"model {model.name} has nothing to estimate: name a parameter of it.")
     return tuple(n for n in model.parameters if n in chosen)
 
 
@@ -123,17 +153,30 @@ def search_box(setting: Setting) -> Box:
     setting : Setting
         What is known.
     """
-    bounds = {}
+    starts = {}
     for name in setting.estimated:
         entry = setting.model[name]
-        scale = prime_factor(entry.unit, setting.length, setting.speed) if entry.quantity.prime else 1.0
-        low, high = (entry.number(a) for a in ("low", "high"))
-        declared = entry.number("start")
-        low = -np.inf if low is None else low * scale
-        high = np.inf if high is None else high * scale
-        start = setting.known.get(name, scale if declared is None else declared * scale)
-        # A value from the ship's own set is believed over a declared bound.
-        bounds[name] = (start, min(low, start), max(high, start))
+        declared = setting.scale.start_of(entry)
+        starts[name] = setting.known.get(name, setting.scale.factor_of(entry) if declared is None else declared)
+    return box_around(setting.model, setting.scale, starts)
+
+
+def box_around(model: Model, scale: Scale, values: Mapping[str, float]) -> Box:
+    """Return the declared bounds of parameters, widened to hold the given values, which are believed over a bound.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    scale : Scale
+        Length and speed, for bounds in the prime system.
+    values : mapping of str to float
+        Values of the parameters, SI.
+    """
+    bounds = {}
+    for name, value in values.items():
+        low, high = scale.bounds_of(model[name])
+        bounds[name] = (value, min(low, value), max(high, value))
     return box_of(bounds)
 
 
@@ -152,15 +195,26 @@ def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
     TrialTooShortError
         With both times.
     """
-    constants = [n for n in ("tau", "tau1") if n in setting.model.parameters and setting.model[n].unit == "s"]
-    slowest = max((abs(setting.known[n]) for n in constants if n in setting.known), default=0.0)
-    needed = max(setting.unit_time, slowest)
-    why = (
-        "the ship's time constant" if slowest > setting.unit_time else "the time L/U in which the ship sails its length"
-    )
+    slowest, unit_time = time_constant(setting.model, setting.known), setting.scale.unit_time
+    needed = max(unit_time, slowest)
+    why = "the ship's time constant" if slowest > unit_time else "the time L/U in which the ship sails its length"
     for trial in trials:
         if trial.duration < needed:
             raise TrialTooShortError(
                 f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "
                 "answered its rudder. Give a longer trial, or a wider window."
             )
+
+
+def time_constant(model: Model, known: Mapping[str, float]) -> float:
+    """Return the largest known time constant of a ship in s, zero where none is known.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    known : mapping of str to float
+        Values of its coefficients, SI.
+    """
+    names = [n for n in ("tau", "tau1") if n in model.parameters and model[n].unit == "s" and n in known]
+    return max((abs(known[n]) for n in names), default=0.0)

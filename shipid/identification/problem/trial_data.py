@@ -1,4 +1,4 @@
-"""Trials as a model sees them: inputs, measured signals, and a first guess of the initial state."""
+"""Trials as a model reads them: inputs, measured signals, and a first guess of the initial state."""
 
 from __future__ import annotations
 
@@ -8,22 +8,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.foundation.errors import UnknownNameError
+from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
-from shipid.identification.errors import NoAnswerError, NothingToFitError
+from shipid.identification.problem.ship_scale import recorded_speed
 from shipid.trials.trial import Trial
 
-#: Signals that are fitted where the trial measures them and the model predicts them.
-SIGNALS = ("psi", "r", "u", "v")
-#: Signals that are fitted where the sway speed is predicted and not measured.
-TRACK = ("x", "y")
 #: Rudder movement in rad at which a manoeuvre has begun.
 _MOVED = np.deg2rad(3.0)
 
 
 @dataclass(frozen=True, eq=False)
-class Sailed:
-    """A trial as the model sees it.
+class TrialData:
+    """A trial as a model reads it.
 
     Attributes
     ----------
@@ -35,10 +31,10 @@ class Sailed:
         Inputs of the model.
     measured : ndarray, shape (signals, N)
         The fitted signals.
-    x0, x0_std : ndarray, shape (states,)
-        A first guess of the initial states, and how far sensor noise may have put it off.
+    start, start_std : mapping of str to float
+        A first guess of each initial state, SI, and the standard error that sensor noise gives it.
     cruise_std : float
-        How far sensor noise may have put off the speed of the approach, in m/s.
+        Standard error of the speed before the manoeuvre by sensor noise, in m/s.
     speed : float
         Median speed in m/s (1 where neither trial nor ship knows it).
     settled : bool
@@ -49,88 +45,61 @@ class Sailed:
     intervals: np.ndarray
     inputs: np.ndarray
     measured: np.ndarray
-    x0: np.ndarray
-    x0_std: np.ndarray
+    start: Mapping[str, float]
+    start_std: Mapping[str, float]
     cruise_std: float
     speed: float
     settled: bool = True
 
-    def thinned(self, most: int) -> Sailed:
-        """Return every n-th sample, so that at most about `most` are left."""
+    @property
+    def t(self) -> np.ndarray:
+        """Times of the samples in s, from zero, shape (N,)."""
+        return np.concatenate([[0.0], np.cumsum(self.intervals[:-1])])
+
+    def thinned(self, most: int) -> TrialData:
+        """Return every n-th sample, so that at most about `most` are left.
+
+        Parameters
+        ----------
+        most : int
+            How many samples.
+        """
         n = max(1, self.intervals.size // most)
         if n == 1:
             return self
-        t = np.concatenate([[0.0], np.cumsum(self.intervals[:-1])])[::n]
+        t = self.t[::n]
         return replace(
             self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, ::n], measured=self.measured[:, ::n]
         )
 
     def column(self, name: str) -> np.ndarray:
-        """Return a column of the trial at the samples that are left."""
-        t = self.trial["t"]
-        return np.asarray(
-            np.interp(t[0] + np.concatenate([[0.0], np.cumsum(self.intervals[:-1])]), t, self.trial[name])
-        )
+        """Return a column of the trial at the samples that are left, shape (N,).
 
-    def head(self, count: int) -> Sailed:
-        """Return the first `count` samples."""
+        Parameters
+        ----------
+        name : str
+            The column.
+        """
+        t = self.trial["t"]
+        return np.asarray(np.interp(t[0] + self.t, t, self.trial[name]))
+
+    def head(self, count: int) -> TrialData:
+        """Return the first samples.
+
+        Parameters
+        ----------
+        count : int
+            How many.
+        """
         return replace(
             self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count]
         )
 
 
-def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
-    """Return the signals that every trial measures and the model predicts.
-
-    Raises
-    ------
-    UnknownNameError
-        If a signal asked for is none the model predicts.
-    NothingToFitError
-        If there is none, or a trial does not measure a signal asked for.
-    """
-    predicted = [n for n in model.entries if model[n].quantity.kind in ("state", "derived", "output")]
-    for name in wanted or ():
-        if name not in predicted:
-            raise UnknownNameError(f"signal that model {model.name} predicts called", name, predicted)
-        for trial in trials:
-            if not trial.has(name):
-                raise NothingToFitError(
-                    f"the signal '{name}' is to be fitted, and trial {trial.name} does not have it. Its columns: "
-                    f"{', '.join(trial.table.columns)}."
-                )
-    found = tuple(n for n in dict.fromkeys(wanted or SIGNALS) if n in predicted and all(t.has(n) for t in trials))
-    if wanted is None and "v" in predicted and "v" not in found and all(t.has("x", "y") for t in trials):
-        # Nothing else shows the drift: fit the track, with a constant current of its own in each trial.
-        found += tuple(n for n in TRACK if n in predicted)
-    if not found:
-        raise NothingToFitError(
-            f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "
-            f"{', '.join(trials[0].table.columns)}."
-        )
-    return found
-
-
-def check_answer(trial: Trial, signals: Sequence[str]) -> None:
-    """Refuse a trial whose heading or rate of turn never changes: the ship did not answer, or the sensor stood still.
-
-    Raises
-    ------
-    NoAnswerError
-        With the column and the value it keeps.
-    """
-    for name in ("psi", "r"):
-        if name in signals and np.ptp(trial[name]) == 0:
-            raise NoAnswerError(
-                f"trial {trial.name}, column '{name}': it stays at {trial[name][0]:.6g} {trial.unit(name)} throughout, "
-                "while the rudder moves. Check the sensor and the column, or fit other signals (--signals)."
-            )
-
-
 def prepare(
     model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, first: int | None = None
-) -> Sailed:
-    """Return a trial as the model sees it.
+) -> TrialData:
+    """Return a trial as a model reads it.
 
     Parameters
     ----------
@@ -145,41 +114,40 @@ def prepare(
     first : int, optional
         How many samples the first guess of the initial state may use; by default 2 % of the record.
 
+    Returns
+    -------
+    TrialData
+
     Raises
     ------
-    NothingToFitError
-        If the trial lacks an input that has no default.
+    UnstatedInputError
+        If the trial lacks an input that has an influence on the signals and declares no default.
     """
     t = trial["t"]
-    recorded = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
+    recorded = recorded_speed(trial)
     speed = float(np.median(recorded)) if recorded is not None else own_speed
     first = first or max(3, int(0.02 * t.size))
     approach, cruise_std = (own_speed, 0.0) if recorded is None else _approach_speed(trial, recorded, first)
     # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
     # ship that still gathers speed has no approach; its usual speed stands in.
     gathering = approach is not None and speed is not None and approach < 0.9 * speed
-    known = {"u": speed if gathering else approach, "cruise": speed if gathering else approach}
+    before = speed if gathering else approach
     needed = generate(model).inputs_behind(signals)
-    inputs = np.empty((len(model.inputs), t.size))
-    for i, name in enumerate(model.inputs):
-        value = known.get(name) if name in known else trial[name] if trial.has(name) else model[name].number("default")
-        if value is None and name not in needed:
-            value = 1.0 if name in known else 0.0
-        if value is None:
-            raise NothingToFitError(
-                f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which trial {trial.name} does not "
-                f"record. Its columns: {', '.join(trial.table.columns)}."
-            )
-        inputs[i] = value
-    x0, x0_std = (np.array(c) for c in zip(*(_initial(model, trial, s, known, first) for s in model.states)))
-    measured = np.array([trial[s] for s in signals])
-    return Sailed(
+    given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
+    for name in ("u", "cruise"):
+        given.pop(name, None)
+        if before is not None:
+            given[name] = before
+        elif name not in needed:
+            given[name] = 1.0  # without influence on what is fitted, and a speed of zero divides
+    start = {n: _initial(model, trial, n, before, first) for n in model.states}
+    return TrialData(
         trial,
         np.diff(t, append=t[-1]),
-        inputs,
-        measured,
-        x0,
-        x0_std,
+        input_rows(model, given, t.size, f"trial {trial.name}", needed),
+        np.array([trial[s] for s in signals]),
+        {n: value for n, (value, _) in start.items()},
+        {n: std for n, (_, std) in start.items()},
         cruise_std,
         speed or 1.0,
         not gathering and _settled(trial, min(first, 10)),
@@ -207,9 +175,7 @@ def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> tuple[float,
     return float(np.median(taken)), 1.25 * noise / np.sqrt(count)
 
 
-def _initial(
-    model: Model, trial: Trial, name: str, known: Mapping[str, float | None], first: int
-) -> tuple[float, float]:
+def _initial(model: Model, trial: Trial, name: str, before: float | None, first: int) -> tuple[float, float]:
     """A first guess of one initial state and its standard error: a straight line through the first samples."""
     if trial.has(name):
         t, column = trial["t"][:first], trial[name][:first]
@@ -219,17 +185,6 @@ def _initial(
         found, *_ = np.linalg.lstsq(design, column, rcond=None)
         scatter = float(np.std(column - design @ found)) * np.sqrt(len(t) / (len(t) - 2))
         return float(found[0]), float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
-    if name == "u" and known["cruise"] is not None:
-        return float(known["cruise"]), 0.0
+    if name == "u" and before is not None:
+        return before, 0.0
     return model[name].number("start") or 0.0, 0.0
-
-
-def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = True) -> tuple[str, ...]:
-    """Return the inputs whose constant bias is unknown in each trial.
-
-    The rudder; the cruising speed, where a fitted speed shows it; the current, where a fitted track shows it.
-    """
-    wanted = ["delta"] if rudder_bias else []
-    wanted += ["cruise"] if "u" in signals else []
-    wanted += ["current_north", "current_east"] if set(TRACK) & set(signals) else []
-    return tuple(n for n in wanted if n in model.inputs)

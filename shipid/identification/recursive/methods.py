@@ -1,4 +1,4 @@
-"""The family: what tells its members apart is which output they remember, and which gain they take.
+"""The family: its members differ in the output that the next prediction starts from, and in the gain.
 
 All of them predict one output a sample ahead with the model, ``ybar = psi' theta``, and correct output and parameters by the
 innovation: ``yhat = ybar + K_y e``, ``theta = theta + K_theta e``. Passenier (1989), section 4.5.3, shows each as an extended
@@ -23,16 +23,16 @@ class Method:
         Its name on the command line, and what it is in one line.
     source : str
         Where its equations are printed.
-    remembers : {"measured", "predicted", "weighted", "optimal"}
+    previous_output : {"measured", "predicted", "weighted", "optimal"}
         The output the next prediction starts from: the measurement (K_y = 1), the model's own (K_y = 0), or a mean of the two
         by their variances, without or with the correlation between output and parameters.
     forgets : bool
         Whether it takes a forgetting factor.
-    believes_noise : bool
-        Whether the noise level it is given counts. Otherwise only its ratio to the first uncertainty does, and intervals are
-        scaled by the size of the innovations.
+    uses_noise_level : bool
+        Whether the gain depends on the noise level. Otherwise only its ratio to the first standard deviations matters, and
+        intervals are scaled by the size of the innovations.
     instruments : bool
-        Whether parameters are corrected along an auxiliary model's output, which measurement noise does not touch.
+        Whether parameters are corrected along the output of an auxiliary model, which measurement noise does not enter.
     projects : bool
         Whether the model it runs is kept stable.
     linear : bool
@@ -44,9 +44,9 @@ class Method:
     name: str
     line: str
     source: str
-    remembers: Literal["measured", "predicted", "weighted", "optimal"]
+    previous_output: Literal["measured", "predicted", "weighted", "optimal"]
     forgets: bool = False
-    believes_noise: bool = True
+    uses_noise_level: bool = True
     instruments: bool = False
     projects: bool = False
     linear: bool = True
@@ -56,16 +56,16 @@ class Method:
     def first_factor(self) -> float:
         """First variances of the gains in those given.
 
-        Equation errors say little each where a ship is sampled finely; least squares that believed its start as it is given
-        would be held by it for good.
+        One equation error holds little information where a ship is sampled finely: with the first variances as they are given,
+        least squares would hardly leave its start.
         """
-        return 100.0 if self.remembers == "measured" and not self.believes_noise else 1.0
+        return 100.0 if self.previous_output == "measured" and not self.uses_noise_level else 1.0
 
 
 _ALL = (
     Method(
         "ekf",
-        "extended Kalman filter of output and parameters: tightest, and needs a start it can believe",
+        "extended Kalman filter of output and parameters: smallest scatter; needs a realistic start",
         "Passenier (1989), eq. (4.111)-(4.119)",
         "optimal",
         linear=False,
@@ -76,7 +76,7 @@ _ALL = (
         "Passenier (1989), eq. (4.57)-(4.64)",
         "measured",
         forgets=True,
-        believes_noise=False,
+        uses_noise_level=False,
     ),
     Method(
         "series-parallel",
@@ -84,7 +84,7 @@ _ALL = (
         "Passenier (1989), eq. (4.62)",
         "measured",
         forgets=True,
-        believes_noise=False,
+        uses_noise_level=False,
     ),
     Method(
         "mras-parallel",
@@ -92,12 +92,12 @@ _ALL = (
         "Passenier (1989), eq. (4.63); Landau (1976)",
         "predicted",
         forgets=True,
-        believes_noise=False,
+        uses_noise_level=False,
         projects=True,
     ),
     Method(
         "minimum-variance",
-        "minimum variance (Markov): least squares that believes its noise level; biased as rls",
+        "minimum variance (Markov): least squares weighted by the noise level; biased as rls",
         "Passenier (1989), eq. (4.134)-(4.139)",
         "measured",
     ),
@@ -120,7 +120,7 @@ _ALL = (
         "Young (1970); Söderström and Stoica (1989), section 9.3",
         "measured",
         forgets=True,
-        believes_noise=False,
+        uses_noise_level=False,
         instruments=True,
     ),
 )

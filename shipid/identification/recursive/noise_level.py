@@ -1,4 +1,4 @@
-"""How noisy the measured state is: as the user says, or from the record alone."""
+"""The noise level of the measured state: as given, or from the record alone."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
+from shipid.estimation.settings.instruments import Amount
 from shipid.estimation.settings.noise import sensor_levels
 from shipid.foundation.errors import UsageError
 
@@ -40,12 +41,12 @@ def noise_of(samples: np.ndarray) -> float:
         )
     third = np.diff(samples, 3)
     # 0.6745 is the median of the size of a standard normal number.
-    level = float(np.median(np.abs(third))) / (0.6744897501960817 * np.sqrt(20.0))
+    level = float(np.median(np.abs(third)) / (0.6744897501960817 * np.sqrt(20.0)))
     return max(level, 1e-6 * float(np.ptp(samples)))
 
 
 def read_sensor(
-    model: Model, measured: Mapping[str, str | float | None] | None
+    model: Model, measured: Mapping[str, Amount | None] | None
 ) -> tuple[str | None, float | None, str | None]:
     """Return the sensor, its noise level (SI) and the state it measures, as far as they are given.
 

@@ -1,28 +1,23 @@
-"""The same recursion for samples that arrive one by one, kept in a file between two watches."""
+"""The same recursion for samples that arrive one by one, with its state saved to and restored from a file."""
 
 from __future__ import annotations
 
 import functools
-import hashlib
-import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from shipid.estimation.errors import SavedStateError
-from shipid.estimation.records.arrangement import LONGEST_GAP, LONGEST_STEP, column_of, input_table
-from shipid.estimation.records.run import unpacked
+from shipid.estimation.online.samples import SampleReader
+from shipid.estimation.online.saving import not_a_state, read_state, write_state
+from shipid.estimation.records.triangles import unpacked
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.identification.recursive.following import followers, following
+from shipid.foundation.statistics import plain
+from shipid.generation.loop import Stepper
+from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
-
-if TYPE_CHECKING:
-    from shipid.generation.loop import Stepper
-    from shipid.identification.recursive.identifier import RecursiveIdentifier
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +29,15 @@ class RecursiveEstimate:
     t : float
         Time of the sample in s.
     y : float
-        The measured state as the recursion remembers it, SI.
+        The measured state as the recursion estimates it, SI.
     theta : ndarray, shape (parameters,)
         Estimates, SI.
     covariance : ndarray, shape (parameters, parameters)
         Their covariance.
     refused : str
         Why the whole sample was refused; empty where it was not.
+    design : RecursiveDesign
+        Which recursion.
     """
 
     t: float
@@ -48,20 +45,18 @@ class RecursiveEstimate:
     theta: np.ndarray
     covariance: np.ndarray
     refused: str
-    _identifier: RecursiveIdentifier = field(repr=False)
+    design: RecursiveDesign = field(repr=False)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The parameters, and the published coefficients that follow from them."""
-        made = self._identifier
-        return (*made.names, *followers(made.model, made.names))
+        return (*self.design.names, *self.design.published_names)
 
     @functools.cached_property
     def _values(self) -> dict[str, tuple[float, float]]:
-        made = self._identifier
         std = np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
-        also = following(made.model, made.names, made.known, self.theta[None, :], self.covariance[None])
-        own = {n: (float(self.theta[i]), float(std[i])) for i, n in enumerate(made.names)}
+        also = self.design.published_along(self.theta[None, :], self.covariance[None])
+        own = {n: (float(self.theta[i]), float(std[i])) for i, n in enumerate(self.design.names)}
         return own | {n: (float(v[0]), float(s[0])) for n, (v, s) in also.items()}
 
     def __getitem__(self, name: str) -> float:
@@ -81,11 +76,11 @@ class RecursiveEstimate:
         _ = self[name]
         return self._values[name][1]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI, free of NaN."""
         return {
             "t": self.t,
-            "estimates": {n: {"value": _plain(v), "std": _plain(s)} for n, (v, s) in self._values.items()},
+            "estimates": {n: {"value": plain(v), "std": plain(s)} for n, (v, s) in self._values.items()},
             "refused": self.refused,
         }
 
@@ -95,25 +90,25 @@ class OnlineIdentifier:
 
     Parameters
     ----------
-    identifier : RecursiveIdentifier
+    design : RecursiveDesign
         Which recursion.
-
-    Attributes
-    ----------
-    t : float or None
-        Time of the last sample in s.
-    refused : int
-        Samples left out because their time was not later than that of the one before.
     """
 
-    def __init__(self, identifier: RecursiveIdentifier) -> None:
-        self.identifier = identifier
-        self.t: float | None = None
-        self.refused = 0
-        self._level = identifier.level_of()
+    def __init__(self, design: RecursiveDesign) -> None:
+        self.design = design
+        self._level = design.level_of()
+        self._reader = SampleReader(design.instruments)
         self._stepper: Stepper | None = None
-        self._usual: float | None = None
-        self._held: dict[str, float] = {}
+
+    @property
+    def t(self) -> float | None:
+        """Time of the last sample in s; None before the first."""
+        return self._reader.t
+
+    @property
+    def refused(self) -> int:
+        """Whole samples left out so far: their time stamp cannot be right (see `shipid.estimation.records.clock`)."""
+        return self._reader.refused
 
     def update(self, sample: Mapping[str, float]) -> RecursiveEstimate:
         """Take in one sample.
@@ -131,52 +126,31 @@ class OnlineIdentifier:
         ------
         UsageError
             If the sample has no time.
-        NotMeasurableError
-            If the first sample lacks an input.
+        UnstatedInputError
+            If the first sample lacks an input that declares no default.
         """
-        made, places = self.identifier, self.identifier.layout.control
-        t = float(sample.get("t", np.nan))
-        if not np.isfinite(t):
-            raise UsageError("a sample needs its time 't' in s, a finite number.")
-        if self.t is not None and not t > self.t:
-            self.refused += 1
-            return self._estimate(f"its time {t:g} s is not later than the last one, {self.t:g} s")
-        inputs = self._inputs(sample)
-        column = column_of(made.regression.system.model, made.sensor, sample)
-        z = float(sample[column]) if column is not None else np.nan
-        there = bool(np.isfinite(z))
+        reader, places, held = self._reader, self.design.layout.control, self.design.layout.carried["u"]
+        elapsed = reader.elapsed(sample)
+        if elapsed is None:
+            return self._estimate(reader.why_refused(sample))
+        inputs, _ = reader.inputs(sample, None if self._stepper is None else self._stepper.z[held])
         if self._stepper is None:
-            carried = made.carried(z if there else 0.0, inputs, self._level)
-            self._stepper = made.loop.one_at_a_time(carried, made.constants(self._level))
-        gap = 0.0 if self.t is None else min(t - self.t, LONGEST_GAP)
+            reader.begin()
+        z, there = np.zeros(1), np.zeros(1)
+        reader.shown(sample, z, there)
+        if self._stepper is None:
+            self._stepper = self._first_stepper(self.design.carried(float(z[0]), inputs, self._level))
         control = self._stepper.control
-        begin = self._stepper.z[made.layout.carried["u"]].copy()
-        pieces = self._pieces(gap)
-        for k in range(1, pieces + 1):
-            shows = there and k == pieces
-            control[places["u"]] = begin + (inputs - begin) * (k / pieces)
-            control[places["T"]] = gap / pieces
-            control[places["z"]] = z if shows else 0.0
-            control[places["there"]] = float(shows)
+        for interval, between, is_sample in reader.bridge(elapsed, self._stepper.z[held].copy(), inputs):
+            control[places["u"]] = between
+            control[places["T"]] = interval
+            control[places["z"]] = z * is_sample
+            control[places["there"]] = there * is_sample
             self._stepper.step()
-        if self._usual is None and self.t is not None:
-            self._usual = gap
-        self.t = t
         return self._estimate("")
 
-    def _inputs(self, sample: Mapping[str, float]) -> np.ndarray:
-        made, model = self.identifier, self.identifier.regression.system.model
-        self._held |= {n: float(v) for n, v in sample.items() if np.isfinite(v)}
-        # The cruising speed is the one before the manoeuvre, not the one now.
-        if "cruise" in made.regression.needed and "u" in self._held and "cruise" not in made.inputs:
-            self._held.setdefault("cruise", self._held["u"])
-        columns = {n: np.array([v]) for n, v in self._held.items()}
-        inputs: np.ndarray = input_table(model, columns, "of samples", made.inputs, made.regression.needed)[0]
-        return inputs
-
-    def _pieces(self, gap: float) -> int:
-        """In how many steps a gap is bridged, so that the integration stays accurate."""
-        return 1 if not self._usual else max(1, int(np.ceil(gap / (LONGEST_STEP * self._usual) - 1e-9)))
+    def _first_stepper(self, carried: np.ndarray) -> Stepper:
+        return self.design.loop.one_at_a_time(carried, self.design.constants(self._level))
 
     @property
     def estimate(self) -> RecursiveEstimate | None:
@@ -184,14 +158,14 @@ class OnlineIdentifier:
         return None if self._stepper is None else self._estimate("")
 
     def _estimate(self, refused: str) -> RecursiveEstimate:
-        assert self._stepper is not None and self.t is not None
-        made, layout, z = self.identifier, self.identifier.layout, self._stepper.z
+        assert self._stepper is not None
+        design, layout, z = self.design, self.design.layout, self._stepper.z
         covariance = unpacked(z[layout.carried["joint"]][None, :], layout.n + 1)[0, 1:, 1:]
         count = float(z[layout.carried["count"]][0])
-        if not made.method.believes_noise and count >= FEW * layout.n:
+        if not design.method.uses_noise_level and count >= FEW * layout.n:
             covariance = covariance * (float(z[layout.carried["nis"]][0]) / count)
         theta = np.array(z[layout.carried["theta"]])
-        return RecursiveEstimate(self.t, float(z[layout.carried["y"]][0]), theta, covariance, refused, made)
+        return RecursiveEstimate(self.t or 0.0, float(z[layout.carried["y"]][0]), theta, covariance, refused, design)
 
     def save(self, path: str | Path) -> None:
         """Write the state to a file, whole or not at all; every number exactly.
@@ -208,28 +182,15 @@ class OnlineIdentifier:
         """
         if self._stepper is None:
             raise UsageError("a recursion that has taken no sample has no state to save.")
-        path = Path(path)
-        state: dict[str, Any] = {
-            "belongs_to": signature(self.identifier),
-            "t": self.t,
-            "refused": self.refused,
-            "usual": self._usual,
-            "held": self._held,
-            "carried": self._stepper.z.tolist(),
-        }
-        temporary = path.with_name(f".{path.name}.{os.getpid()}")
-        temporary.write_text(json.dumps(state), encoding="utf-8")
-        temporary.replace(path)
+        state = self._reader.state | {"carried": [float(v).hex() for v in self._stepper.z]}
+        write_state(Path(path), self.design.fingerprint, self.design.model.name, state)
 
-    @classmethod
-    def restored(cls, identifier: RecursiveIdentifier, path: Path) -> OnlineIdentifier:
-        """Return the recursion as `save` left it.
+    def load(self, path: str | Path) -> None:
+        """Go on from a state as `save` left it.
 
         Parameters
         ----------
-        identifier : RecursiveIdentifier
-            The same recursion as the one that was saved.
-        path : Path
+        path : str or Path
             The file.
 
         Raises
@@ -237,46 +198,10 @@ class OnlineIdentifier:
         SavedStateError
             If the file cannot be read, or belongs to another recursion.
         """
-        online = cls(identifier)
+        state = read_state(Path(path), self.design.fingerprint, "recursion")
         try:
-            state = json.loads(path.read_text(encoding="utf-8"))
-            belongs, carried = state["belongs_to"], np.array(state["carried"], dtype=float)
-            online.t, online.refused = state["t"], state["refused"]
-            online._usual, online._held = state["usual"], state["held"]
-        except OSError as error:
-            raise SavedStateError(f"the saved state {path} cannot be read: {error.strerror}.") from None
+            carried = np.array([float.fromhex(v) for v in state["carried"]])
+            self._reader.state = state
         except (ValueError, KeyError, TypeError):
-            raise SavedStateError(f"{path} is no saved state of a recursive identification.") from None
-        if belongs != signature(identifier):
-            raise SavedStateError(
-                f"the saved state {path} belongs to another recursion: model, ship, method, parameters and noise have to be those "
-                "it was saved with. Make it with the same arguments, or start anew."
-            )
-        online._stepper = identifier.loop.one_at_a_time(carried, identifier.constants(online._level))
-        return online
-
-
-def signature(identifier: RecursiveIdentifier) -> str:
-    """Return a hash of everything a saved state depends on.
-
-    Parameters
-    ----------
-    identifier : RecursiveIdentifier
-        The recursion.
-    """
-    parts = (
-        identifier.method.name,
-        identifier.names,
-        identifier.output,
-        identifier.sensor,
-        identifier.regression.system.digest,
-        identifier.regression.integration,
-        sorted(identifier.inputs.items()),
-        identifier.constants(identifier.level_of()).tolist(),
-    )
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
-
-
-def _plain(value: float) -> float | None:
-    """A number for JSON, which knows neither NaN nor infinity."""
-    return value if np.isfinite(value) else None
+            raise not_a_state(Path(path), "recursion") from None
+        self._stepper = self._first_stepper(carried)

@@ -1,23 +1,24 @@
 """One sample of a recursive identification, as a generated function ``(carried, control, constants) -> (carried, outputs)``.
 
 Every method is a gain in one frame. The frame also carries the covariance that output and parameters really have under that
-gain (Joseph's form, which holds for any gain), so that each method says how sure it is in the same way, whatever it believes.
+gain (Joseph's form, which holds for any gain), so that the standard deviations of all methods mean the same.
 """
 
 from __future__ import annotations
 
-from typing import Any
-
 import casadi as ca
 
+from shipid.estimation.recursion import covariance_form
+from shipid.estimation.recursion.layout import places_of, total
+from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.identification.recursive.methods import Method
-from shipid.identification.recursive.regression import Regression
+from shipid.identification.recursive.regression import StateRegression
 
 #: The pole of the model that is run stays within this: a time constant of ten thousand samples.
 LARGEST_POLE = 0.9999
 #: Samples of least squares before instruments take over, and of instruments before their model follows the estimate; times the
-#: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a ship that runs
-#: straight tells nothing, for however long.
+#: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a straight course
+#: holds no information, however long it is.
 WARM_UP, SETTLING, KNOWN = 20, 80, 1e-3
 #: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
 AUXILIARY_SHARE = 0.02
@@ -25,7 +26,7 @@ AUXILIARY_SHARE = 0.02
 FEW = 10
 
 
-class Layout:
+class RecursionLayout:
     """Where everything stands in the vectors of a recursion.
 
     Parameters
@@ -34,13 +35,20 @@ class Layout:
         How many are estimated.
     inputs, coefficients : int
         How many the model has.
+
+    Attributes
+    ----------
+    n : int
+        Number of parameters.
+    carried, control, constants, outputs : dict of str to slice
+        What the function of one sample takes and returns.
     """
 
     def __init__(self, parameters: int, inputs: int, coefficients: int) -> None:
         n, joint = parameters, parameters + 1
-        triangle = joint * (joint + 1) // 2
+        triangle = covariance_form.size(joint)
         self.n = n
-        self.carried = _places(
+        self.carried = places_of(
             y=1,
             theta=n,
             u=inputs,
@@ -55,34 +63,21 @@ class Layout:
             nis=1,
             count=1,
         )
-        self.control = _places(u=inputs, T=1, z=1, there=1)
-        self.constants = _places(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1, settles=1)
-        self.outputs = _places(y=1, theta=n, joint=triangle, e=1, S=1, e_aux=1, nis=1, count=1)
+        self.control = places_of(u=inputs, T=1, z=1, there=1)
+        self.constants = places_of(p=coefficients, q=joint, q_density=joint, P0=n, r=1, forgetting=1, settles=1)
+        self.outputs = places_of(y=1, theta=n, joint=triangle, e=1, S=1, e_aux=1, nis=1, count=1)
 
 
-def _places(**sizes: int) -> dict[str, slice]:
-    places, at = {}, 0
-    for name, count in sizes.items():
-        places[name] = slice(at, at + count)
-        at += count
-    return places
-
-
-def length(places: dict[str, slice]) -> int:
-    """Return the length of a vector with these places."""
-    return max(p.stop for p in places.values())
-
-
-def make_recursion(regression: Regression, method: Method, layout: Layout) -> Any:
+def make_recursion(regression: StateRegression, method: Method, layout: RecursionLayout) -> CasadiFunction:
     """Generate the function of one sample.
 
     Parameters
     ----------
-    regression : Regression
+    regression : StateRegression
         What is predicted.
     method : Method
         Which gain.
-    layout : Layout
+    layout : RecursionLayout
         Where everything stands.
 
     Returns
@@ -94,7 +89,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     The numbers of the equations are those of Passenier (1989). Without a measurement the model is run and nothing else.
     """
     before, control, constants = (
-        ca.SX.sym(name, length(places))
+        ca.SX.sym(name, total(places))
         for name, places in (
             ("carried", layout.carried),
             ("control", layout.control),
@@ -107,41 +102,41 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
     # A density enters half before and half after the transition, as in the filter (trapezoidal rule).
     half, added = q_density * T / 2, q_density * T / 2 + q_sample * (T > 0)
-    # Where nothing else is known of it, the state starts at its first sample, which then tells nothing more.
+    # Where nothing else is known of it, the state starts at its first sample, which then gives no innovation.
     begins = settles * there * (old["age"] == 0)
     there = there - begins
 
     ahead, pole, psi = regression.predict(old["y"], old["theta"], old["u"], u1, p, T)
     e = z - ahead
     transition = ca.vertcat(ca.horzcat(pole, psi.T), ca.horzcat(ca.SX.zeros(n, 1), ca.SX.eye(n)))
-    before_step = _unpacked(old["joint"], n + 1) + ca.diag(half)
-    joint = _symmetric(transition @ before_step @ transition.T + ca.diag(added))
+    before_step = covariance_form.unpack(old["joint"], n + 1) + ca.diag(half)
+    joint = covariance_form.symmetric(transition @ before_step @ transition.T + ca.diag(added))
     spread = joint[0, 0] + r
 
-    believed = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
+    weights = ca.reshape(old["P"], n, n) + ca.diag(half[1:])
     y_aux, theta_aux, direction = old["y_aux"], old["theta_aux"], psi
     phase, waited = old["phase"], old["waited"] + there
     if method.instruments:
-        known = ca.mmax(ca.diag(believed) / first) < KNOWN
+        known = ca.mmax(ca.diag(weights) / first) < KNOWN
         begin = (phase == 0) * (waited > WARM_UP * n) * known
         follow = (phase == 1) * (waited > SETTLING * n) * known
         phase, waited = phase + begin + follow, ca.if_else(begin, 0.0, waited)
         # What least squares learned to get the auxiliary model started is biased: its weight is given back.
-        believed = ca.if_else(begin, ca.diag(first), believed)
+        weights = ca.if_else(begin, ca.diag(first), weights)
         y_aux, theta_aux, direction = _instruments(regression, phase, old, psi, u1, p, T)
-    along = believed @ direction
-    # (4.126): what the output is unsure of before the sample, apart from its parameters.
-    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.remembers == "weighted" else half[0] + added[0]
+    along = weights @ direction
+    # (4.126): variance of the predicted output, apart from that by its parameters.
+    own = pole**2 * (old["P_y"] + half[0]) + added[0] if method.previous_output == "weighted" else half[0] + added[0]
     quadratic = ca.dot(psi, along)
     memory = ca.if_else(T > 0, forgetting, 1.0) if method.forgets else 1.0
     gain, correction = _gains(method, joint, r, own, quadratic, along, memory)
     gain, correction = gain * there, correction * there
     theta = old["theta"] + correction * e
     y = ahead + gain * e
-    updated = believed - correction @ (psi.T @ believed)
-    updated = ca.if_else(there, updated / memory, believed) + ca.diag(added[1:])
+    updated = weights - correction @ (psi.T @ weights)
+    updated = ca.if_else(there, updated / memory, weights) + ca.diag(added[1:])
     if not method.instruments:
-        updated = _symmetric(updated)
+        updated = covariance_form.symmetric(updated)
     if method.projects:
         theta = _stable(regression, y, theta, updated, old["u"], u1, p, T)
     joint = _updated(joint, ca.vertcat(gain, correction), spread)
@@ -159,7 +154,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
         "u": u1,
         "P": ca.vec(updated),
         "P_y": uncertain,
-        "joint": _packed(joint),
+        "joint": covariance_form.pack(joint),
         "y_aux": y_aux,
         "theta_aux": theta_aux,
         "phase": phase,
@@ -171,7 +166,7 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     shown = {
         "y": y,
         "theta": theta,
-        "joint": _packed(joint),
+        "joint": covariance_form.pack(joint),
         "e": e,
         "S": spread,
         "e_aux": z - y_aux,
@@ -185,30 +180,44 @@ def make_recursion(regression: Regression, method: Method, layout: Layout) -> An
     return ca.Function("recursion", [before, control, constants], ca.cse(results))
 
 
-def _gains(method: Method, joint: Any, r: Any, own: Any, quadratic: Any, along: Any, memory: Any) -> tuple[Any, Any]:
+def _gains(
+    method: Method,
+    joint: Expression,
+    r: Expression,
+    own: Expression,
+    quadratic: Expression,
+    along: Expression,
+    memory: Expression,
+) -> tuple[Expression, Expression]:
     """K_y and K_theta: the one line in which the methods differ.
 
     `own` is the variance of the predicted output apart from its parameters, `quadratic` what those add, `along` the
     covariance of parameters and predicted output.
     """
-    if method.remembers == "optimal":
+    if method.previous_output == "optimal":
         both = joint[:, 0] / (joint[0, 0] + r)  # (4.115)
         return both[0], both[1:]
-    unsure = own + quadratic
-    gain = {"measured": 1.0, "predicted": 0.0, "weighted": unsure / (unsure + r)}[method.remembers]
+    variance = own + quadratic
+    gain = {"measured": 1.0, "predicted": 0.0, "weighted": variance / (variance + r)}[method.previous_output]
     # (4.74) leaves out the uncertainty of the output, (4.130) counts it.
     return ca.SX(gain), along / (memory * (r if method.separate else own + r) + quadratic)
 
 
-def _updated(joint: Any, gains: Any, spread: Any) -> Any:
+def _updated(joint: Expression, gains: Expression, spread: Expression) -> Expression:
     """Joseph's form for one measurement of the first unknown: what any gain makes of a covariance."""
     column = joint[:, 0]
-    return _symmetric(joint - gains @ column.T - column @ gains.T + (gains * spread) @ gains.T)
+    return covariance_form.symmetric(joint - gains @ column.T - column @ gains.T + (gains * spread) @ gains.T)
 
 
 def _instruments(
-    regression: Regression, phase: Any, old: dict[str, Any], psi: Any, u1: Any, p: Any, T: Any
-) -> tuple[Any, Any, Any]:
+    regression: StateRegression,
+    phase: Expression,
+    old: dict[str, Expression],
+    psi: Expression,
+    u1: Expression,
+    p: Expression,
+    T: Expression,
+) -> tuple[Expression, Expression, Expression]:
     """The auxiliary model's output and parameters, and the direction in which the parameters are corrected.
 
     First it has the parameters of least squares. It keeps them while the estimates along its output, wild at the beginning,
@@ -221,7 +230,16 @@ def _instruments(
     return y_aux, theta, ca.if_else(phase == 0, psi, clean)
 
 
-def _stable(regression: Regression, y: Any, theta: Any, metric: Any, u0: Any, u1: Any, p: Any, T: Any) -> Any:
+def _stable(
+    regression: StateRegression,
+    y: Expression,
+    theta: Expression,
+    metric: Expression,
+    u0: Expression,
+    u1: Expression,
+    p: Expression,
+    T: Expression,
+) -> Expression:
     """Project parameters on those of a stable model, in the metric of their covariance; exact where the pole is linear."""
     symbols = [
         ca.SX.sym("y"),
@@ -237,22 +255,3 @@ def _stable(regression: Regression, y: Any, theta: Any, metric: Any, u0: Any, u1
     power = ca.dot(slope, along)
     share = ca.if_else((T > 0) * (power > 0), beyond / ca.if_else(power > 0, power, 1.0), 0.0)
     return theta - along * share
-
-
-def _symmetric(matrix: Any) -> Any:
-    """Keep the upper triangle and mirror it: symmetric by construction."""
-    return ca.densify(ca.triu2symm(ca.triu(matrix)))
-
-
-def _packed(matrix: Any) -> Any:
-    size = matrix.shape[0]
-    return ca.vertcat(*(matrix[i, j] for j in range(size) for i in range(j + 1)))
-
-
-def _unpacked(packed: Any, size: int) -> Any:
-    full, k = ca.SX(size, size), 0
-    for j in range(size):
-        for i in range(j + 1):
-            full[i, j] = full[j, i] = packed[k]
-            k += 1
-    return full

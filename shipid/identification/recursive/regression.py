@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.augment import augment
 from shipid.declaration.model import Entry, Model
+from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError
 from shipid.generation.linearisation import COORDINATES
 from shipid.generation.step import make_step
@@ -23,7 +23,7 @@ from shipid.identification.recursive.errors import NonlinearParameterError, NoRe
 
 
 @dataclass(frozen=True, eq=False)
-class Regression:
+class StateRegression:
     """One state of a model over one sampling interval.
 
     Attributes
@@ -52,7 +52,7 @@ class Regression:
     system: System
     needed: tuple[str, ...]
     coefficients: tuple[str, ...]
-    predict: Any
+    predict: CasadiFunction
     integration: str
 
 
@@ -64,7 +64,7 @@ def make_regression(
     linear: bool = True,
     integration: str = "rk4",
     hold: str = "linear",
-) -> Regression:
+) -> StateRegression:
     """Derive the regression of one state.
 
     Parameters
@@ -83,7 +83,7 @@ def make_regression(
 
     Returns
     -------
-    Regression
+    StateRegression
 
     Raises
     ------
@@ -109,7 +109,7 @@ def make_regression(
     if linear:
         _check_linear(model, output, names, generate(alone))
     system = generate(augment(alone, names, log=()))
-    return Regression(
+    return StateRegression(
         model,
         output,
         names,
@@ -137,7 +137,7 @@ def _alone(model: Model, output: str) -> Model:
     return replace(model, entries={n: role(e) for n, e in model.entries.items()})
 
 
-def _equation(system: System, output: str) -> Any:
+def _equation(system: System, output: str) -> Expression:
     row = system.states.index(output)
     return system.nexts.get(row, system.rates[row])
 
@@ -202,7 +202,7 @@ def _check_linear(model: Model, output: str, names: tuple[str, ...], system: Sys
         )
 
 
-def _predictor(system: System, output: str, names: tuple[str, ...], integration: str, hold: str) -> Any:
+def _predictor(system: System, output: str, names: tuple[str, ...], integration: str, hold: str) -> CasadiFunction:
     y, theta = ca.SX.sym("y"), ca.SX.sym("theta", len(names))
     places = {output: y, **{n: theta[i] for i, n in enumerate(names)}}
     u0, u1 = (ca.SX.sym(n, system.u.shape[0]) for n in ("u0", "u1"))

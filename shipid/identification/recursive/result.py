@@ -1,30 +1,34 @@
-"""What a recursion made of a record: parameters along it, how sure they are, and whether they can be believed."""
+"""The result of a recursion over a record: parameters along it, their standard deviations, and whether it diverged."""
 
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.fft import next_fast_len
 
 from shipid.declaration.units import pretty
+from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
-from shipid.estimation.records.run import ParameterEstimate, unpacked
-from shipid.identification.recursive.following import following
+from shipid.estimation.records.triangles import unpacked
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UnknownNameError
+from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
 if TYPE_CHECKING:
-    from shipid.identification.recursive.identifier import RecursiveIdentifier
+    import pandas as pd
 
-_Z95 = 1.959963984540054
 #: A recursion is lost where, in the last quarter of the record, innovations are so many times as large as expected, and what they
 #: have too much is such a share of the variance of the motion. A model that is a little wrong does the one and not the other.
 _LARGE, _UNEXPLAINED = 1.4, 0.1
 #: Intervals widened by less than this are those of white innovations, but for chance.
 _WORTH_SAYING = 1.25
+#: What is reported of an estimate as plain values.
+_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "why", "follows", "meaning")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -33,7 +37,7 @@ class RecursiveIdentification:
 
     Attributes
     ----------
-    identifier : RecursiveIdentifier
+    design : RecursiveDesign
         Which recursion.
     record : str
         Name of the record.
@@ -41,26 +45,28 @@ class RecursiveIdentification:
         The record as the recursion took it.
     noise_level : float
         Standard deviation of a sample of the measured state, given or found in the record, SI.
+    out : ndarray, shape (rows, outputs)
+        What the recursion returned of each row (`RecursionLayout.outputs`).
     """
 
-    identifier: RecursiveIdentifier
+    design: RecursiveDesign
     record: str
     arranged: Arrangement
     noise_level: float
-    _out: np.ndarray = field(repr=False)
+    out: np.ndarray
 
     def _rows(self, name: str) -> np.ndarray:
-        return self._out[self.arranged.shown][:, self.identifier.layout.outputs[name]]
+        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.outputs[name]])
 
     @property
     def names(self) -> tuple[str, ...]:
         """The estimated parameters."""
-        return self.identifier.names
+        return self.design.names
 
     @property
     def t(self) -> np.ndarray:
         """Times of the samples in s, shape (N,)."""
-        return self.arranged.t[self.arranged.shown]
+        return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
     def theta(self) -> np.ndarray:
@@ -69,14 +75,14 @@ class RecursiveIdentification:
 
     @property
     def y(self) -> np.ndarray:
-        """The measured state as the recursion remembers it after each sample, SI, shape (N,)."""
+        """The measured state as the recursion estimates it after each sample, SI, shape (N,)."""
         return self._rows("y")[:, 0]
 
     @functools.cached_property
     def noise_ratio(self) -> np.ndarray:
         """Size of the innovations so far, in that expected: 1 where the noise level is right; shape (N,).
 
-        The intervals of methods that do not believe the noise level are scaled by it.
+        The intervals of methods that do not use the noise level are scaled by it.
         """
         ratio = self._rows("nis")[:, 0] / np.maximum(self._rows("count")[:, 0], 1.0)
         return np.sqrt(np.where(self._rows("count")[:, 0] < FEW * len(self.names), 1.0, ratio))
@@ -88,12 +94,12 @@ class RecursiveIdentification:
         It counts the scatter by noise and by the unknown start. The bias of a method that has one is not in it.
         """
         joint = unpacked(self._rows("joint"), len(self.names) + 1)[:, 1:, 1:]
-        return joint if self.identifier.method.believes_noise else joint * self.noise_ratio[:, None, None] ** 2
+        return joint if self.design.method.uses_noise_level else joint * self.noise_ratio[:, None, None] ** 2
 
     @property
     def std(self) -> np.ndarray:
         """Standard deviations of the parameters after each sample, SI, shape (N, n)."""
-        return np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0))
+        return np.asarray(np.sqrt(np.maximum(np.diagonal(self.covariance, axis1=1, axis2=2), 0.0)))
 
     @property
     def innovations(self) -> np.ndarray:
@@ -108,14 +114,14 @@ class RecursiveIdentification:
     @property
     def _taken(self) -> np.ndarray:
         there: np.ndarray = self.arranged.there[self.arranged.shown, 0].copy()
-        if self.identifier.starts_at_sample and there.any():
+        if self.design.starts_at_sample and there.any():
             there[int(np.argmax(there))] = False
         return there
 
     @functools.cached_property
     def _normalised(self) -> np.ndarray:
         with np.errstate(invalid="ignore", divide="ignore"):
-            return (self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken]
+            return np.asarray((self._rows("e")[:, 0] / np.sqrt(self._rows("S")[:, 0]))[self._taken])
 
     @property
     def nis_mean(self) -> float | None:
@@ -146,14 +152,14 @@ class RecursiveIdentification:
 
     @functools.cached_property
     def why_diverged(self) -> str:
-        """Why the last estimate is not to be believed; empty where it is."""
+        """Why the last estimate is not reliable; empty where it is."""
         if not np.isfinite(self._rows("theta")).all() or not np.isfinite(self._rows("S")).all():
             lost = ~np.isfinite(self._rows("theta")).all(axis=1) | ~np.isfinite(self._rows("S")[:, 0])
             return f"the estimates run away {self.t[int(np.argmax(lost))]:.5g} s into the record."
-        model = self.identifier.model
+        model, scale = self.design.model, self.design.instruments.scale
         for i, name in enumerate(self.names):
-            value, low, high = float(self.theta[-1, i]), *(self.identifier.bound(name, k) for k in ("low", "high"))
-            if (low is not None and value < low) or (high is not None and value > high):
+            value, (low, high) = float(self.theta[-1, i]), scale.bounds_of(model[name])
+            if not low <= value <= high:
                 unit = pretty(model[name].unit)
                 return f"'{name}' ends at {value:.4g} {unit}, outside the bounds it is declared with."
         if self._normalised.size < FEW:
@@ -162,22 +168,20 @@ class RecursiveIdentification:
         if size > _LARGE and share > _UNEXPLAINED:
             return (
                 f"at the end the innovations are {size:.3g} times as large as expected, and what they have too much is "
-                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, less sure or "
-                "surer of it (start, initial), or let the parameters wander (noise)."
+                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, with "
+                "another first standard deviation (start, initial), or with noise on the parameters (noise)."
             )
         return ""
 
     @property
     def diverged(self) -> bool:
-        """Whether the recursion has lost the ship; `why_diverged` says how that shows."""
+        """Whether the recursion diverged; `why_diverged` gives the reason."""
         return bool(self.why_diverged)
 
     @functools.cached_property
     def follow(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Published coefficients that follow along the record: values and standard deviations, SI, each of shape (N,)."""
-        return following(
-            self.identifier.model, self.names, self.identifier.known, self.theta, np.nan_to_num(self.covariance)
-        )
+        return self.design.published_along(self.theta, np.nan_to_num(self.covariance))
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the estimates of a parameter, or of a published coefficient that follows, along the record, SI."""
@@ -196,48 +200,49 @@ class RecursiveIdentification:
         return self.std[:, self.names.index(name)] if name in self.names else self._following(name)[1]
 
     def _following(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        from shipid.foundation.errors import UnknownNameError
-
         if name not in self.follow:
             raise UnknownNameError("estimated parameter", name, [*self.names, *self.follow])
         return self.follow[name]
 
     @functools.cached_property
     def widening(self) -> float:
-        """Factor on the last intervals, 1 or more: innovations larger than expected, or that hang together in time.
+        """Factor on the last intervals, 1 or more: for innovations larger than expected, or correlated in time.
 
-        A model that is a little wrong is wrong for many samples in a row, and those are no independent witnesses. The factor is
-        the root of the innovations' power in that expected, times the length of their correlation; a rough figure, for what the
-        colour does to a parameter depends on where in the spectrum that shows.
+        A model that is a little wrong is wrong for many samples in a row, and those are not independent. The factor is the
+        root of the innovations' power in that expected, times the length of their correlation. It is a rough figure: how much
+        correlated noise disturbs a parameter depends on its spectrum.
         """
-        method, count = self.identifier.method, self._normalised.size
+        method, count = self.design.method, self._normalised.size
         late = self._normalised[count // 4 :]
         if method.instruments:
             # Instruments come with a model that is run alone: its error shows what that of one sample ahead is blind to.
             late = self._rows("e_aux")[self._taken, 0][3 * count // 4 :] / self.noise_level
         if late.size < 4 * FEW or not np.isfinite(late).all():
             return 1.0
-        power = float(np.mean(late**2)) if method.believes_noise or method.instruments else 1.0
+        power = float(np.mean(late**2)) if method.uses_noise_level or method.instruments else 1.0
         if method.instruments:
             power /= float(self.noise_ratio[-1]) ** 2
         return float(np.sqrt(max(1.0, power * correlation_length(late))))
 
     @functools.cached_property
-    def parameters(self) -> dict[str, ParameterEstimate]:
+    def parameters(self) -> dict[str, Estimate]:
         """The last estimate of each parameter, and of what follows from them, with 95 % intervals that are widened (`widening`)."""
-        result = {}
-        for name in (*self.names, *self.follow):
-            entry = self.identifier.model[name]
-            value, std = float(self[name][-1]), float(self.std_of(name)[-1]) * self.widening
-            ends = (value - _Z95 * std, value + _Z95 * std)
-            result[name] = ParameterEstimate(name, entry.unit, entry.quantity.meaning, value, std, ends)
-        return result
+        return {
+            name: estimate_of(
+                self.design.model[name],
+                float(self[name][-1]),
+                float(self.std_of(name)[-1]) * self.widening,
+                why=self.why_diverged,
+                follows=name not in self.names,
+            )
+            for name in (*self.names, *self.follow)
+        }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: time, estimates and standard deviations, SI, units in the headers."""
         import pandas as pd
 
-        model, output = self.identifier.model, self.identifier.output
+        model, output = self.design.model, self.design.output
         columns: dict[str, np.ndarray] = {"t [s]": self.t, f"{output} [{model[output].unit}]": self.y}
         for name in (*self.names, *self.follow):
             unit = model[name].unit
@@ -246,29 +251,20 @@ class RecursiveIdentification:
         columns[f"innovation_{output} [{model[output].unit}]"] = self.innovations
         return pd.DataFrame(columns)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values, free of NaN."""
-        model, output = self.identifier.model, self.identifier.output
+        model, output = self.design.model, self.design.output
         return {
-            "method": self.identifier.method.name,
+            "method": self.design.method.name,
             "model": model.name,
-            "ship": self.identifier.ship.name,
+            "ship": self.design.ship.name,
             "record": self.record,
             "samples": int(self.t.size),
             "widening": self.widening,
             "diverged": self.diverged,
             "why": self.why_diverged,
             "parameters": {
-                n: {
-                    "value": _plain(p.value),
-                    "unit": p.unit,
-                    "std": _plain(p.std),
-                    "ci95": [_plain(v) for v in p.interval],
-                    "identifiable": p.determined and not self.diverged,
-                    "why": self.why_diverged,
-                    "follows": n not in self.names,
-                    "meaning": p.meaning,
-                }
+                n: {key: value for key, value in p.to_dict().items() if key in _REPORTED}
                 for n, p in self.parameters.items()
             },
             "noise": {output: {"std": self.noise_level, "unit": model[output].unit}},
@@ -285,13 +281,12 @@ class RecursiveIdentification:
 
     def __repr__(self) -> str:
         lines = [
-            f"{self.identifier!r}",
+            f"{self.design!r}",
             f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
         ]
-        for name, p in self.parameters.items():
-            lines.append(f"  {name:<12s}{p.value:11.4g} ± {p.std:.2g} {pretty(p.unit)}   {p.meaning}")
+        lines += [f"  {p}" for p in self.parameters.values()]
         mean, white = ("-" if v is None else f"{v:.3g}" for v in (self.nis_mean, self.white_p))
-        lines.append(f"  innovations of {self.identifier.output}: NIS {mean} (1 is right), whiteness p {white}")
+        lines.append(f"  innovations of {self.design.output}: NIS {mean} (1 is right), whiteness p {white}")
         if self.widening > _WORTH_SAYING:
             lines.append(
                 f"  intervals are {self.widening:.2g} times as wide as the noise level alone would make them: the innovations are "
@@ -300,11 +295,6 @@ class RecursiveIdentification:
         if self.diverged:
             lines.append(f"  NOT TO BE BELIEVED: {self.why_diverged}")
         return "\n".join(lines)
-
-
-def _plain(value: float) -> float | None:
-    """A number for JSON, which knows neither NaN nor infinity."""
-    return float(value) if np.isfinite(value) else None
 
 
 def correlation_length(values: np.ndarray) -> float:

@@ -14,11 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.generation.record import make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY
-from shipid.identification.search.least_squares import Box
 from shipid.identification.search.regression import Regression
 from shipid.identification.search.trust_region import search
-from shipid.identification.uncertainty.autoregression import colour_of
+from shipid.identification.uncertainty.autoregression import autoregression_of
 
 _STEPS = 30
 _TURNS = 6
@@ -29,8 +30,8 @@ _BALANCED = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
-    """What equation error found.
+class EquationErrorResult:
+    """Coefficients by equation error.
 
     Attributes
     ----------
@@ -65,7 +66,7 @@ class Answer:
         """
         found = dict(zip(self.regression.covered, self.theta))
         values = [found.get(n, s) for n, s in zip(self.regression.problem.estimated, box.start)]
-        return np.clip(values, box.low, box.high)
+        return np.asarray(np.clip(values, box.low, box.high))
 
     def covariance(self) -> np.ndarray:
         """Return the covariance of the coefficients found, the errors correlated as they are; their bias is not in it."""
@@ -75,14 +76,14 @@ class Answer:
         for (error, slope), instrument in zip(rows, self.instruments):
             z = instrument / self.sigma[:, None, None]
             matrix += np.einsum("ewq,ewp->qp", z, slope / self.sigma[:, None, None])
-            shaped = colour_of(error / self.sigma[:, None]).shaped(z)
+            shaped = autoregression_of(error / self.sigma[:, None]).shaped(z)
             scatter += shaped.T @ shaped
         inverse = np.linalg.pinv(matrix)
         count = len(regression.covered)
         return np.asarray((inverse @ scatter @ inverse.T)[:count, :count])
 
 
-def least_squares(regression: Regression, box: Box) -> Answer:
+def least_squares(regression: Regression, box: Box) -> EquationErrorResult:
     """Solve the equations by least squares, within the bounds.
 
     Parameters
@@ -91,6 +92,10 @@ def least_squares(regression: Regression, box: Box) -> Answer:
         The equations; some coefficient is covered.
     box : Box
         Bounds and first values of the estimated coefficients.
+
+    Returns
+    -------
+    EquationErrorResult
     """
     count = len(regression.covered)
     at = [regression.problem.estimated.index(n) for n in regression.covered]
@@ -114,71 +119,74 @@ def least_squares(regression: Regression, box: Box) -> Answer:
         converged = found.converged and bool(np.abs(evaluate(theta)[0]).max() < RUNAWAY)
         sigma = _scatter(regression, theta)
     how = "" if regression.linear else "not "
-    return Answer(
+    return EquationErrorResult(
         regression, theta, sigma, [z for _, z in regression.rows(theta)], converged,
         f"regression of {_named(regression)}, {how}linear in the coefficients.",
     )  # fmt: skip
 
 
-def instrumental_variables(first: Answer, box: Box) -> Answer:
+def instrumental_variables(first: EquationErrorResult, box: Box) -> EquationErrorResult:
     """Solve the equations by instrumental variables, simulated with the coefficients found so far.
 
     Parameters
     ----------
-    first : Answer
+    first : EquationErrorResult
         Of `least_squares`.
     box : Box
         Bounds and first values of the estimated coefficients.
+
+    Returns
+    -------
+    EquationErrorResult
     """
-    answer, moved = first, np.inf
+    result, moved = first, np.inf
     for _ in range(_TURNS):
-        simulated = _simulated(answer, box)
+        simulated = _simulated(result, box)
         if simulated is None:
-            return replace(answer, converged=False, message="the model runs away where it is run for the instruments.")
-        before = answer.theta
-        answer = _uncorrelated(answer, simulated)
-        if not np.isfinite(answer.theta).all():
+            return replace(result, converged=False, message="the model runs away where it is run for the instruments.")
+        before = result.theta
+        result = _uncorrelated(result, simulated)
+        if not np.isfinite(result.theta).all():
             return replace(first, converged=False, message="the instruments tell the coefficients nothing.")
-        moved = float(np.max(np.abs(answer.theta - before) / (np.abs(answer.theta) + np.abs(before) + 1e-12)))
+        moved = float(np.max(np.abs(result.theta - before) / (np.abs(result.theta) + np.abs(before) + 1e-12)))
         if moved < _SETTLED:
             break
     settled = "settled" if moved < _SETTLED else f"still moved the coefficients by {moved:.1%}"
     message = f"regression of {_named(first.regression)}, instruments from a run of the model; they {settled}."
-    return replace(answer, converged=moved < 10 * _SETTLED, message=message)
+    return replace(result, converged=moved < 10 * _SETTLED, message=message)
 
 
-def _uncorrelated(answer: Answer, simulated: list[np.ndarray]) -> Answer:
+def _uncorrelated(result: EquationErrorResult, simulated: list[np.ndarray]) -> EquationErrorResult:
     """Newton's steps to where the errors are uncorrelated with the regressors of the simulated ship."""
-    regression, theta = answer.regression, answer.theta
+    regression, theta = result.regression, result.theta
     instruments = [z for _, z in regression.rows(theta, simulated)]
     for _ in range(_STEPS):
         matrix, right = np.zeros((regression.size, regression.size)), np.zeros(regression.size)
         for (error, slope), instrument in zip(regression.rows(theta), instruments):
-            z = instrument / answer.sigma[:, None, None] ** 2
+            z = instrument / result.sigma[:, None, None] ** 2
             matrix += np.einsum("ewq,ewp->qp", z, slope)
             right += np.einsum("ewq,ew->q", z, error)
         size = np.sqrt(np.abs(np.diag(matrix))) + 1e-300
         if not np.isfinite(matrix).all() or np.linalg.cond(matrix / np.outer(size, size)) > 1e12:
-            return replace(answer, theta=np.full_like(theta, np.nan))
+            return replace(result, theta=np.full_like(theta, np.nan))
         step = np.linalg.solve(matrix, right)
         theta = theta + step
         if np.all(np.abs(step) <= 1e-9 * np.abs(theta) + 1e-15):
             break
-    return replace(answer, theta=theta, sigma=_scatter(regression, theta), instruments=instruments)
+    return replace(result, theta=theta, sigma=_scatter(regression, theta), instruments=instruments)
 
 
-def _simulated(answer: Answer, box: Box) -> list[np.ndarray] | None:
+def _simulated(result: EquationErrorResult, box: Box) -> list[np.ndarray] | None:
     """States of the simulated ship in each trial, shape (states, N), or None where it runs away."""
-    regression, problem = answer.regression, answer.regression.problem
-    record = make_record(problem.model, problem.record.system.states)
-    system = record.system
-    values = {**problem.fixed, **dict(zip(problem.estimated, answer.parameters(box)))}
+    regression, problem = result.regression, result.regression.problem
+    record = make_record(problem.model, problem.model.states)
+    p = coefficient_vector(problem.model, problem.values(result.parameters(box)))
     out = []
-    for i, (block, sailed) in enumerate(zip(regression.blocks, problem.sailed)):
-        bias = regression.bias(answer.theta, i)
-        x, _ = record(sailed.x0, block.inputs, block.intervals, system.vector(system.coefficients, values), bias)
+    for i, (block, data) in enumerate(zip(regression.blocks, problem.trials)):
+        bias, x0 = regression.bias(result.theta, i), initial_state(problem.model, data.start)
+        x, _ = record(x0, block.inputs, block.intervals, p, bias)
         size = np.maximum(np.abs(block.states).max(axis=1), 1e-6)
-        needed = [system.states.index(n) for n in problem.initial if sailed.trial.has(n)]
+        needed = [problem.model.states.index(n) for n in problem.initial if data.trial.has(n)]
         if not (np.abs(x[needed]) < 100 * size[needed, None]).all():
             return None
         out.append(np.nan_to_num(x, posinf=0.0, neginf=0.0))
@@ -198,5 +206,5 @@ def _size(regression: Regression) -> np.ndarray:
 
 
 def _named(regression: Regression) -> str:
-    states = regression.problem.record.system.states
+    states = regression.problem.model.states
     return ", ".join(f"d{n}/dt" if n in states else n for n in regression.equations)

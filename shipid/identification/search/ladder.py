@@ -11,75 +11,39 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from shipid.identification.errors import NotRegressableError
+from shipid.identification.methods import Method
+from shipid.identification.problem.box import EMPTY, Box
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.search.equation_error import Answer, instrumental_variables, least_squares
+from shipid.identification.search.equation_error import (
+    EquationErrorResult,
+    instrumental_variables,
+    least_squares,
+)
 from shipid.identification.search.least_squares import (
-    Box,
     Progress,
-    Solution,
     make_starts,
     minimise,
     minimise_robustly,
-    noise_levels,
     refine,
     thinned,
 )
 from shipid.identification.search.multiple_shooting import shoot
 from shipid.identification.search.prediction_error import fit_levels
 from shipid.identification.search.regression import make_regression
+from shipid.identification.search.rung import Rung
+from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.uncertainty.covariance import covariance_of
 
 _ROUGH = 1e-4
 
 
 @dataclass(frozen=True)
-class Rung:
-    """One rung of the ladder.
-
-    Attributes
-    ----------
-    method : str
-        Its name (`shipid.identification.methods`).
-    cost : float or None
-        Half the sum of squares of output error with what it found, thinned records, first weights; None where the model
-        runs away with it.
-    converged : bool
-        Whether it met its tolerances.
-    used : bool
-        Whether the result comes from it.
-    reason : str
-        How it went, and why it was climbed.
-    evaluations : int
-        Runs of all trials it took.
-    """
-
-    method: str
-    cost: float | None
-    converged: bool
-    used: bool
-    reason: str
-    evaluations: int = 0
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return plain values."""
-        return {
-            "method": self.method,
-            "cost": self.cost,
-            "converged": self.converged,
-            "used": self.used,
-            "reason": self.reason,
-            "evaluations": self.evaluations,
-        }
-
-
-@dataclass(frozen=True)
-class Climb:
-    """What a search is to do, beside the problem.
+class SearchSettings:
+    """Settings of a search, beside the problem.
 
     Attributes
     ----------
@@ -100,7 +64,7 @@ class Climb:
     tell: Progress
 
 
-def climb(problem: Problem, box: Box, method: str | None, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def climb(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     """Search, by one method or from rung to rung.
 
     Parameters
@@ -111,7 +75,7 @@ def climb(problem: Problem, box: Box, method: str | None, how: Climb) -> tuple[S
         Bounds and start of the parameters.
     method : str or None
         A method by its name; by default output error with its starts and its rescue.
-    how : Climb
+    how : SearchSettings
         What else is to be known.
 
     Returns
@@ -126,16 +90,16 @@ def climb(problem: Problem, box: Box, method: str | None, how: Climb) -> tuple[S
     NotRegressableError
         If a method was asked for that needs states nobody measured.
     """
-    return _CLIMBS[method](problem, box, how)
+    return _METHODS[method](problem, box, how)
 
 
-def _by_output_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_output_error(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
     end = refine(problem, best, box, how.weigh, how.tell)
     return end, (_rung("output-error", best, f"asked for; {_starts(how)}.", used=True, converged=end.converged),)
 
 
-def _by_the_ladder(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_the_ladder(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     thin = thinned(problem, how.unit_time)
     rungs, starts = [], make_starts(box, how.starts, how.seed)
     first, rung = _regressed(thin, box, how)
@@ -167,7 +131,7 @@ def _rescued(
     thin: Problem,
     best: Solution,
     box: Box,
-    how: Climb,
+    how: SearchSettings,
     rungs: list[Rung],
     before: Solution | None = None,
 ) -> tuple[Solution, tuple[Rung, ...]]:
@@ -187,7 +151,7 @@ def _rescued(
     return replace(end, evaluations=sum(r.evaluations for r in rungs)), tuple(rungs)
 
 
-def _by_multiple_shooting(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_multiple_shooting(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     thin = thinned(problem, how.unit_time)
     starts = [thin.first_guess(s) for s in make_starts(box, how.starts, how.seed)]
     found = _shot(thin, starts, box, how)
@@ -196,7 +160,7 @@ def _by_multiple_shooting(problem: Problem, box: Box, how: Climb) -> tuple[Solut
     return end, (rung,)
 
 
-def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solution:
+def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchSettings) -> Solution:
     """Multiple shooting from the first start from which it comes to a model that holds together, then single shooting."""
     tried: list[Solution] = []
     for i, start in enumerate(starts):
@@ -211,7 +175,7 @@ def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solu
     return replace(best, evaluations=sum(s.evaluations for s in tried))
 
 
-def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) -> Solution:
+def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchSettings) -> Solution:
     tried = []
     for i, start in enumerate(starts):
         tried.append(minimise(thin, thin.first_guess(start), box, most=30, tolerance=_ROUGH))
@@ -220,15 +184,16 @@ def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: Climb) 
     return replace(best, evaluations=sum(s.evaluations for s in tried))
 
 
-def _regressed(thin: Problem, box: Box, how: Climb) -> tuple[np.ndarray | None, Rung | None]:
+def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray | None, Rung | None]:
     """A start by equation error, refined by instruments where they hold, and its rung."""
     regression = make_regression(thin, how.unit_time)
     if not regression.covered:
         return None, None
-    answer = least_squares(regression, box)
-    method, found = "equation-error", answer
-    if answer.converged:
-        refined = instrumental_variables(answer, box)
+    result = least_squares(regression, box)
+    method: Method = "equation-error"
+    found = result
+    if result.converged:
+        refined = instrumental_variables(result, box)
         if refined.converged and _inside(refined, box):
             method, found = "instrumental-variables", refined
     start = thin.first_guess(found.parameters(box))
@@ -238,21 +203,23 @@ def _regressed(thin: Problem, box: Box, how: Climb) -> tuple[np.ndarray | None, 
     return start, _rung(method, at, f"a start: {found.message}{lacking}")
 
 
-def _inside(answer: Answer, box: Box) -> bool:
-    values = answer.parameters(box)
-    at = [answer.regression.problem.estimated.index(n) for n in answer.regression.covered]
-    return bool(np.array_equal(values[at], answer.theta[: len(at)]))
+def _inside(result: EquationErrorResult, box: Box) -> bool:
+    values = result.parameters(box)
+    at = [result.regression.problem.estimated.index(n) for n in result.regression.covered]
+    return bool(np.array_equal(values[at], result.theta[: len(at)]))
 
 
-def _by_equation_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_equation_error(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     return _by_regression(problem, box, how, "equation-error")
 
 
-def _by_instrumental_variables(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_instrumental_variables(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     return _by_regression(problem, box, how, "instrumental-variables")
 
 
-def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_regression(
+    problem: Problem, box: Box, how: SearchSettings, method: Method
+) -> tuple[Solution, tuple[Rung, ...]]:
     regression = make_regression(problem, how.unit_time)
     if regression.lacking:
         name, why = next(iter(regression.lacking.items()))
@@ -262,8 +229,8 @@ def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple
         )
     first = least_squares(regression, box)
     second = instrumental_variables(first, box) if first.converged else first
-    answer = first if method == "equation-error" else second
-    reason = f"asked for; {answer.message}"
+    result = first if method == "equation-error" else second
+    reason = f"asked for; {result.message}"
     if second.converged and second is not first:
         spread = np.sqrt(np.clip(np.diag(first.covariance()), 0.0, None))
         away = np.abs(second.theta - first.theta)[: len(spread)] / np.maximum(spread, 1e-300)
@@ -272,22 +239,22 @@ def _by_regression(problem: Problem, box: Box, how: Climb, method: str) -> tuple
             f" Least squares and instrumental variables differ most in {regression.covered[worst]}, by "
             f"{away[worst]:.1f} standard deviations: noise in the regressors."
         )
-    message = f"{answer.message} Standard deviations count the scatter of the equations, not their bias."
-    solution = with_own_unknowns(problem, answer.parameters(box), answer.covariance(), how.weigh)
-    solution = replace(solution, converged=answer.converged and solution.converged, message=message + solution.message)
+    message = f"{result.message} Standard deviations count the scatter of the equations, not their bias."
+    solution = with_own_unknowns(problem, result.parameters(box), result.covariance(), how.weigh)
+    solution = replace(solution, converged=result.converged and solution.converged, message=message + solution.message)
     thin = thinned(problem, how.unit_time)
     at = replace(solution, problem=thin, residual=thin.residuals(solution.q)[0])
-    return solution, (_rung(method, at, reason, used=True, converged=answer.converged),)
+    return solution, (_rung(method, at, reason, used=True, converged=result.converged),)
 
 
-def _by_prediction_error(problem: Problem, box: Box, how: Climb) -> tuple[Solution, tuple[Rung, ...]]:
+def _by_prediction_error(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     """Output error for a start, then the likelihood through the filter; initial states and biases by output error again."""
     best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
     start = refine(problem, best, box, how.weigh, how.tell)
     rungs = [_rung("output-error", best, f"a start: {start.message}", converged=start.converged)]
     if not start.finite:
         return start, (replace(rungs[0], used=True, reason="the model runs away from every start."),)
-    seen = replace(problem, sigma=noise_levels(start))
+    seen = replace(problem, sigma=residual_levels(start))
     shared = len(problem.estimated)
     levels = fit_levels(seen, box, start.q[:shared], how.unit_time, how.tell)
     reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
@@ -321,11 +288,10 @@ def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarr
         With the covariance of all unknowns; it converged where the model does not run away with these coefficients.
     """
     shared = values.size
-    empty = Box(*(np.zeros(0),) * 3)
     held = replace(problem, estimated=(), fixed={**problem.fixed, **dict(zip(problem.estimated, values))})
-    own = minimise_robustly(held, held.first_guess(np.zeros(0)), empty, most=50)
+    own = minimise_robustly(held, held.first_guess(np.zeros(0)), EMPTY, most=50)
     if weigh and own.finite:
-        own = minimise_robustly(replace(own.problem, sigma=noise_levels(own)), own.q, empty, most=50)
+        own = minimise_robustly(replace(own.problem, sigma=residual_levels(own)), own.q, EMPTY, most=50)
     q = np.concatenate([values, own.q])
     seen = replace(problem, sigma=own.problem.sigma, weights=own.problem.weights)
     residual, jacobian = seen.residuals(q)
@@ -338,16 +304,16 @@ def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarr
     return Solution(seen, q, residual, jacobian, own.finite, message, own.evaluations, matrix)
 
 
-def _starts(how: Climb) -> str:
+def _starts(how: SearchSettings) -> str:
     return "one start" if how.starts == 1 else f"{how.starts} starts"
 
 
-def _rung(method: str, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
+def _rung(method: Method, at: Solution, reason: str, *, used: bool = False, converged: bool | None = None) -> Rung:
     cost = at.cost if at.finite else None
     return Rung(method, cost, at.converged if converged is None else converged, used, reason, at.evaluations)
 
 
-_CLIMBS: dict[str | None, Callable[[Problem, Box, Climb], tuple[Solution, tuple[Rung, ...]]]] = {
+_METHODS: dict[Method | None, Callable[[Problem, Box, SearchSettings], tuple[Solution, tuple[Rung, ...]]]] = {
     None: _by_the_ladder,
     "output-error": _by_output_error,
     "equation-error": _by_equation_error,

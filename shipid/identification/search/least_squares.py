@@ -6,14 +6,15 @@ is tried where they fail, is the ladder's (`shipid.identification.search.ladder`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from shipid.identification.problem.losses import change_of, reweighted, robust_scale, unweighted
-from shipid.identification.problem.output_error import RUNAWAY, Problem
-from shipid.identification.search.noise_levels import Levels
+from shipid.identification.problem.box import Box
+from shipid.identification.problem.losses import change_of, reweighted
+from shipid.identification.problem.output_error import Problem
+from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.search.trust_region import search, triangle
 
 #: Samples of a trial that are enough to tell a good start from a bad one.
@@ -25,70 +26,18 @@ _SETTLED = 2e-3
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
-class Box:
-    """Bounds and first value of each estimated parameter, SI, shapes (parameters,)."""
-
-    start: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-
-    @property
-    def in_log(self) -> np.ndarray:
-        """Which are searched by their logarithm: those that are positive."""
-        return self.low > 0
-
-
-@dataclass(frozen=True, eq=False)
-class Solution:
-    """Where the search ended.
-
-    Attributes
-    ----------
-    problem : Problem
-        With the weights it ended with.
-    q : ndarray, shape (unknowns,)
-        The unknowns.
-    residual : ndarray, shape (M,)
-        Weighted residuals.
-    jacobian : ndarray, shape (M, unknowns)
-        Of the weighted residuals by the unknowns.
-    converged : bool
-        Whether the search met its tolerances, on finite residuals.
-    message : str
-        What the search said.
-    evaluations : int
-        Runs of all trials, over all starts.
-    covariance : ndarray or None
-        Of the unknowns, where they are not the minimum of these residuals but come from another method.
-    levels : Levels or None
-        What drives the states and the noise of the sensors, where the likelihood through the filter found them
-        (`shipid.identification.search.prediction_error`).
-    """
-
-    problem: Problem
-    q: np.ndarray
-    residual: np.ndarray
-    jacobian: np.ndarray
-    converged: bool
-    message: str
-    evaluations: int
-    covariance: np.ndarray | None = None
-    levels: Levels | None = None
-
-    @property
-    def finite(self) -> bool:
-        """Whether the model runs away nowhere."""
-        return bool((np.abs(self.residual) < RUNAWAY).all())
-
-    @property
-    def cost(self) -> float:
-        """Half the sum of the squared weighted residuals."""
-        return float(0.5 * self.residual @ self.residual)
-
-
 def make_starts(box: Box, count: int, seed: int) -> list[np.ndarray]:
-    """Return the first value and random others: log-normal around it where positive, normal where the sign is free."""
+    """Return the first value and random others: log-normal around it where positive, normal where the sign is free.
+
+    Parameters
+    ----------
+    box : Box
+        First values and bounds.
+    count : int
+        How many starts.
+    seed : int
+        Of the random ones.
+    """
     rng = np.random.default_rng([seed, 2])
     starts = [box.start]
     for _ in range(count - 1):
@@ -114,6 +63,10 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
         Largest number of runs.
     tolerance : float
         Relative change of cost and unknowns at which the search ends.
+
+    Returns
+    -------
+    Solution
     """
     if not problem.size:
         residual, jacobian = problem.residuals(q0)
@@ -145,11 +98,11 @@ def bounds_of(problem: Problem, box: Box) -> tuple[np.ndarray, np.ndarray]:
     """
     low, high = np.full(problem.size, -np.inf), np.full(problem.size, np.inf)
     low[: len(box.low)], high[: len(box.high)] = box.low, box.high
-    for i, sailed in enumerate(problem.sailed):
+    for i, data in enumerate(problem.trials):
         begin = problem.own(i).start + len(problem.initial)
         for j, name in enumerate(problem.biases):
             # A rudder bias beyond 10 degrees, or half the speed, is another fault than a bias.
-            reach = np.deg2rad(10) if name == "delta" else 0.5 * sailed.speed
+            reach = np.deg2rad(10) if name == "delta" else 0.5 * data.speed
             low[begin + j], high[begin + j] = -reach, reach
     return low, high
 
@@ -169,6 +122,10 @@ def minimise_robustly(problem: Problem, q0: np.ndarray, box: Box, most: int, tol
         Largest number of runs for each set of weights.
     tolerance : float
         Relative change of cost and unknowns at which the search ends.
+
+    Returns
+    -------
+    Solution
     """
     found = minimise(problem, q0, box, most, tolerance)
     if problem.loss == "linear":
@@ -204,12 +161,16 @@ def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progre
         of the likelihood with unknown noise levels), or stay as given.
     tell : callable
         Called with a line of text after each stage.
+
+    Returns
+    -------
+    Solution
     """
     evaluations = best.evaluations
     best = replace(best, problem=reweighted(best.problem, best.residual))
     if weigh:
         for turn in range(4):
-            sigma = noise_levels(best)
+            sigma = residual_levels(best)
             change = np.abs(np.log(sigma / best.problem.sigma)).max()
             best = minimise_robustly(replace(best.problem, sigma=sigma), best.q, box, most=40, tolerance=1e-6)
             evaluations += best.evaluations
@@ -220,14 +181,14 @@ def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progre
     evaluations += best.evaluations
     tell(f"all samples: cost {best.cost:.4g}")
     if weigh:
-        final = replace(best.problem, sigma=noise_levels(best))
+        final = replace(best.problem, sigma=residual_levels(best))
         best = minimise_robustly(final, best.q, box, most=100)
         evaluations += best.evaluations
     return replace(best, evaluations=evaluations)
 
 
 def thinned(problem: Problem, unit_time: float | None) -> Problem:
-    """Return the same problem on fewer samples, its beliefs weakened as much as its data.
+    """Return the same problem on fewer samples, its prior weakened as much as its data.
 
     Parameters
     ----------
@@ -236,11 +197,11 @@ def thinned(problem: Problem, unit_time: float | None) -> Problem:
     unit_time : float or None
         L/U in s: no thinned record is coarser than a tenth of it.
     """
-    return thinned_to(problem, [_thin(s.trial.duration, unit_time) for s in problem.sailed])
+    return thinned_to(problem, [_thin(data.trial.duration, unit_time) for data in problem.trials])
 
 
 def thinned_to(problem: Problem, samples: list[int]) -> Problem:
-    """Return the same problem on so many samples, its beliefs weakened as much as its data.
+    """Return the same problem on so many samples, its prior weakened as much as its data.
 
     Parameters
     ----------
@@ -249,51 +210,11 @@ def thinned_to(problem: Problem, samples: list[int]) -> Problem:
     samples : list of int
         How many to keep of each trial, about.
     """
-    sailed = tuple(s.thinned(n) for s, n in zip(problem.sailed, samples))
-    kept = sum(s.intervals.size for s in sailed) / sum(s.intervals.size for s in problem.sailed)
+    trials = tuple(data.thinned(n) for data, n in zip(problem.trials, samples))
+    kept = sum(data.intervals.size for data in trials) / sum(data.intervals.size for data in problem.trials)
     prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))
-    return replace(problem, sailed=sailed, prior=prior)
+    return replace(problem, trials=trials, prior=prior)
 
 
 def _thin(duration: float, unit_time: float | None) -> int:
     return _THIN if not unit_time else max(_THIN, int(10 * duration / unit_time))
-
-
-def noise_levels(solution: Solution) -> np.ndarray:
-    """Return the standard deviation of each signal's residuals, SI, with the degrees of freedom of the fit.
-
-    Parameters
-    ----------
-    solution : Solution
-        A solution under any weights.
-    """
-    problem = solution.problem
-    split = unweighted(problem, solution.residual)
-    spent = problem.size / len(problem.signals)
-    levels = np.empty(len(problem.signals))
-    for j in range(len(problem.signals)):
-        together = np.concatenate([trial[j] for trial in split]) * problem.sigma[j]
-        mean = together @ together / together.size if problem.loss == "linear" else robust_scale(together) ** 2
-        levels[j] = np.sqrt(mean * together.size / max(together.size - spent, 1.0))
-        scale = max(float(np.abs(s.measured[j]).max()) for s in problem.sailed)
-        levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
-    return levels
-
-
-def seen_with_own_noise(solution: Solution) -> Solution:
-    """Return the same unknowns with residuals in units of their own standard deviation, for the uncertainty.
-
-    Parameters
-    ----------
-    solution : Solution
-        Found under weights that are not the noise levels.
-    """
-    problem = replace(solution.problem, sigma=noise_levels(solution))
-    residual, jacobian = problem.residuals(solution.q)
-    return replace(solution, problem=problem, residual=residual, jacobian=jacobian)
-
-
-def box_of(bounds: Mapping[str, tuple[float, float, float]]) -> Box:
-    """Return a box from ``{name: (start, low, high)}``."""
-    start, low, high = (np.array(c, dtype=float) for c in zip(*bounds.values())) if bounds else (np.zeros(0),) * 3
-    return Box(np.clip(start, low, high), low, high)

@@ -18,9 +18,12 @@ from threadpoolctl import threadpool_limits
 
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import Record, make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY, Problem
-from shipid.identification.problem.trial_data import Sailed
-from shipid.identification.search.least_squares import Box, Solution, bounds_of
+from shipid.identification.problem.trial_data import TrialData
+from shipid.identification.search.least_squares import bounds_of
+from shipid.identification.search.solution import Solution
 from shipid.identification.search.trust_region import search, triangle
 
 #: Length of a segment in L/U, the fewest samples in one, how much shorter it is cut at a time, and the most states of all nodes:
@@ -115,9 +118,9 @@ def _shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solu
 
 def _lengths(problem: Problem, unit_time: float) -> list[int]:
     """Samples of a segment, the longest first, as short as the nodes can still be factorised."""
-    total = sum(s.intervals.size for s in problem.sailed) * len(problem.initial)
+    total = sum(data.intervals.size for data in problem.trials) * len(problem.initial)
     least = max(_SAMPLES, -(-total // _MOST))
-    step = float(np.median(np.concatenate([s.intervals[:-1] for s in problem.sailed])))
+    step = float(np.median(np.concatenate([data.intervals[:-1] for data in problem.trials])))
     lengths = [max(least, round(_SEGMENT * unit_time / step))]
     while lengths[-1] > least:
         lengths.append(max(least, lengths[-1] // _SHORTER))
@@ -126,21 +129,20 @@ def _lengths(problem: Problem, unit_time: float) -> list[int]:
 
 def _measured(problem: Problem) -> list[np.ndarray]:
     """The states of each trial as far as they are measured, shape (states, N); the others stay as they begin."""
-    states = problem.record.system.states
     return [
         np.array(
             [
-                s.column(n) if s.trial.has(n) else np.full(s.intervals.size, s.x0[states.index(n)])
+                data.column(n) if data.trial.has(n) else np.full(data.intervals.size, data.start[n])
                 for n in problem.initial
             ]
         )
-        for s in problem.sailed
+        for data in problem.trials
     ]
 
 
-def _cut(sailed: Sailed, path: np.ndarray, samples: int) -> _Segments:
+def _cut(data: TrialData, path: np.ndarray, samples: int) -> _Segments:
     """Cut a trial into segments of so many samples, the nodes on a path of its states."""
-    count = sailed.intervals.size
+    count = data.intervals.size
     segments = max(1, -(-(count - 1) // samples))
     index = np.arange(segments)[:, None] * samples + np.arange(samples + 1)
     inside = index < count
@@ -148,9 +150,9 @@ def _cut(sailed: Sailed, path: np.ndarray, samples: int) -> _Segments:
     counted = inside.copy()
     counted[:-1, -1] = False
     return _Segments(
-        sailed.inputs[:, index].transpose(1, 0, 2),
-        np.where(inside & (index < count - 1), sailed.intervals[index], 0.0),
-        sailed.measured[:, index].transpose(1, 0, 2),
+        data.inputs[:, index].transpose(1, 0, 2),
+        np.where(inside & (index < count - 1), data.intervals[index], 0.0),
+        data.measured[:, index].transpose(1, 0, 2),
         counted,
         path[:, index[:, 0]].T,
     )
@@ -164,9 +166,8 @@ class _Shooting:
         shown = tuple(dict.fromkeys((*problem.signals, *problem.initial)))
         self.record: Record = make_record(problem.model, shown, problem.estimated, problem.initial, problem.biases)
         self.ends = [shown.index(n) for n in problem.initial]
-        self.at = [self.record.system.states.index(n) for n in problem.initial]
         self.scale = np.array([self._size(n) for n in problem.initial])
-        self.cut = [_cut(s, path, samples) for s, path in zip(problem.sailed, paths)]
+        self.cut = [_cut(data, path, samples) for data, path in zip(problem.trials, paths)]
         self.strict = _STRICT[0]
         self.starts, begin = [], len(problem.estimated)
         for cut in self.cut:
@@ -207,17 +208,17 @@ class _Shooting:
     def paths(self, z: np.ndarray) -> list[np.ndarray]:
         """The states of each trial at every sample, each segment from its node, shape (states, N)."""
         out = []
-        for i, sailed in enumerate(self.problem.sailed):
+        for i, data in enumerate(self.problem.trials):
             x = self._run(z, i)[0][:, self.ends].transpose(1, 0, 2)
             whole = np.concatenate([x[:, :-1, :-1].reshape(len(self.ends), -1), x[:, -1]], axis=1)
-            out.append(whole[:, : sailed.intervals.size])
+            out.append(whole[:, : data.intervals.size])
         return out
 
     def runs_away(self, z: np.ndarray) -> bool:
         """Whether some segment leaves what was measured by several ranges of it."""
         for i, cut in enumerate(self.cut):
             y, _ = self._run(z, i)
-            reach = _FAR * np.ptp(self.problem.sailed[i].measured, axis=1)[:, None]
+            reach = _FAR * np.ptp(self.problem.trials[i].measured, axis=1)[:, None]
             if not (np.abs(y[:, : len(reach)] - cut.measured) <= reach).all():
                 return True
         return False
@@ -228,7 +229,7 @@ class _Shooting:
         return max(float(np.abs(g).max(initial=0.0)) for g in gaps) / float(np.sqrt(self.strict))
 
     def evaluate(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals, joints and beliefs, and their Jacobian."""
+        """Residuals, joints and prior, and their Jacobian."""
         problem = self.problem
         shared, biases, states = len(problem.estimated), len(problem.biases), len(problem.initial)
         rows, blocks = [], []
@@ -250,22 +251,20 @@ class _Shooting:
             rows.append(gap.ravel())
             blocks.append(block)
         if problem.prior is not None:
-            believed, by = problem.beliefs(z[self.columns], problem.prior)
-            block = np.zeros((believed.size, self.size))
+            residual, by = problem.prior_residuals(z[self.columns], problem.prior)
+            block = np.zeros((residual.size, self.size))
             block[:, self.columns] = by
-            rows.append(believed)
+            rows.append(residual)
             blocks.append(block)
         return np.concatenate(rows), np.concatenate(blocks)
 
     def _run(self, z: np.ndarray, i: int) -> tuple[np.ndarray, np.ndarray]:
         """Run all segments of one trial: outputs and their derivatives."""
         problem, cut, nodes = self.problem, self.cut[i], self.nodes(z, i)
-        system = self.record.system
-        x0 = np.repeat(problem.sailed[i].x0[None], len(nodes), axis=0)
-        x0[:, self.at] = nodes
-        values = {**problem.fixed, **dict(zip(problem.estimated, z))}
+        start = {**problem.trials[i].start, **dict(zip(problem.initial, nodes.T))}
+        x0 = np.broadcast_to(initial_state(problem.model, start).T, (len(nodes), len(problem.model.states)))
         own = np.concatenate([nodes[0], z[self.starts[i] : self.starts[i] + len(problem.biases)]])
-        p = np.repeat(system.vector(system.coefficients, values)[None], len(nodes), axis=0)
+        p = np.repeat(coefficient_vector(problem.model, problem.values(z))[None], len(nodes), axis=0)
         bias = np.repeat(problem.bias_vector(own)[None], len(nodes), axis=0)
         return run_many(self.record, x0, cut.inputs, cut.intervals, p, bias)
 

@@ -1,18 +1,18 @@
-"""What the likelihood through the filter finds: coefficients, and how much noise there is and where."""
+"""The maximum of the likelihood through the filter: coefficients, process noise and sensor noise."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import Plain
 
 
 @dataclass(frozen=True, eq=False)
-class Levels:
+class NoiseLevels:
     """Where the search for coefficients and noise levels ended.
 
     Attributes
@@ -28,8 +28,11 @@ class Levels:
     covariance : ndarray, shape (parameters, parameters)
         Of the coefficients, from the expected information.
     log_likelihood : float
+        At the maximum.
     converged : bool
+        Whether the search met its tolerances.
     message : str
+        What the search said.
     evaluations : int
         Passes over all trials.
     """
@@ -44,7 +47,7 @@ class Levels:
     message: str
     evaluations: int
 
-    def to_dict(self, model: Model) -> dict[str, Any]:
+    def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.
 
         Parameters

@@ -12,34 +12,33 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from shipid.declaration.scale import prime_factor
+from shipid.declaration.scale import Scale
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.likelihood import Likelihood
 from shipid.generation.reduction import reduced
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.problem.trial_data import Sailed
-from shipid.identification.search.least_squares import Box
-from shipid.identification.search.noise_levels import Levels
+from shipid.identification.problem.trial_data import TrialData
+from shipid.identification.search.noise_levels import NoiseLevels
 
-#: Standard deviation of what is believed of the logarithm of a noise level: a level that no sample shows stays finite.
-_LEVEL_BELIEF = 3.0
+#: Prior standard deviation of the logarithm of a noise level: a level that no sample shows stays finite.
+_LEVEL_PRIOR = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
 _SENSOR_SHARE = 0.3
 
 
-def record_of(sailed: Sailed, model_inputs: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, np.ndarray]:
+def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Return a trial as columns for a filter, SI.
 
     Parameters
     ----------
-    sailed : Sailed
+    data : TrialData
         The trial as the model sees it.
     model_inputs, signals : tuple of str
         Names along its inputs and measured signals.
     """
-    t = np.concatenate([[0.0], np.cumsum(sailed.intervals[:-1])])
     # What is fitted goes before an input of the same name: a speed that is both is measured.
-    return {"t": t} | dict(zip(model_inputs, sailed.inputs)) | dict(zip(signals, sailed.measured))
+    return {"t": data.t} | dict(zip(model_inputs, data.inputs)) | dict(zip(signals, data.measured))
 
 
 def make_filter(problem: Problem, values: Mapping[str, float], unit_time: float) -> ExtendedKalmanFilter:
@@ -69,19 +68,19 @@ def make_filter(problem: Problem, values: Mapping[str, float], unit_time: float)
 def _first_noise(problem: Problem, states: tuple[str, ...], time: float) -> dict[str, tuple[float, str]]:
     """Noise on the states that are no mere integral of another: a share of the residuals, gathered in one L/U."""
     own = [s for s in states if s not in ("x", "y", "psi")] or list(states)
-    speed = abs(problem.sailed[0].speed)
+    speed = abs(problem.trials[0].speed)
     levels = {}
     for name in own:
         unit = problem.model[name].unit
         at = problem.signals.index(name) if name in problem.signals else None
-        size = float(problem.sigma[at]) if at is not None else 0.05 * prime_factor(unit, speed * time, speed)
+        size = float(problem.sigma[at]) if at is not None else 0.05 * Scale(speed * time, speed).factor(unit)
         levels[name] = (size / np.sqrt(time), f"({unit})*1/s^0.5" if unit != "1" else "1/s^0.5")
     return levels
 
 
 def fit_levels(
     problem: Problem, box: Box, start: np.ndarray, unit_time: float, tell: Callable[[str], None] = lambda _: None
-) -> Levels:
+) -> NoiseLevels:
     """Maximise the likelihood over coefficients, biases and noise levels.
 
     Parameters
@@ -99,15 +98,15 @@ def fit_levels(
 
     Returns
     -------
-    Levels
+    NoiseLevels
     """
-    shared, trials = len(problem.estimated), len(problem.sailed)
+    shared, trials = len(problem.estimated), len(problem.trials)
     kalman = make_filter(problem, {**problem.fixed, **dict(zip(problem.estimated, start))}, unit_time)
-    process = [s.name for s in kalman.sources]
+    process = [s.name for s in kalman.design.sources]
     level_names = [f"noise:{n}" for n in process] + [f"sensor:{n}" for n in problem.signals]
     unknowns = [*problem.estimated, *level_names, *(f"bias:{n}" for n in problem.biases)]
     inputs = kalman.model.inputs
-    likelihoods = [kalman.likelihood(record_of(s, inputs, problem.signals), unknowns) for s in problem.sailed]
+    likelihoods = [kalman.likelihood(record_of(data, inputs, problem.signals), unknowns) for data in problem.trials]
     q0 = np.concatenate([start, likelihoods[0].start[shared : shared + len(level_names)]])
     objective = _Objective(problem, box, likelihoods, q0, len(problem.biases))
     found = _newton(objective, np.concatenate([q0, np.zeros(trials * len(problem.biases))]), tell)
@@ -115,7 +114,7 @@ def fit_levels(
     value, _, _ = objective(q)
     covariance = np.linalg.pinv(information)[:shared, :shared]
     levels = np.exp(q[shared : shared + len(level_names)])
-    return Levels(
+    return NoiseLevels(
         q[:shared],
         q[shared + len(level_names) :].reshape(trials, len(problem.biases)),
         dict(zip(process, levels.tolist())),
@@ -129,7 +128,7 @@ def fit_levels(
 
 
 class _Objective:
-    """Log-likelihood of all trials plus what is believed, with gradient and information."""
+    """Log-likelihood of all trials plus the prior, with gradient and information."""
 
     def __init__(
         self, problem: Problem, box: Box, likelihoods: list[Likelihood], first: np.ndarray, biases: int
@@ -159,9 +158,9 @@ class _Objective:
                 information[k, k] += 1 / spread**2
         for k in range(self.shared, common):
             away = q[k] - self.first[k]
-            value -= 0.5 * (away / _LEVEL_BELIEF) ** 2
-            gradient[k] -= away / _LEVEL_BELIEF**2
-            information[k, k] += 1 / _LEVEL_BELIEF**2
+            value -= 0.5 * (away / _LEVEL_PRIOR) ** 2
+            gradient[k] -= away / _LEVEL_PRIOR**2
+            information[k, k] += 1 / _LEVEL_PRIOR**2
         return value, gradient, information
 
 

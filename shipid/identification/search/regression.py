@@ -8,13 +8,14 @@ and their derivatives by coefficients and rudder bias, come from the declaration
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
+from shipid.foundation.aliases import CasadiFunction, Expression
+from shipid.generation.simulator import coefficient_vector
 from shipid.identification.problem.output_error import Problem
-from shipid.identification.problem.trial_data import Sailed
+from shipid.identification.problem.trial_data import TrialData
 
 #: Half the window in L/U, at least so many samples, and how many windows begin within it.
 _HALF = 0.5
@@ -25,13 +26,13 @@ _MOST = 20_000
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class DerivativeWindow:
     """A smooth function on a short window, and its derivative, as sums over samples.
 
     Attributes
     ----------
     weights, slopes : ndarray, shape (samples,)
-        What values are weighted by to be smoothed, and to give their derivative.
+        Weights of the samples that give a smoothed value, and its derivative.
     stride : int
         Samples from one window to the next.
     """
@@ -41,18 +42,30 @@ class Window:
     stride: int
 
     def smooth(self, rows: np.ndarray) -> np.ndarray:
-        """Return smoothed values along the second axis."""
+        """Return smoothed values along the second axis.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (rows, N)
+            Values at the samples.
+        """
         return np.asarray(self._over(rows) @ self.weights)
 
     def rate(self, rows: np.ndarray) -> np.ndarray:
-        """Return the derivatives of smoothed values along the second axis."""
+        """Return the derivatives of smoothed values along the second axis.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (rows, N)
+            Values at the samples.
+        """
         return np.asarray(self._over(rows) @ self.slopes)
 
     def _over(self, rows: np.ndarray) -> np.ndarray:
         return np.lib.stride_tricks.sliding_window_view(rows, self.weights.size, axis=1)[:, :: self.stride]
 
 
-def make_window(half: int, step: float) -> Window:
+def make_window(half: int, step: float) -> DerivativeWindow:
     """Return a window of so many samples to either side.
 
     Parameters
@@ -65,11 +78,13 @@ def make_window(half: int, step: float) -> Window:
     s = np.arange(-half, half + 1) / (half + 1)
     weights, slopes = (1 - s**2) ** 3, 6 * s * (1 - s**2) ** 2
     # The derivative is exact for a straight line, however few samples there are.
-    return Window(weights / weights.sum(), slopes / (slopes @ s) / ((half + 1) * step), max(1, (half + 1) // _OVERLAP))
+    return DerivativeWindow(
+        weights / weights.sum(), slopes / (slopes @ s) / ((half + 1) * step), max(1, (half + 1) // _OVERLAP)
+    )
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class RegressionBlock:
     """One trial of a regression.
 
     Attributes
@@ -80,7 +95,7 @@ class Block:
         Time to the next sample in s.
     left : ndarray, shape (equations, windows)
         Smoothed derivatives of states, or smoothed values.
-    window : Window
+    window : DerivativeWindow
         Of the smoothing.
     """
 
@@ -88,7 +103,7 @@ class Block:
     inputs: np.ndarray
     intervals: np.ndarray
     left: np.ndarray
-    window: Window
+    window: DerivativeWindow
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +124,10 @@ class Regression:
         Whether the rudder biases are unknowns.
     linear : bool
         Whether the equations are linear in the coefficients, at a given bias.
-    blocks : tuple of Block
+    blocks : tuple of RegressionBlock
         The trials.
+    function : CasadiFunction
+        ``(states, inputs, coefficients) -> (right-hand sides, their derivatives)``, of many samples at once.
     """
 
     problem: Problem
@@ -119,8 +136,8 @@ class Regression:
     lacking: dict[str, str]
     biased: bool
     linear: bool
-    blocks: tuple[Block, ...] = field(repr=False, default=())
-    _function: Any = field(repr=False, default=None)
+    blocks: tuple[RegressionBlock, ...] = field(repr=False, default=())
+    function: CasadiFunction = field(repr=False, default=None)
 
     @property
     def size(self) -> int:
@@ -140,14 +157,13 @@ class Regression:
             States by trial where the right-hand side is taken, shape (states, N); as measured by default.
         """
         count = len(self.covered)
-        system = self.problem.record.system
-        values = {**self.problem.fixed, **dict.fromkeys(self.lacking, 0.0), **dict(zip(self.covered, theta))}
-        p = system.vector(system.coefficients, values)[:, None]
+        values = {**self.problem.fixed, **dict.fromkeys(self.lacking, 0.0), **dict(zip(self.covered, theta.tolist()))}
+        p = coefficient_vector(self.problem.model, values)[:, None]
         out = []
         for i, block in enumerate(self.blocks):
             inputs = block.inputs + self.bias(theta, i)[:, None]
             states = block.states if at is None else at[i]
-            value, slope = self._function(states, inputs, np.repeat(p, states.shape[1], axis=1))
+            value, slope = self.function(states, inputs, np.repeat(p, states.shape[1], axis=1))
             by = block.window.smooth(slope.full().reshape(len(self.equations), states.shape[1], -1))
             whole = np.zeros((*by.shape[:2], self.size))
             whole[:, :, :count] = by[:, :, :count]
@@ -166,7 +182,7 @@ class Regression:
         index : int
             Which trial.
         """
-        inputs = self.problem.record.system.inputs
+        inputs = self.problem.model.inputs
         bias = np.array([self.problem.bias_offset.get(n, 0.0) for n in inputs])
         if self.biased:
             bias[inputs.index("delta")] += theta[len(self.covered) + index]
@@ -185,8 +201,8 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
     """
     system = problem.record.system
     parameters = system.p[[system.coefficients.index(n) for n in problem.estimated]]
-    hidden = {n for n in system.states if not all(s.trial.has(n) for s in problem.sailed)}
-    rows: dict[str, Any] = {}
+    hidden = {n for n in system.states if not all(data.trial.has(n) for data in problem.trials)}
+    rows: dict[str, Expression] = {}
     lacking: dict[str, str] = {}
     for name in (*problem.initial, *(n for n in problem.signals if n not in system.states)):
         state = system.states.index(name) if name in system.states else None
@@ -221,25 +237,25 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
         {n: lacking.get(n, "it stands in no equation of what is measured") for n in open_},
         biased,
         linear,
-        tuple(_block(problem, tuple(rows), s, unit_time) for s in problem.sailed) if covered else (),
+        tuple(_block(problem, tuple(rows), data, unit_time) for data in problem.trials) if covered else (),
         ca.Function("equations", [system.x, system.u, system.p], [ca.densify(everything), ca.densify(by)]),
     )
 
 
-def _read_by(expression: Any, symbols: Any, names: tuple[str, ...]) -> list[str]:
+def _read_by(expression: Expression, symbols: Expression, names: tuple[str, ...]) -> list[str]:
     """The symbols that an expression depends on, by name."""
     columns = ca.jacobian_sparsity(expression, symbols).get_col() if expression.numel() and names else []
     return [n for k, n in enumerate(names) if k in set(columns)]
 
 
-def _block(problem: Problem, equations: tuple[str, ...], sailed: Sailed, unit_time: float) -> Block:
-    kept = sailed.thinned(_MOST)
+def _block(problem: Problem, equations: tuple[str, ...], data: TrialData, unit_time: float) -> RegressionBlock:
+    kept = data.thinned(_MOST)
     count = kept.intervals.size
     step = float(np.median(kept.intervals[:-1]))
     half = int(np.clip(np.ceil(_HALF * unit_time / step), _LEAST, max(_LEAST, (count - 1) // 8)))
     window = make_window(half, step)
-    states = problem.record.system.states
-    column = {n: kept.column(n) for n in (*states, *equations) if sailed.trial.has(n)}
+    states = problem.model.states
+    column = {n: kept.column(n) for n in (*states, *equations) if data.trial.has(n)}
     left = [(window.rate if n in states else window.smooth)(column[n][None])[0] for n in equations]
     measured = np.array([column.get(n, np.zeros(count)) for n in states])
-    return Block(measured, kept.inputs, kept.intervals, np.array(left), window)
+    return RegressionBlock(measured, kept.inputs, kept.intervals, np.array(left), window)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from scipy.optimize import least_squares
 
 #: Part of the size of a column by which unseen directions are held: far below what the data see, far above rounding.
 _HOLD = 1e-7
@@ -15,7 +15,7 @@ Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 @dataclass(frozen=True)
-class Found:
+class SearchResult:
     """Where a search ended.
 
     Attributes
@@ -44,7 +44,7 @@ def search(
     high: np.ndarray,
     most: int,
     tolerance: float,
-) -> Found:
+) -> SearchResult:
     """Minimise a sum of squares by Gauss-Newton steps in a trust region (`scipy.optimize.least_squares`, TRF).
 
     Parameters
@@ -61,8 +61,11 @@ def search(
         Largest number of points.
     tolerance : float
         Relative change of cost and unknowns at which the search ends.
+
+    Returns
+    -------
+    SearchResult
     """
-    from scipy.optimize import least_squares
 
     def to_z(q: np.ndarray) -> np.ndarray:
         return np.where(logs, np.log(np.where(logs, np.maximum(q, 1e-300), 1)), q)
@@ -83,7 +86,7 @@ def search(
 
     z_low, z_high = to_z(low), to_z(high)
     margin = 1e-6 * (1 + np.where(np.isfinite(z_high - z_low), z_high - z_low, 0))
-    found: Any = least_squares(
+    found = least_squares(
         lambda z: at(z)[0],
         np.clip(to_z(q0), z_low + margin, z_high - margin),
         jac=lambda z: at(z)[1],
@@ -95,7 +98,7 @@ def search(
         gtol=1e-12,
         max_nfev=most,
     )
-    return Found(to_q(found.x), found.status > 0, found.message, found.nfev)
+    return SearchResult(to_q(found.x), found.status > 0, found.message, found.nfev)
 
 
 def _held(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -1,10 +1,10 @@
-"""The colour of residuals: how they hang together in time and with each other, as an autoregression and its spectrum.
+"""Correlation of residuals in time and between signals: a vector autoregression, and its spectrum.
 
 Waves swing heading and rate together at a frequency at which the coefficients hardly show; a model that is a little wrong is
 wrong for many samples in a row, at the very frequency of the manoeuvre. What noise does to the coefficients depends on its
 power where they show, so that no single number of effective samples tells it: the whole spectrum does. It is taken from a
 vector autoregression of the residuals (Yule-Walker), of the order that the Bayesian information criterion finds; order zero,
-white noise independent between signals, is one of them, and wins where the residuals are white.
+white noise independent between signals, is one of them, and is found where the residuals are white.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _SAMPLES = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Colour:
+class Autoregression:
     """An autoregression of residuals: ``e(t) = sum over k of A(k) e(t - k) + w(t)``.
 
     Attributes
@@ -60,7 +60,8 @@ class Colour:
             Derivatives of the residuals.
         """
         if not self.order:
-            return np.einsum("ji,jnq->inq", _root(self.drive), jacobian).reshape(-1, jacobian.shape[2])
+            shaped = np.einsum("ji,jnq->inq", _root(self.drive), jacobian)
+            return np.asarray(shaped.reshape(-1, jacobian.shape[2]))
         spectrum, gains, length = self._spectra(jacobian)
         weights = np.full(spectrum.shape[1], 2.0 / length)
         weights[[0, -1]] = 1.0 / length
@@ -77,7 +78,7 @@ class Colour:
             Derivatives of the residuals.
         """
         if not self.order:
-            return np.einsum("ij,jnq->inq", self.drive, jacobian)
+            return np.asarray(np.einsum("ij,jnq->inq", self.drive, jacobian))
         spectrum, gains, length = self._spectra(jacobian)
         density = gains @ gains.conj().transpose(0, 2, 1)
         whole = np.fft.irfft(np.einsum("fij,jfq->ifq", density, spectrum, optimize=True), length, axis=1)
@@ -100,7 +101,7 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))
 
 
-def colour_of(residual: np.ndarray) -> Colour:
+def autoregression_of(residual: np.ndarray) -> Autoregression:
     """Return the autoregression of the residuals of one trial.
 
     Parameters
@@ -111,14 +112,14 @@ def colour_of(residual: np.ndarray) -> Colour:
     signals, count = residual.shape
     none = np.zeros((0, signals, signals))
     if not np.isfinite(residual).all() or count < 8:
-        return Colour(none, np.eye(signals))
+        return Autoregression(none, np.eye(signals))
     most = max((p for p in _ORDERS if p * signals * _SAMPLES <= count), default=0)
     lags = _lags(residual, most)
     diagonal = np.diag(np.diag(lags[0]))
     if (np.diag(diagonal) <= 0).any():
-        return Colour(none, diagonal)
+        return Autoregression(none, diagonal)
     price = np.log(count) / count
-    best, least = Colour(none, diagonal), float(np.log(np.diag(diagonal)).sum())
+    best, least = Autoregression(none, diagonal), float(np.log(np.diag(diagonal)).sum())
     for order in (p for p in (0, *_ORDERS) if p <= most):
         found = _yule_walker(lags, order)
         sign, size = np.linalg.slogdet(found.drive)
@@ -129,16 +130,16 @@ def colour_of(residual: np.ndarray) -> Colour:
 
 
 def corrected(
-    colour: Colour, residual: np.ndarray, jacobian: np.ndarray, flat: np.ndarray, cover: np.ndarray
-) -> Colour:
-    """Return the autoregression with what the unknowns took up of the noise put back.
+    model: Autoregression, residual: np.ndarray, jacobian: np.ndarray, flat: np.ndarray, cover: np.ndarray
+) -> Autoregression:
+    """Return the autoregression with the part of the noise that the unknowns took up put back.
 
     The residuals of a fit are the noise less its part along the Jacobian, and that part is slow: without the correction the
     power at low frequencies comes out too small, by a fifth where a trial is 50 correlation times long.
 
     Parameters
     ----------
-    colour : Colour
+    model : Autoregression
         Of the residuals as they are.
     residual : ndarray, shape (signals, N)
         Those residuals.
@@ -149,23 +150,23 @@ def corrected(
 
     Returns
     -------
-    Colour
-        Of the same order; the one given where the corrected one would not die out.
+    Autoregression
+        Of the same order; the one given where the corrected one would not be stable.
     """
     count = residual.shape[1]
     # Residual = (I - P) noise with P = J flat J', so its covariance is C - PC - CP + PCP.
-    along = colour.spread(jacobian) @ flat
+    along = model.spread(jacobian) @ flat
     back = jacobian @ cover
-    lags = _lags(residual, colour.order)
+    lags = _lags(residual, model.order)
     for k, lag in enumerate(lags):
         late, early = slice(k, None), slice(0, count - k)
         for one, two, sign in ((jacobian, along, 1), (along, jacobian, 1), (back, jacobian, -1)):
             lag += sign * np.tensordot(one[:, late], two[:, early], axes=((1, 2), (1, 2))) / count
-    if colour.order == 0 and not np.any(colour.drive - np.diag(np.diag(colour.drive))):
-        found = Colour(colour.steps, np.diag(np.diag(lags[0])))
+    if model.order == 0 and not np.any(model.drive - np.diag(np.diag(model.drive))):
+        found = Autoregression(model.steps, np.diag(np.diag(lags[0])))
     else:
-        found = _yule_walker(lags, colour.order)
-    return found if found.stable else colour
+        found = _yule_walker(lags, model.order)
+    return found if found.stable else model
 
 
 def _lags(residual: np.ndarray, most: int) -> list[np.ndarray]:
@@ -174,11 +175,11 @@ def _lags(residual: np.ndarray, most: int) -> list[np.ndarray]:
     return [residual[:, k:] @ residual[:, : count - k].T / count for k in range(most + 1)]
 
 
-def _yule_walker(lags: list[np.ndarray], order: int) -> Colour:
+def _yule_walker(lags: list[np.ndarray], order: int) -> Autoregression:
     """Solve the Yule-Walker equations; the autocovariances are the biased ones, so that the answer is stable."""
     signals = len(lags[0])
     if not order:
-        return Colour(np.zeros((0, signals, signals)), 0.5 * (lags[0] + lags[0].T))
+        return Autoregression(np.zeros((0, signals, signals)), 0.5 * (lags[0] + lags[0].T))
     # Block row k, column j: E e(t - k) e(t - j)' = Gamma(j - k), Gamma(-l) = Gamma(l)'.
     blocks = [[lags[j - k] if j >= k else lags[k - j].T for j in range(1, order + 1)] for k in range(1, order + 1)]
     matrix = np.block(blocks)
@@ -187,4 +188,4 @@ def _yule_walker(lags: list[np.ndarray], order: int) -> Colour:
     solved = np.linalg.solve(matrix, right)
     steps = solved.reshape(order, signals, signals).transpose(0, 2, 1)
     drive = lags[0] - sum(a @ lags[k].T for k, a in enumerate(steps, start=1))
-    return Colour(steps, 0.5 * (drive + drive.T))
+    return Autoregression(steps, 0.5 * (drive + drive.T))

@@ -13,14 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.identification.problem.losses import bends
-from shipid.identification.search.least_squares import Solution
-from shipid.identification.uncertainty.autoregression import Colour, colour_of, corrected
+from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
 
 #: A parameter whose standard deviation exceeds this part of its size is not determined by the data.
 UNDETERMINED = 0.5
-#: Times the colour of the residuals is corrected for what the unknowns took up of the noise.
+#: Times the autoregression of the residuals is corrected for the part of the noise that the unknowns took up.
 _CORRECTIONS = 2
-#: Samples of a record that are enough for its colour: of longer ones several in a row are taken together, which loses nothing
+#: Samples of a record that are enough for its spectrum: of longer ones several in a row are taken together, which loses nothing
 #: at the frequencies at which a ship answers.
 _ENOUGH = 1000
 
@@ -79,7 +79,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     """Return the covariance of the unknowns of a solution: ``H^-1 M H^-1``.
 
     H is the information matrix of the search, M the covariance of its gradient under the residuals as they are, each
-    trial with the colour of its own (Huber 1967; White 1982). For white residuals M is H, and the covariance the
+    trial with an autoregression of its own (Huber 1967; White 1982). For white residuals M is H, and the covariance the
     Cramer-Rao bound.
 
     Parameters
@@ -88,13 +88,17 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
         At its optimum.
     spread : ndarray, shape (parameters,), optional
         Standard deviation the parameters have without any data, which makes every variance finite.
+
+    Returns
+    -------
+    Covariance
     """
     problem = solution.problem
-    trials, signals = len(problem.sailed), len(problem.signals)
+    trials, signals = len(problem.trials), len(problem.signals)
     if solution.covariance is not None:
-        found = covariance_of(replace(solution, covariance=None))
+        by_residuals = covariance_of(replace(solution, covariance=None))
         condition = _condition(solution.covariance, len(problem.estimated))
-        return replace(found, matrix=solution.covariance, condition_number=condition)
+        return replace(by_residuals, matrix=solution.covariance, condition_number=condition)
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
     solution = _bent(solution)
@@ -108,11 +112,11 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     small = singular < 1e-8 * singular[0]
     inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
     half = rows.T * inverse
-    cover, effective = _cover(solution, scaled, half)
+    found, effective = _sandwich(solution, scaled, half)
     index = np.flatnonzero(seen)
     scales = np.outer(norms[seen], norms[seen])
     matrix = np.zeros((problem.size, problem.size))
-    matrix[np.ix_(index, index)] = cover / scales
+    matrix[np.ix_(index, index)] = found / scales
     white = np.zeros(problem.size)
     white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -141,12 +145,12 @@ def _bent(solution: Solution) -> Solution:
     return replace(solution, residual=solution.residual / rows, jacobian=solution.jacobian * rows[:, None])
 
 
-def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
     blocks, powers, at = [], [], 0
-    for sailed in problem.sailed:
-        count = sailed.intervals.size
+    for data in problem.trials:
+        count = data.intervals.size
         rows = slice(at, at + count * signals)
         at += count * signals
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
@@ -154,36 +158,44 @@ def _cover(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np
         every = max(1, count // _ENOUGH)
         residual = solution.residual[rows].reshape(signals, count)
         powers.append(np.mean(residual**2, axis=1))
-        blocks.append((_gathered(residual, every), _gathered(block, every), used))
-    beliefs, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
+        blocks.append((gathered(residual, every), gathered(block, every), used))
+    terms, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
     prior = bounds.T @ bounds
     if problem.prior is not None:
-        prior = prior + problem.prior.strength * beliefs.T @ beliefs
+        prior = prior + problem.prior.strength * terms.T @ terms
 
-    def covered(colours: list[Colour]) -> np.ndarray:
+    def covariance_under(noise: list[Autoregression]) -> np.ndarray:
         scatter = prior.copy()
-        for (_, block, used), colour in zip(blocks, colours):
-            shaped = colour.shaped(block)
+        for (_, block, used), model in zip(blocks, noise):
+            shaped = model.shaped(block)
             scatter[np.ix_(used, used)] += shaped.T @ shaped
         return np.asarray(flat @ scatter @ flat)
 
-    colours = [colour_of(residual) for residual, _, _ in blocks]
-    cover = covered(colours)
+    noise = [autoregression_of(residual) for residual, _, _ in blocks]
+    found = covariance_under(noise)
     for _ in range(_CORRECTIONS):
-        colours = [
-            corrected(c, e, j, flat[np.ix_(used, used)], cover[np.ix_(used, used)])
-            for c, (e, j, used) in zip(colours, blocks)
+        noise = [
+            corrected(model, residual, block, flat[np.ix_(used, used)], found[np.ix_(used, used)])
+            for model, (residual, block, used) in zip(noise, blocks)
         ]
-        cover = covered(colours)
+        found = covariance_under(noise)
     shares = [
-        [_share(block, used, half, colour, power[k], k) for k in range(signals)]
-        for colour, power, (_, block, used) in zip(colours, powers, blocks)
+        [_share(block, used, half, model, power[k], k) for k in range(signals)]
+        for model, power, (_, block, used) in zip(noise, powers, blocks)
     ]
-    return cover, np.array(shares)
+    return found, np.array(shares)
 
 
-def _gathered(rows: np.ndarray, every: int) -> np.ndarray:
-    """Sums of so many samples in a row, along the second axis, scaled to the same sum of products."""
+def gathered(rows: np.ndarray, every: int) -> np.ndarray:
+    """Return sums of so many samples in a row, along the second axis, scaled to the same sum of products.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (signals, N, ...)
+        Samples along the second axis.
+    every : int
+        How many are taken together.
+    """
     if every == 1:
         return rows
     starts = np.arange(0, rows.shape[1], every)
@@ -192,13 +204,15 @@ def _gathered(rows: np.ndarray, every: int) -> np.ndarray:
     return np.asarray(sums / np.sqrt(counts).reshape(1, -1, *(1,) * (rows.ndim - 2)))
 
 
-def _share(block: np.ndarray, used: np.ndarray, half: np.ndarray, colour: Colour, power: float, signal: int) -> float:
+def _share(
+    block: np.ndarray, used: np.ndarray, half: np.ndarray, noise: Autoregression, power: float, signal: int
+) -> float:
     """Variance by one signal, were its residuals white and of the same power, over the variance by it as it is."""
-    if not colour.order:
+    if not noise.order:
         return 1.0
     alone = np.zeros_like(block)
     alone[signal] = block[signal]
-    true = float(np.sum((colour.shaped(alone) @ half[used]) ** 2))
+    true = float(np.sum((noise.shaped(alone) @ half[used]) ** 2))
     white = float(power * np.sum((block[signal] @ half[used]) ** 2))
     return 1.0 if true <= 0 or white <= 0 else min(1.0, white / true)
 
@@ -215,7 +229,13 @@ def _condition(matrix: np.ndarray, shared: int) -> float:
 
 
 def correlation_of(matrix: np.ndarray) -> np.ndarray:
-    """Return the correlation matrix of a covariance; zero where a variance is not finite."""
+    """Return the correlation matrix of a covariance; zero where a variance is not finite.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n, n)
+        The covariance.
+    """
     spread = np.sqrt(np.diag(matrix))
     good = np.isfinite(spread) & (spread > 0)
     out = np.eye(len(spread))

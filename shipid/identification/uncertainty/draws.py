@@ -7,24 +7,19 @@ spread over its bounds, so that a prediction that depends on it gets the wide ba
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.scale import prime_factor
-from shipid.identification.problem.scale import unit_time_of
-from shipid.identification.search.least_squares import Box, box_of
+from shipid.foundation.statistics import NORMAL_95
+from shipid.identification.identified import Identified
+from shipid.identification.problem.box import Box
 from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.parameters.draws import normal_draws
-
-if TYPE_CHECKING:
-    from shipid.identification.fit import Fit
 
 #: Draws: enough for the standard deviation of a band to be known to a seventh of itself.
 DRAWS = 24
 #: Spread of a parameter that no data have seen: of its logarithm, or in its own size.
 _LOOSE = 1.0
-_Z95 = 1.959963984540054
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,47 +41,25 @@ class Draws:
     unknowns: np.ndarray
 
 
-def box_of_fit(fit: Fit) -> Box:
-    """Return the bounds the parameters of a fit have by their declaration, around their values.
+def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws:
+    """Draw unknowns from the covariance of an identification.
 
     Parameters
     ----------
-    fit : Fit
-        The fit.
-    """
-    trials = [c.trial for c in fit.fitted]
-    unit_time, length = unit_time_of(fit.ship, trials), fit.ship.particular("L", "m")
-    recorded = [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
-    speed = length / unit_time if length else float(np.mean(recorded)) if recorded else 1.0
-    bounds = {}
-    for name, value in zip(fit._problem.estimated, fit._solution.q):
-        entry = fit.model[name]
-        scale = prime_factor(entry.unit, speed * unit_time, speed) if entry.quantity.prime else 1.0
-        low, high = (entry.number(side) for side in ("low", "high"))
-        bounds[name] = (
-            float(value),
-            -np.inf if low is None else min(low * scale, float(value)),
-            np.inf if high is None else max(high * scale, float(value)),
-        )
-    return box_of(bounds)
-
-
-def draws_of(fit: Fit, count: int = DRAWS, seed: int = 0) -> Draws:
-    """Draw unknowns from the covariance of a fit.
-
-    Parameters
-    ----------
-    fit : Fit
-        The fit.
+    identified : Identified
+        What was identified.
     count : int
         Number of draws.
     seed : int
         Of the draws, which are the same each time by default.
+
+    Returns
+    -------
+    Draws
     """
-    problem, solution = fit._problem, fit._solution
-    box, q = box_of_fit(fit), solution.q
+    problem, q, box = identified.problem, identified.solution.q, identified.box
     shared = len(problem.estimated)
-    covariance = covariance_of(solution, _spread(box)).matrix
+    covariance = covariance_of(identified.solution, _spread(box)).matrix
     # What is still infinite are initial states nobody sees: they stay where they are.
     covariance = np.where(np.isfinite(covariance), covariance, 0.0)
     slope = np.ones(problem.size)
@@ -129,4 +102,4 @@ def band_of(point: float | None, drawn: list[float | None]) -> tuple[float, floa
         return None
     away = reached - point
     sides = [float(np.sqrt(np.mean(s**2))) if s.size else 0.0 for s in (away[away < 0], away[away > 0])]
-    return point - _Z95 * sides[0], point + _Z95 * sides[1]
+    return point - NORMAL_95 * sides[0], point + NORMAL_95 * sides[1]

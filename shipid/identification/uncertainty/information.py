@@ -1,10 +1,11 @@
-"""What a manoeuvre tells about a model before it is sailed: its exact information matrix.
+"""What a manoeuvre tells about a model before it is done: its exact information matrix.
 
 The manoeuvre is simulated in closed loop (helmsman, steering machine, ship). What identification will have is the rudder
 that came out of it, so the model is run once more over that rudder, with its exact sensitivities by the coefficients and by
-the unknowns every trial has of its own: initial states, rudder bias, cruising speed, current. Weighted with the noise of
-the sensors, their squares are the information matrix; the unknowns of the trial are eliminated (Schur complement), so that
-matrices of different manoeuvres add. A longer run of the same manoeuvre holds the shorter ones, so one run serves all lengths.
+the unknowns every trial has of its own: initial states, rudder bias, speed before the manoeuvre, current. Weighted with the
+noise of the sensors, their squares are the information matrix; the unknowns of the trial are eliminated (Schur complement), so
+that matrices of different manoeuvres add. A longer run of the same manoeuvre holds the shorter ones, so one run serves all
+lengths.
 """
 
 from __future__ import annotations
@@ -13,15 +14,13 @@ import functools
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from shipid.declaration.component import Component
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.foundation.errors import UsageError
-from shipid.generation.record import Record, make_record
-from shipid.generation.system import generate
+from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan
 
@@ -37,16 +36,18 @@ _STEEP = 1e12
 _ROUNDING = 1e-8
 #: Growth of an error in the initial rate of turn beyond which an unstable ship forgets what she is told, and no search finds her.
 _GROWTH = 3.0
+#: What an input should come from, for messages.
+_WHERE = "a plan"
 
 
 @dataclass(frozen=True)
-class Sail:
-    """A manoeuvre that may be sailed: by which helm, at which speed.
+class CandidateManoeuvre:
+    """A manoeuvre that may be chosen, at a speed.
 
     Attributes
     ----------
     manoeuvre : Manoeuvre
-        What to sail.
+        Which.
     speed : float
         Speed of the approach in m/s.
     seed : int
@@ -69,8 +70,8 @@ class Sail:
 
 
 @dataclass(frozen=True, eq=False)
-class Question:
-    """What is to be learnt, from which signals, beside which unknowns.
+class Experiment:
+    """What is to be estimated, from which signals, beside which unknowns.
 
     Attributes
     ----------
@@ -103,25 +104,31 @@ class Question:
     limit: float
 
     @property
-    def record(self) -> Record:
-        """The record function identification will run."""
-        return make_record(self.model, self.signals, self.estimated, self.initial, self.biases)
+    def simulator(self) -> Simulator:
+        """The model as identification will run it, with its sensitivities."""
+        return make_simulator(
+            self.model, self.signals, coefficients=self.estimated, initial=self.initial, biases=self.biases
+        )
 
     def interval(self, speed: float) -> float:
-        """Sampling interval of the differentiated record in s."""
-        return self.length / speed / PER_UNIT_TIME
-
-    def steered(self, helm: Any) -> Record:
-        """Return the closed loop of one helmsman, over the rudder, the states, and what shows that the model runs away."""
-        return _steered(self.model, helm)
-
-    def sail(self, sail: Sail, duration: float, known: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray] | None:
-        """Simulate a manoeuvre in closed loop: inputs of the model (inputs, N) and initial states, or None.
+        """Return the sampling interval of the differentiated record in s.
 
         Parameters
         ----------
-        sail : Sail
-            What is sailed.
+        speed : float
+            Speed of the approach in m/s.
+        """
+        return self.length / speed / PER_UNIT_TIME
+
+    def rudder_of(
+        self, candidate: CandidateManoeuvre, duration: float, known: Mapping[str, float]
+    ) -> np.ndarray | None:
+        """Simulate a manoeuvre in closed loop and return the rudder angle that came of it.
+
+        Parameters
+        ----------
+        candidate : CandidateManoeuvre
+            The manoeuvre.
         duration : float
             In s.
         known : mapping of str to float
@@ -129,42 +136,35 @@ class Question:
 
         Returns
         -------
-        tuple of ndarray or None
-            None where the model runs away, or the ship loses her way.
+        ndarray or None, shape (N,)
+            In rad, at the samples of the differentiated record; None where the model runs away, or the ship loses her way.
         """
-        unit = self.length / sail.speed
-        planned = plan(sail.manoeuvre, unit, 0.0, self.limit, sail.seed, duration)
-        record = self.steered(planned.helm)
-        whole = record.system.model
-        interval = self.interval(sail.speed)
+        speed = candidate.speed
+        unit, interval = self.length / speed, self.interval(speed)
+        planned = plan(candidate.manoeuvre, unit, 0.0, self.limit, candidate.seed, duration)
+        steered = _steered(self.model, planned.helm)  # type: ignore[arg-type]  # a class is hashable
         # The clock of helmsman and steering machine, as in `shipid.trials.manoeuvres.simulate.simulate`.
         fine = max(1, int(np.ceil(interval / min(0.02 * unit, 0.25) - 1e-9)))
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
-        given = {"u": sail.speed, "cruise": sail.speed}
-        inputs = _inputs(whole, given, t.size, self.signals)
-        if planned.schedule:
-            inputs[whole.inputs.index("helm_schedule")] = planned.scheduled(t)
-        x0 = np.array([{"u": sail.speed, "psi": 0.0}.get(s, whole[s].number("start") or 0.0) for s in whole.states])
-        p = record.system.vector(record.system.coefficients, {**known, **planned.constants})
-        y, _ = record(x0, inputs, np.diff(t, append=t[-1]), p)
-        named = dict(zip(record.outputs, y))
-        if not np.isfinite(y).all() or np.abs(named.get("r", np.zeros(1))).max() * unit > _SPIN:
+        schedule = planned.scheduled(t) if planned.schedule else 0.0
+        inputs = _approach(speed) | {"helm_schedule": schedule}
+        run = steered(t, {**known, **planned.constants}, inputs, {"u": speed, "psi": 0.0}, where=_WHERE).columns
+        finite = all(np.isfinite(column).all() for column in run.values())
+        if not finite or ("r" in run and np.abs(run["r"]).max() * unit > _SPIN):
             return None
-        if "u" in named and named["u"].min() < _WAY * sail.speed:
+        if "u" in run and run["u"].min() < _WAY * speed:
             return None
-        own = _inputs(self.model, given, (t.size - 1) // fine + 1, self.signals)
-        own[self.model.inputs.index("delta")] = named["delta"][::fine]
-        return own, np.array([x0[whole.states.index(s)] for s in self.model.states])
+        return run["delta"][::fine]
 
     def information(
-        self, sail: Sail, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
+        self, candidate: CandidateManoeuvre, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
     ) -> np.ndarray | None:
         """Return the information about the coefficients in one manoeuvre, for each of its lengths.
 
         Parameters
         ----------
-        sail : Sail
-            What is sailed.
+        candidate : CandidateManoeuvre
+            The manoeuvre.
         durations : sequence of float
             Lengths in s, rising.
         known : mapping of str to float
@@ -178,14 +178,13 @@ class Question:
             The longest are left out where the ship is so unstable that the record cannot be followed from its beginning;
             None where that holds for all, or the model runs away.
         """
-        found = self.sail(sail, durations[-1], known)
-        if found is None:
+        rudder = self.rudder_of(candidate, durations[-1], known)
+        if rudder is None:
             return None
-        inputs, x0 = found
-        interval = self.interval(sail.speed)
-        intervals = np.append(np.full(inputs.shape[1] - 1, interval), 0.0)
-        system = self.record.system
-        _, slope = self.record(x0, inputs, intervals, system.vector(system.coefficients, known))
+        speed, interval = candidate.speed, self.interval(candidate.speed)
+        inputs = _approach(speed) | {"delta": rudder}
+        t = np.arange(rudder.size) * interval
+        slope = self.simulator(t, known, inputs, {"u": speed, "psi": 0.0}, where=_WHERE).slopes.copy()
         slope[:, : size.size] *= size[:, None]
         slope /= self.sigma[:, None, None]
         if not (np.abs(slope) < _STEEP).all():
@@ -197,38 +196,28 @@ class Question:
     def _followed(self, slope: np.ndarray) -> int:
         """Samples until an error in the initial rate of turn has grown too much to follow."""
         if "r" not in self.signals:
-            return slope.shape[2]
+            return int(slope.shape[2])
         first = len(self.estimated)
         rates = np.abs(slope[self.signals.index("r"), first : first + len(self.initial)])
         rates = rates[rates[:, 0] > 0]
         lost = (rates > _GROWTH * rates[:, :1]).any(axis=0)
-        return int(np.argmax(lost)) if lost.any() else slope.shape[2]
+        return int(np.argmax(lost) if lost.any() else slope.shape[2])
+
+
+def _approach(speed: float) -> dict[str, float | np.ndarray]:
+    """What is known of the inputs before the rudder moves."""
+    return {"u": speed, "cruise": speed}
 
 
 @functools.lru_cache(maxsize=64)
-def _steered(model: Model, helm: Any) -> Record:
+def _steered(model: Model, helm: type[Component]) -> Simulator:
+    """The closed loop of one helmsman: it shows the rudder, and the states by which the model is seen to run away."""
     whole = join(model.name, model, SteeringMachine, helm)
-    watched = tuple(n for n in ("delta", "r", "u") if n in whole and n not in whole.inputs)
-    return make_record(whole, watched, hold="zero")
-
-
-def _inputs(model: Model, given: Mapping[str, float], count: int, signals: Sequence[str]) -> np.ndarray:
-    """Constant inputs of a model, shape (inputs, count); the rudder and the helmsman's schedule begin at zero."""
-    rows = np.zeros((len(model.inputs), count))
-    needed = generate(model).inputs_behind(signals)
-    for i, name in enumerate(model.inputs):
-        value = given.get(name, model[name].number("default"))
-        if value is None and name in needed and name not in ("delta", "helm_schedule"):
-            raise UsageError(
-                f"model {model.name} reads '{name}' ({model[name].quantity.meaning}), which a plan does not know beforehand. "
-                "Plan with a model that does not read it."
-            )
-        rows[i] = value or 0.0
-    return rows
+    return make_simulator(whole, [n for n in ("delta", "r", "u") if n in whole and n not in whole.inputs], hold="zero")
 
 
 def gather(slope: np.ndarray, ends: Sequence[int]) -> np.ndarray:
-    """Return triangles whose squares are the information matrices of all unknowns in the first samples of a record.
+    """Return triangular factors of the information matrices of all unknowns in the first samples of a record.
 
     Parameters
     ----------
@@ -304,8 +293,8 @@ def covariance_from(information: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def sail_of(text: str, speed: float, seed: int = 0) -> Sail:
-    """Return a manoeuvre that may be sailed from its text.
+def candidate_of(text: str, speed: float, seed: int = 0) -> CandidateManoeuvre:
+    """Return a manoeuvre that may be chosen from its text.
 
     Parameters
     ----------
@@ -316,4 +305,4 @@ def sail_of(text: str, speed: float, seed: int = 0) -> Sail:
     seed : int
         Of the random telegraph.
     """
-    return Sail(parse_manoeuvre(text), speed, seed)
+    return CandidateManoeuvre(parse_manoeuvre(text), speed, seed)

@@ -3,29 +3,33 @@
 The sampler is emcee's (Foreman-Mackey et al. 2013; affine-invariant, Goodman and Weare 2010), an extra of the
 installation; the likelihood of all its walkers is one call of the compiled record. Samples that repeat each other count as
 the fit counts them: each signal of each trial by its effective samples. Parameters have a flat prior within their declared
-bounds, beside what the declaration believes of them; biases and initial states have the prior of the fit, or a flat one.
+bounds, beside the prior the declaration gives them; biases and initial states have the prior of the fit, or a flat one.
 """
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.declaration.units import pretty
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.errors import PosteriorError
+from shipid.identification.identified import Identified
 from shipid.identification.problem.losses import bends
-from shipid.identification.problem.output_error import Problem
-from shipid.identification.search.least_squares import Solution, bounds_of
-from shipid.identification.uncertainty.covariance import covariance_of
-from shipid.identification.uncertainty.draws import box_of_fit, draws_of
+from shipid.identification.search.least_squares import bounds_of
+from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.draws import draws_of
 
 if TYPE_CHECKING:
-    from shipid.identification.fit import Fit
+    import pandas as pd
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 #: More unknowns than these an ensemble sampler does not mix.
@@ -77,13 +81,13 @@ class Posterior:
         """Whether the chains are long enough to believe the quantiles."""
         return bool(len(self.draws) / self.walkers >= _LONG * self.autocorrelation.max())
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return the draws as a pandas table, a column for each parameter."""
         import pandas as pd
 
         return pd.DataFrame(self.draws, columns=list(self.names))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN; the draws themselves are in `to_frame`."""
         rows = {}
         for k, name in enumerate(self.names):
@@ -138,13 +142,12 @@ class Posterior:
 class _Density:
     """The logarithm of the posterior density of many points in one call."""
 
-    def __init__(self, fit: Fit) -> None:
-        problem: Problem = fit._problem
-        self.problem, self.q = problem, fit._solution.q
+    def __init__(self, identified: Identified) -> None:
+        problem, solution = identified.problem, identified.solution
+        self.problem = problem
         self.record = make_record(problem.model, problem.signals)
-        box = box_of_fit(fit)
-        self.low, self.high = bounds_of(problem, box)
-        self.shares = covariance_of(fit._solution).effective * _pulled(fit._solution)
+        self.low, self.high = bounds_of(problem, identified.box)
+        self.shares = identified.covariance.effective * _pulled(solution)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         problem = self.problem
@@ -152,38 +155,34 @@ class _Density:
         inside = np.asarray(within.all(axis=1))
         out = np.full(len(points), -np.inf)
         if inside.any():
-            squares = [self._squares(points[inside], i) for i in range(len(problem.sailed))]
+            squares = [self._squares(points[inside], i) for i in range(len(problem.trials))]
             out[inside] = -0.5 * np.sum(squares, axis=0)
             if problem.prior is not None:
-                constant, slope = problem.beliefs(np.zeros(problem.size), problem.prior)
-                believed = points[inside] @ slope.T + constant
+                constant, slope = problem.prior_residuals(np.zeros(problem.size), problem.prior)
+                terms = points[inside] @ slope.T + constant
                 # Counted sample by sample in the fit, where they must outweigh samples that repeat each other.
-                out[inside] -= 0.5 * np.sum(believed**2, axis=1) / problem.prior.strength
+                out[inside] -= 0.5 * np.sum(terms**2, axis=1) / problem.prior.strength
         return np.where(np.isfinite(out), out, -np.inf)
 
     def _squares(self, points: np.ndarray, i: int) -> np.ndarray:
-        problem, sailed, system = self.problem, self.problem.sailed[i], self.record.system
+        """Sum of the weighted squares of one trial at each point, shape (points,)."""
+        problem, data = self.problem, self.problem.trials[i]
         own = points[:, problem.own(i)]
-        x0 = np.repeat(sailed.x0[None], len(points), axis=0)
-        x0[:, [system.states.index(n) for n in problem.initial]] = own[:, : len(problem.initial)]
-        p = np.repeat(
-            system.vector(system.coefficients, {**problem.fixed, **dict(zip(problem.estimated, self.q))})[None],
-            len(points),
-            axis=0,
-        )
-        p[:, [system.coefficients.index(n) for n in problem.estimated]] = points[:, : len(problem.estimated)]
-        bias = np.repeat(np.array([problem.bias_offset.get(n, 0.0) for n in system.inputs])[None], len(points), axis=0)
-        bias[:, [system.inputs.index(n) for n in problem.biases]] += own[:, len(problem.initial) :]
-        y, _ = run_many(self.record, x0, sailed.inputs, sailed.intervals, p, bias)
+        start = {**data.start, **dict(zip(problem.initial, own.T))}
+        values = {**problem.fixed, **dict(zip(problem.estimated, points.T))}
+        bias = np.array([problem.bias_vector(row) for row in own])
+        x0, p = initial_state(problem.model, start), coefficient_vector(problem.model, values)
+        x0, p = (np.broadcast_to(columns.T, (len(points), len(columns))) for columns in (x0, p))
+        y, _ = run_many(self.record, x0, data.inputs, data.intervals, p, bias)
         with np.errstate(over="ignore", invalid="ignore"):
-            squares = ((y - sailed.measured) / problem.sigma[:, None]) ** 2
+            squares = ((y - data.measured) / problem.sigma[:, None]) ** 2
             if problem.weights is not None:
                 squares = squares * problem.weights[i]
             return np.asarray(np.nan_to_num(squares.sum(axis=2) @ self.shares[i], nan=np.inf))
 
 
 def _pulled(solution: Solution) -> np.ndarray:
-    """What the weighted squares of each signal are worth under a robust loss, so that their curvature is the information."""
+    """Factor on the weighted squares of each signal under a robust loss that makes their curvature the information."""
     problem = solution.problem
     if problem.weights is None:
         return np.ones(len(problem.signals))
@@ -196,17 +195,21 @@ def _pulled(solution: Solution) -> np.ndarray:
     return np.array(out)
 
 
-def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
-    """Sample the posterior density of a fit.
+def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior:
+    """Sample the posterior density of an identification.
 
     Parameters
     ----------
-    fit : Fit
-        A fit that converged, by output error.
+    identified : Identified
+        What was identified; its search converged, by output error.
     draws : int
         How many, over all walkers, after those that are thrown away.
     seed : int
         Of the sampler.
+
+    Returns
+    -------
+    Posterior
 
     Raises
     ------
@@ -216,12 +219,10 @@ def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
         If the sampler is not installed, the unknowns are too many, or some direction has no end.
     """
     emcee = _sampler()
-    problem: Problem = fit._problem
+    problem, parameters = identified.problem, identified.parameters
     size, walkers = problem.size, max(32, 2 * (problem.size + 1))
-    if fit._solution.covariance is not None:
-        raise UsageError(
-            f"a posterior needs the likelihood of output error, and this fit is by {fit.ladder[-1].method}."
-        )
+    if identified.solution.covariance is not None:
+        raise UsageError(f"a posterior needs the likelihood of output error, and this fit is by {identified.method}.")
     if draws < 10 * walkers:
         raise UsageError(f"{draws} draws are {draws / walkers:.1f} steps of {walkers} walkers; ask for {50 * walkers}.")
     if size > _MOST_UNKNOWNS:
@@ -229,18 +230,18 @@ def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
             f"the fit has {size} unknowns ({len(problem.estimated)} coefficients, {problem.per_trial} in each trial), and an "
             f"ensemble sampler mixes up to {_MOST_UNKNOWNS}. Fit fewer trials or hold coefficients, or ask for profiles."
         )
-    density = _Density(fit)
-    unseen = [n for n in problem.estimated if not fit.parameters[n].std]
+    density = _Density(identified)
+    unseen = [n for n in problem.estimated if not parameters[n].std]
     open_ = [n for n, lo, hi in zip(problem.estimated, density.low, density.high) if not np.isfinite([lo, hi]).all()]
     if set(unseen) & set(open_):
         raise PosteriorError(
             f"the trials hold no information about {', '.join(unseen)} alone, and the declaration has no bounds for it: its "
             "posterior has no end. Hold it fixed, or give it bounds."
         )
-    start = _walkers(fit, density, walkers, seed)
+    start = _walkers(identified, density, walkers, seed)
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, size, density, moves=moves, vectorize=True)
-    sampler._random = np.random.RandomState(seed)
+    sampler.random_state = np.random.RandomState(seed).get_state()
     state = sampler.run_mcmc(start, _LEAST_BURNT, progress=False)
     first = float(np.nanmax(sampler.get_autocorr_time(tol=0)))
     more = int(min(_BURNT * first, 20 * _LEAST_BURNT)) - _LEAST_BURNT if np.isfinite(first) else 0
@@ -252,23 +253,24 @@ def posterior_of(fit: Fit, draws: int, seed: int = 0) -> Posterior:
     flat = sampler.get_chain(flat=True)[:, :shared]
     return Posterior(
         problem.estimated,
-        tuple(fit.model[n].unit for n in problem.estimated),
+        tuple(problem.model[n].unit for n in problem.estimated),
         flat,
         np.quantile(flat, QUANTILES, axis=0),
         times,
         walkers,
         float(np.mean(sampler.acceptance_fraction)),
-        tuple(fit.parameters[n].ci95 for n in problem.estimated),
+        tuple(parameters[n].ci95 for n in problem.estimated),
     )
 
 
-def _walkers(fit: Fit, density: _Density, count: int, seed: int) -> np.ndarray:
+def _walkers(identified: Identified, density: _Density, count: int, seed: int) -> np.ndarray:
     """Where the walkers begin: draws of the Gaussian approximation at which the model holds together."""
-    found = draws_of(fit, 4 * count, seed).unknowns
+    found = draws_of(identified, 4 * count, seed).unknowns
     rng = np.random.default_rng([seed, 5])
     # What has no spread in the approximation gets a little, or the walkers would lie in a plane.
     spread = found.std(axis=0)
-    found = found + rng.standard_normal(found.shape) * np.where(spread > 0, 0.0, 1e-6 + 1e-3 * np.abs(fit._solution.q))
+    little = 1e-6 + 1e-3 * np.abs(identified.solution.q)
+    found = found + rng.standard_normal(found.shape) * np.where(spread > 0, 0.0, little)
     found = np.clip(found, density.low, density.high)
     good = found[np.isfinite(density(found))]
     if len(good) < count:
@@ -279,11 +281,10 @@ def _walkers(fit: Fit, density: _Density, count: int, seed: int) -> np.ndarray:
     return np.asarray(good[:count])
 
 
-def _sampler() -> Any:
+def _sampler() -> ModuleType:
     try:
-        import emcee
+        return importlib.import_module("emcee")
     except ImportError:
         raise PosteriorError(
             "a sampled posterior needs emcee, which is not installed: pip install 'shipid[posterior]'."
         ) from None
-    return emcee

@@ -8,21 +8,23 @@ are divided by the factor by which the variance of that parameter exceeds the on
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.identification.problem.output_error import RUNAWAY
-from shipid.identification.search.least_squares import Box, minimise
-from shipid.identification.uncertainty.covariance import covariance_of
-from shipid.identification.uncertainty.draws import box_of_fit
+from shipid.foundation.statistics import NORMAL_95, plain
+from shipid.identification.identified import Identified
+from shipid.identification.problem.box import Box
+from shipid.identification.problem.output_error import RUNAWAY, Problem
+from shipid.identification.search.least_squares import minimise
 
 if TYPE_CHECKING:
-    from shipid.identification.fit import Fit
+    import pandas as pd
 
 #: Half of the 95 % point of chi-square with one degree of freedom: the rise of the cost at the ends of the interval.
-_RISE = 0.5 * 3.841458820694124
+_RISE = 0.5 * NORMAL_95**2
 _REACH = 4.0
 
 
@@ -52,18 +54,18 @@ class Profile:
     ci95: tuple[float | None, float | None]
     excess: float
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values; None where the model runs away."""
         return {
             "name": self.name,
             "unit": self.unit,
             "values": self.values.tolist(),
-            "cost": [float(c) if np.isfinite(c) else None for c in self.cost],
+            "cost": [plain(c) for c in self.cost],
             "ci95": list(self.ci95),
             "samples_per_effective_sample": self.excess,
         }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> pd.DataFrame:
         """Return values and costs as a pandas table."""
         import pandas as pd
 
@@ -74,43 +76,46 @@ class Profile:
         return f"<Profile of {self.name}: 95 % from {low} to {high} {self.unit}, {self.values.size} points>"
 
 
-def profile_of(fit: Fit, name: str, points: int = 17) -> Profile:
+def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:
     """Return the profile of a fitted parameter, or of a published coefficient that can take the place of one.
 
     Parameters
     ----------
-    fit : Fit
-        The fit.
+    identified : Identified
+        What was identified.
     name : str
         The coefficient.
     points : int
         Number of values, half of them to either side of the estimate.
 
+    Returns
+    -------
+    Profile
+
     Raises
     ------
     UnknownNameError
-        If the fit has no such coefficient.
+        If there is no such coefficient.
     UsageError
         If it is held fixed, or cannot be held.
     """
-    if name not in fit.parameters:
-        if name in fit.fixed:
+    problem, solution, box = identified.problem, identified.solution, identified.box
+    if name not in identified.parameters:
+        if name in problem.fixed:
             raise UsageError(f"'{name}' was held fixed in this fit; a profile needs a coefficient that is free.")
-        raise UnknownNameError("coefficient of this fit called", name, fit.parameters)
-    if fit._solution.covariance is not None:
-        used = next(r.method for r in fit.ladder if r.used)
-        raise UsageError(f"a profile needs the maximum of a likelihood, and this fit is by {used}.")
-    estimate = fit.parameters[name]
+        raise UnknownNameError("coefficient of this fit called", name, identified.parameters)
+    if solution.covariance is not None:
+        raise UsageError(f"a profile needs the maximum of a likelihood, and this fit is by {identified.method}.")
+    estimate = identified.parameters[name]
     if estimate.value is None:
         raise UsageError(f"'{name}' runs to infinity in this fit; profile the coefficients it follows from.")
-    problem, solution, box = fit._problem, fit._solution, box_of_fit(fit)
-    gone = name if name in problem.estimated else _partner(fit, name)
+    gone = name if name in problem.estimated else _partner(problem, name)
     at = problem.estimated.index(gone)
     keep = np.delete(np.arange(problem.size), at)
     others = Box(*(np.delete(part, at) for part in (box.start, box.low, box.high)))
     model = problem.model if gone == name else problem.model.impose([name])
     reduced = replace(problem, model=model, estimated=tuple(n for n in problem.estimated if n != gone))
-    excess = float(covariance_of(solution).excess[at])
+    excess = float(identified.covariance.excess[at])
     excess = excess if np.isfinite(excess) and excess > 0 else 1.0
     low, high = (float(box.low[at]), float(box.high[at])) if gone == name else (-np.inf, np.inf)
 
@@ -154,8 +159,9 @@ def _crossing(inside: tuple[float, float], outside: tuple[float, float]) -> floa
     return float(np.interp(np.sqrt(_RISE), roots, [inside[0], outside[0]]))
 
 
-def _partner(fit: Fit, name: str) -> str:
-    partner = fit._problem.model.partner(name)
-    if partner is None or partner not in fit._problem.estimated:
+def _partner(problem: Problem, name: str) -> str:
+    """The fitted coefficient that a published one can take the place of."""
+    partner = problem.model.partner(name)
+    if partner is None or partner not in problem.estimated:
         raise UsageError(f"'{name}' follows from the fitted coefficients and cannot be held in place of one of them.")
-    return str(partner)
+    return partner

@@ -1,14 +1,15 @@
-"""What the residuals of a fit say: how large they are, and whether they are white, signal by signal."""
+"""Size and whiteness of the residuals of an identification, signal by signal."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
 
 import numpy as np
 
-from shipid.identification.search.least_squares import Solution
-from shipid.identification.uncertainty.covariance import autocorrelation_time, covariance_of
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import LjungBox, ljung_box, plain
+from shipid.identification.identified import Identified
+from shipid.identification.uncertainty.covariance import autocorrelation_time
 
 #: Lags of the test, and the probability below which residuals are not called white.
 _LAGS = 20
@@ -53,35 +54,30 @@ class Residuals:
         """Whether nothing speaks against white residuals."""
         return self.p_value >= WHITE
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values, None for what is not finite."""
-        values = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        plain = {n: v if isinstance(v, int) or np.isfinite(v) else None for n, v in values.items()}
-        return plain | {"white": self.white}
+        values = {f.name: getattr(self, f.name) for f in fields(self)}
+        return {n: v if isinstance(v, int) else plain(v) for n, v in values.items()} | {"white": self.white}
 
 
-def residuals_of(solution: Solution) -> dict[str, Residuals]:
-    """Return what the residuals of a solution say, by signal.
+def residuals_of(identified: Identified) -> dict[str, Residuals]:
+    """Return size and whiteness of the residuals, by signal.
 
     Parameters
     ----------
-    solution : Solution
-        At its optimum.
+    identified : Identified
+        What was identified.
     """
-    from scipy.special import chdtrc
-
-    problem = solution.problem
-    split = problem.by_signal(solution.residual)
-    shares = covariance_of(solution).effective
+    problem, shares = identified.problem, identified.covariance.effective
+    split = problem.by_signal(identified.solution.residual)
     spent = problem.size / max(len(problem.signals), 1)
     found = {}
     for j, signal in enumerate(problem.signals):
         series = [trial[j] for trial in split]
         samples = sum(s.size for s in series)
         times = [autocorrelation_time(s) for s in series]
-        seconds = [t * float(np.median(s.intervals[:-1])) for t, s in zip(times, problem.sailed)]
-        tests = [_ljung_box(s) for s in series]
-        statistic, degrees = sum(q for q, _ in tests), sum(h for _, h in tests)
+        seconds = [t * float(np.median(data.intervals[:-1])) for t, data in zip(times, problem.trials)]
+        test = sum((ljung_box(s, min(_LAGS, s.size // 5)) for s in series), LjungBox(0.0, 0))
         together = np.concatenate(series)
         with np.errstate(over="ignore"):
             chi_square = float(together @ together / max(samples - spent, 1.0))
@@ -90,21 +86,9 @@ def residuals_of(solution: Solution) -> dict[str, Residuals]:
             float(sum(s.size * shares[i, j] for i, s in enumerate(series))),
             float(np.mean(times)),
             float(np.mean(seconds)),
-            float(statistic),
-            degrees,
-            float(chdtrc(degrees, statistic)) if degrees and np.isfinite(statistic) else 0.0,
+            test.statistic,
+            test.degrees,
+            test.p_value,
             chi_square,
         )
     return found
-
-
-def _ljung_box(series: np.ndarray) -> tuple[float, int]:
-    """Ljung and Box's statistic of one series, and the number of its lags."""
-    count = series.size
-    lags = min(_LAGS, count // 5)
-    centred = series - series.mean()
-    power = float(centred @ centred)
-    if lags < 1 or not 0 < power < np.inf:
-        return 0.0, 0
-    correlation = np.array([centred[k:] @ centred[: count - k] for k in range(1, lags + 1)]) / power
-    return float(count * (count + 2) * np.sum(correlation**2 / (count - np.arange(1, lags + 1)))), lags

@@ -1,4 +1,4 @@
-"""A zig-zag sailed again by its own helmsman: the rudder is reversed when the model, not the ship, reaches the heading.
+"""A zig-zag repeated by its own helmsman: the rudder is reversed when the model, not the ship, reaches the heading.
 
 With the recorded rudder (open loop) a model that turns a little too fast swings on until the recorded reversal, and every
 swing adds to the error. In closed loop each swing is its own, as on another day with the same orders. Up to the first
@@ -11,12 +11,12 @@ from __future__ import annotations
 import functools
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.compiling import compile_function
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
@@ -35,7 +35,7 @@ _NEVER = 1e9
 
 @dataclass(frozen=True, eq=False)
 class Helmsman:
-    """What a record shows of who steered a zig-zag; SI.
+    """The helmsman of a recorded zig-zag: angles held, headings of reversal, rudder rate; SI.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Helmsman:
 
 
 def helmsman_of(trial: Trial, measured: ZigZag) -> Helmsman | None:
-    """Return who steered a zig-zag, or None where the rudder itself was not recorded.
+    """Return the helmsman of a zig-zag, or None where the rudder itself was not recorded.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> Helmsman | None:
 
 @dataclass(frozen=True, eq=False)
 class ZigzagSimulator:
-    """A model under such a helmsman, prepared for one record; call it with unknowns.
+    """A model under such a helmsman, prepared for one record.
 
     Attributes
     ----------
@@ -114,12 +114,16 @@ class ZigzagSimulator:
         Who steers.
     t : ndarray, shape (N,)
         The clock of the simulation.
+    controls : ndarray, shape (controls, N)
+        Inputs now and at the next sample, recorded rudder, interval, and whether the helmsman steers.
+    run : CasadiFunction
+        The step over the whole clock.
     """
 
     helmsman: Helmsman
     t: np.ndarray
-    _controls: np.ndarray
-    _run: Any
+    controls: np.ndarray
+    run: CasadiFunction
 
     def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> tuple[float | None, ...]:
         """Return the overshoots in rad, one a reversal; None where one is not reached.
@@ -140,8 +144,8 @@ class ZigzagSimulator:
         angles = np.full(MOST + 1, h.angles[-1])
         angles[: count + 1] = h.angles
         given = np.concatenate([p, bias, limits, angles, [h.rate]])
-        z0 = np.concatenate([x0, [self._controls[-3, 0], 0.0]])
-        psi, reversals = self._run(z0, self._controls, given)[1].full()
+        z0 = np.concatenate([x0, [self.controls[-3, 0], 0.0]])
+        psi, reversals = self.run(z0, self.controls, given)[1].full()
         if not np.isfinite(psi).all():
             return (None,) * count
         done = int(reversals.max())
@@ -187,7 +191,7 @@ def zigzag_simulator(
     return ZigzagSimulator(helmsman, clock, controls, _over_record(run, clock.size, _steered(model)))
 
 
-def _over_record(run: Any, count: int, step: Any) -> Any:
+def _over_record(run: CasadiFunction, count: int, step: CasadiFunction) -> CasadiFunction:
     z0, controls, given = (
         ca.MX.sym("z0", step.size1_in(0)),
         ca.MX.sym("c", step.size1_in(1), count),
@@ -197,7 +201,7 @@ def _over_record(run: Any, count: int, step: Any) -> Any:
 
 
 @functools.lru_cache(maxsize=32)
-def _steered(model: Model) -> Any:
+def _steered(model: Model) -> CasadiFunction:
     """One step of ship, rudder and helmsman: ``(z, controls, given) -> (z_next, heading and reversals)``."""
     system = generate(model)
     step = make_step(system, hold="linear")

@@ -9,111 +9,142 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
+import pandas as pd
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.identification.fit import Comparison, Fit
-from shipid.identification.problem.output_error import Prior, Problem, make_problem
-from shipid.identification.problem.prior import prior_of
-from shipid.identification.problem.scale import unit_time_of
-from shipid.identification.problem.trial_data import Sailed, prepare
-from shipid.identification.search.least_squares import Box, minimise
-from shipid.trials.errors import TrialError
+from shipid.identification.identified import Identified
+from shipid.identification.problem.box import EMPTY
+from shipid.identification.problem.output_error import Problem, make_problem
+from shipid.identification.problem.prior import Prior, prior_of
+from shipid.identification.problem.ship_scale import scale_of
+from shipid.identification.problem.signals import SHOWN
+from shipid.identification.problem.trial_data import prepare
+from shipid.identification.search.least_squares import minimise
+from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
 from shipid.trials.fitness import check_regular
-from shipid.trials.measuring.measure import measure
-from shipid.trials.measuring.measures import ZigZag
+from shipid.trials.measuring.measures import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 
 #: The first seconds of a trial, in ship lengths' time L/U: what an initial state may be taken from.
 WARM_UP = 0.25
-_EMPTY = Box(np.zeros(0), np.zeros(0), np.zeros(0))
+_NONE = np.zeros(0)
 
 
-def predictions(fit: Fit, trials: Sequence[Trial]) -> tuple[tuple[Comparison, ...], dict[str, Any]]:
-    """Return trials that were not fitted beside their predictions, and where they came from (see `Fit.validate`).
+def fitted_comparisons(problem: Problem, q: np.ndarray, length: float | None) -> tuple[Comparison, ...]:
+    """Return the trials of a problem beside what the model makes of them.
 
     Parameters
     ----------
-    fit : Fit
-        The identified model.
+    problem : Problem
+        The problem.
+    q : ndarray, shape (unknowns,)
+        Its unknowns.
+    length : float or None
+        Length of the ship in m, where it is known.
+    """
+    return tuple(
+        compare(problem, q, i, measures_of(data.trial, length), length) for i, data in enumerate(problem.trials)
+    )
+
+
+def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Comparison, ...]:
+    """Return trials that were not fitted beside their predictions.
+
+    Parameters
+    ----------
+    identified : Identified
+        What was identified.
     trials : sequence of Trial
         What it is to predict.
+
+    Raises
+    ------
+    ClockGapError
+        If the clock of a trial has a gap.
     """
     for trial in trials:
         check_regular(trial)
-    records = {t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}
-    return tuple(_predict(fit, t) for t in trials), records
+    return tuple(_predict(identified, t) for t in trials)
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
-    """Return how many samples make the first seconds: a quarter of L/U, at least ten samples."""
+    """Return how many samples make the first seconds: a quarter of L/U, at least ten samples.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    unit_time : float
+        L/U in s.
+    """
     return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
 
 
-def _problem_of(fit: Fit, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], first: int) -> Problem:
+def _problem_of(
+    identified: Identified, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], first: int
+) -> Problem:
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
-    known: Problem = fit._problem
-    sailed = prepare(known.model, trial, known.signals, fit.ship.particular("speed", "m/s"), first)
-    values = {**known.fixed, **dict(zip(known.estimated, fit._solution.q))}
-    return make_problem(known.model, [sailed], known.signals, (), values, known.sigma, biases, offset)
+    known = identified.problem
+    data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), first)
+    return make_problem(known.model, [data], known.signals, (), identified.values, known.sigma, biases, offset)
 
 
-def mean_biases(fit: Fit) -> dict[str, float]:
-    """Return the mean biases of the fitted trials, SI, by input; the cruising speed is each trial's own."""
-    names = [n for n in fit._problem.biases if n != "cruise"]
-    return {n: float(np.mean([c.biases.get(n, 0.0) for c in fit.fitted])) for n in names}
+def mean_biases(identified: Identified) -> dict[str, float]:
+    """Return the mean biases of the fitted trials, SI, by input; the speed before the manoeuvre is each trial's own.
+
+    Parameters
+    ----------
+    identified : Identified
+        What was identified.
+    """
+    problem, q = identified.problem, identified.solution.q
+    each = [problem.named_biases(q, i) for i in range(len(problem.trials))]
+    return {n: float(np.mean([b.get(n, 0.0) for b in each])) for n in problem.biases if n != "cruise"}
 
 
-def _predict(fit: Fit, trial: Trial) -> Comparison:
-    biases, unit_time = fit._problem.biases, unit_time_of(fit.ship, [trial])
-    count = warm_up_samples(trial, unit_time)
-    ahead = _problem_of(fit, trial, (), mean_biases(fit), count)
+def _predict(identified: Identified, trial: Trial) -> Comparison:
+    biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
+    length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
+    measures = measures_of(trial, length)
+    ahead = _problem_of(identified, trial, (), mean_biases(identified), count)
     # What the first seconds do not show of the state stays near its first guess.
-    belief = prior_of(ahead.model, ahead.initial, (), ahead.sailed[0], unit_time)
-    head = replace(ahead, sailed=(ahead.sailed[0].head(count),), prior=belief)
-    start = minimise(head, head.first_guess(np.zeros(0)), _EMPTY, most=50).q
-    predicted = compare(ahead, start, 0)
+    prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
+    head = replace(ahead, trials=(ahead.trials[0].head(count),), prior=prior)
+    start = minimise(head, head.first_guess(_NONE), EMPTY, most=50).q
+    predicted = compare(ahead, start, 0, measures, length)
     if "delta" not in biases:
         return predicted
-    free = _problem_of(fit, trial, biases, {}, count)
-    q0 = free.first_guess(np.zeros(0))
+    free = _problem_of(identified, trial, biases, {}, count)
+    q0 = free.first_guess(_NONE)
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
-    again = compare(free, minimise(free, q0, _EMPTY, most=50).q, 0)
-    warm = _warmed_up(free, q0, prior_of(free.model, free.initial, biases, free.sailed[0], unit_time))
-    return replace(predicted, refitted=again.rmse, refitted_bias=again.bias, warm=warm)
+    again = minimise(free, q0, EMPTY, most=50).q
+    warm = _warmed_up(free, q0, prior_of(free.model, free.initial, biases, free.trials[0], unit_time), measures)
+    return replace(
+        predicted,
+        refitted=_errors(free, free.run(again, 0)[0]),
+        refitted_bias=free.named_biases(again, 0).get("delta", 0.0),
+        warm=warm,
+    )
 
 
-def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior) -> dict[str, float]:
+def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior, measures: TrialMeasures) -> dict[str, float]:
     """Errors after the first reversal of the rudder, with bias and initial state from the record before it."""
-    sailed = free.sailed[0]
-    reversal = _first_reversal(sailed.trial)
-    count = int(np.searchsorted(sailed.trial["t"], reversal)) if reversal is not None else 0
-    if count < 10 or count > sailed.intervals.size - 10:
+    data, zigzag = free.trials[0], measures.zigzag
+    reversal = zigzag.executes[0] if zigzag is not None and zigzag.executes else None
+    count = int(np.searchsorted(data.trial["t"], reversal)) if reversal is not None else 0
+    if count < 10 or count > data.intervals.size - 10:
         return {}
-    before = replace(free, sailed=(sailed.head(count),), prior=prior)
-    q = minimise(before, q0, _EMPTY, most=50).q
-    y, _ = free.run(q, 0)
-    rest = slice(count, None)
-    return {s: _rms(y[j, rest] - sailed.measured[j, rest]) for j, s in enumerate(free.signals)}
+    before = replace(free, trials=(data.head(count),), prior=prior)
+    q = minimise(before, q0, EMPTY, most=50).q
+    return _errors(free, free.run(q, 0)[0], count)
 
 
-def _first_reversal(trial: Trial) -> float | None:
-    measured = _zigzag(trial)
-    return measured.executes[0] if measured is not None and measured.executes else None
-
-
-def _x0(problem: Problem, q: np.ndarray, sailed: Sailed) -> np.ndarray:
-    x0 = sailed.x0.copy()
-    states = problem.record.system.states
-    for name, value in zip(problem.initial, q):
-        x0[states.index(name)] = value
-    return x0
-
-
-def compare(problem: Problem, q: np.ndarray, index: int) -> Comparison:
+def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures, length: float | None) -> Comparison:
     """Return one trial of a problem beside its prediction.
 
     Parameters
@@ -124,65 +155,58 @@ def compare(problem: Problem, q: np.ndarray, index: int) -> Comparison:
         Its unknowns.
     index : int
         Which trial.
+    measures : TrialMeasures
+        The manoeuvre of the trial, measured.
+    length : float or None
+        Length of the ship in m, where it is known.
+
+    Returns
+    -------
+    Comparison
     """
-    sailed = problem.sailed[index]
-    trial = sailed.trial
-    own = q[problem.own(index)]
-    predicted = _signals(problem, q, sailed, own)
-    measured = dict(zip(problem.signals, sailed.measured))
-    errors = {s: _rms(predicted[s] - m) for s, m in measured.items()}
-    overshoots, foreseen = _overshoots(trial, predicted.get("psi"))
+    trial = problem.trials[index].trial
+    shown = tuple(dict.fromkeys((*problem.signals, *(n for n in SHOWN if n in problem.model))))
+    y, _ = problem.run(q, index, make_record(problem.model, shown))
+    predicted = dict(zip(shown, y))
+    overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))
     return Comparison(
         trial,
         predicted,
-        errors,
-        biases=problem.named_biases(own),
+        _errors(problem, y[: len(problem.signals)], index=index),
+        measures,
+        biases=problem.named_biases(q, index),
         overshoots=overshoots,
         predicted_overshoots=foreseen,
-        initial=dict(zip(problem.initial, own.tolist())),
+        predicted_circle=_predicted_circle(trial, measures, predicted, length),
+        initial=dict(zip(problem.initial, q[problem.own(index)].tolist())),
     )
 
 
-def _signals(problem: Problem, q: np.ndarray, sailed: Sailed, own: np.ndarray) -> dict[str, np.ndarray]:
-    shown = tuple(n for n in ("psi", "r", "u", "v", "x", "y") if n in problem.model)
-    shown = tuple(dict.fromkeys((*problem.signals, *shown)))
-    record = make_record(problem.model, shown)
-    values: Mapping[str, float] = {**problem.fixed, **dict(zip(problem.estimated, q))}
-    x0 = _x0(problem, own, sailed)
-    y, _ = record(
-        x0,
-        sailed.inputs,
-        sailed.intervals,
-        record.system.vector(record.system.coefficients, values),
-        problem.bias_vector(own),
-    )
-    return dict(zip(shown, y))
-
-
-def _rms(error: np.ndarray) -> float:
+def _errors(problem: Problem, y: np.ndarray, first: int = 0, index: int = 0) -> dict[str, float]:
+    """Root-mean-square errors of the fitted signals from a sample on, SI; infinite where the model runs away."""
     with np.errstate(over="ignore", invalid="ignore"):
-        value = float(np.sqrt(np.mean(error**2)))
-    return value if np.isfinite(value) else float("inf")
+        errors = np.sqrt(np.mean((y - problem.trials[index].measured)[:, first:] ** 2, axis=1))
+    return {s: float(e) if np.isfinite(e) else float("inf") for s, e in zip(problem.signals, errors)}
 
 
-def _overshoots(trial: Trial, psi: np.ndarray | None) -> tuple[tuple[float, ...], tuple[float | None, ...]]:
+def _overshoots(
+    trial: Trial, measures: TrialMeasures, psi: np.ndarray | None
+) -> tuple[tuple[float, ...], tuple[float | None, ...]]:
     """Overshoots measured, and of the predicted heading at the same executes; empty where it is no zig-zag."""
-    if psi is None or not trial.has("psi") or not np.isfinite(psi).all():
+    zigzag = measures.zigzag
+    if zigzag is None or psi is None or not np.isfinite(psi).all():
         return (), ()
-    measured = _zigzag(trial)
-    if measured is None:
-        return (), ()
-    executes = tuple(e for e in measured.executes or () if e is not None)
-    side = 1 if measured.first_side == "starboard" else -1
-    kept = tuple(o for o in measured.overshoots or () if o is not None)
+    executes = tuple(e for e in zigzag.executes or () if e is not None)
+    side = 1 if zigzag.first_side == "starboard" else -1
+    kept = tuple(o for o in zigzag.overshoots or () if o is not None)
     return kept, overshoots_of(trial["t"], psi, executes, side=side)[: len(kept)]
 
 
-def _zigzag(trial: Trial) -> ZigZag | None:
-    """The trial measured as a zig-zag, or None where it is none."""
-    try:
-        measured = measure(trial, kind="zig-zag")
-    except TrialError:
+def _predicted_circle(
+    trial: Trial, measures: TrialMeasures, predicted: Mapping[str, np.ndarray], length: float | None
+) -> TurningCircle | None:
+    if measures.circle is None or not all(np.isfinite(row).all() for row in predicted.values()):
         return None
-    assert isinstance(measured, ZigZag)
-    return measured
+    kept = {n: trial[n] for n in ("t", "delta", "delta_order") if trial.has(n)}
+    table = pd.DataFrame({**kept, **{n: row for n, row in predicted.items() if n in FIELDS}})
+    return measured_circle(Trial(trial.name, table), f"{length!r} m" if length else None)

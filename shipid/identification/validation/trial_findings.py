@@ -1,19 +1,20 @@
-"""What the trials' doctor says of the trials of a fit: for the reader to judge. Nothing is repaired here."""
+"""Findings of the trials' doctor on the trials of a fit, for the reader to judge. Nothing is repaired here."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Literal
 
+from shipid.foundation.aliases import Plain
+from shipid.identification.validation.comparison import Comparison
+from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import SURE, Finding
 
-if TYPE_CHECKING:
-    from shipid.identification.fit import Fit
-
 
 @dataclass(frozen=True)
-class Checked:
+class TrialFinding:
     """One finding on a trial of a fit.
 
     Attributes
@@ -23,14 +24,14 @@ class Checked:
     role : {"fitted", "validation"}
         What the fit did with it.
     finding : Finding
-        What the doctor said.
+        The finding.
     """
 
     trial: str
-    role: str
+    role: Literal["fitted", "validation"]
     finding: Finding
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {"trial": self.trial, "role": self.role, **self.finding.to_dict()}
 
@@ -40,17 +41,25 @@ class Checked:
         return f"{self.trial}: {f.kind} ({f.channel}, {f.confidence:.0%}, {span}): {f.message}"
 
 
-def findings_of(fit: Fit) -> tuple[Checked, ...]:
+def findings_of(
+    ship: ParameterSet, fitted: Sequence[Comparison], validation: Sequence[Comparison]
+) -> tuple[TrialFinding, ...]:
     """Return what the doctor is sure of in the trials of a fit, what spoils an identification first.
 
     Parameters
     ----------
-    fit : Fit
-        The fit.
+    ship : ParameterSet
+        The ship, for its length and speed.
+    fitted, validation : sequence of Comparison
+        The trials that were fitted, and those that were predicted.
     """
     found = []
-    for role, group in (("fitted", fit.fitted), ("validation", fit.validation)):
-        for c in group:
-            diagnosis = check_trial(c.trial, fit.ship)
-            found += [Checked(c.trial.name, role, f) for f in diagnosis.findings if f.confidence >= SURE]
-    return tuple(sorted(found, key=lambda c: (not c.finding.spoils, c.role != "fitted")))
+    roles: tuple[tuple[Literal["fitted", "validation"], Sequence[Comparison]], ...] = (
+        ("fitted", fitted),
+        ("validation", validation),
+    )
+    for role, comparisons in roles:
+        for c in comparisons:
+            diagnosis = check_trial(c.trial, ship)
+            found += [TrialFinding(c.trial.name, role, f) for f in diagnosis.findings if f.confidence >= SURE]
+    return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))

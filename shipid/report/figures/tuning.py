@@ -7,28 +7,26 @@ from collections.abc import Mapping
 import numpy as np
 from markupsafe import Markup
 
+from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
-from shipid.autopilot.judgement.judge import SAMPLE_CHANGE, histories
-from shipid.autopilot.judgement.judgement import LIMITS, Judgement
-from shipid.autopilot.judgement.margins import loop_polynomials
+from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, SHOWN_CHANGES, Judgement
+from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
+from shipid.declaration.vocabulary import to_display
 from shipid.report.figures.charts import Axes, Line, chart, nyquist
 
-#: Course changes shown against time.
-_SHOWN = (10.0, 60.0, 120.0)
 #: Unit of a gain in a figure, whose numbers have two decimals, and the factor to it.
 _GAIN_UNITS = {"Kp": ("", 1.0), "Kd": ("s", 1.0), "Ki": ("1/1000 s", 1000.0)}
 
 
-def tuning_figures(judged: Judgement) -> dict[str, Markup]:
-    """Return the figures of one tuning by name.
+def design_figures(pilot: Autopilot) -> dict[str, Markup]:
+    """Return the figures of a design by name.
 
     Parameters
     ----------
-    judged : Judgement
-        The design and its judgement.
+    pilot : Autopilot
+        The design.
     """
-    pilot = judged.pilot
     several = len(pilot.ships) > 1
     panels = [
         Axes(
@@ -41,17 +39,29 @@ def tuning_figures(judged: Judgement) -> dict[str, Markup]:
         )
         for n, table in pilot.schedule.gains.items()
     ]
-    found = {"schedule": chart(panels, "speed [m/s]", "schedule", "Gains against speed")}
+    return {"schedule": chart(panels, "speed [m/s]", "schedule", "Gains against speed")}
+
+
+def tuning_figures(judged: Judgement) -> dict[str, Markup]:
+    """Return the figures of a judged design by name.
+
+    Parameters
+    ----------
+    judged : Judgement
+        The design and its judgement.
+    """
+    found = design_figures(judged.pilot)
     found["margins"] = chart(_margin_axes(judged), "speed [m/s]", "margins", "Margins against speed, with their limits")
     found["nyquist"] = nyquist(_nyquist_lines(judged), LIMITS["disk margin"], "nyquist", "Nyquist curves of the loop")
     found["steps"] = chart(
         _step_axes([judged], [""]), "time [s]", "steps", "Course changes at the ship's own speed: heading and rudder"
     )
-    cloud = judged.cloud
-    if len(cloud["t"]) > 1:
-        found["cloud"] = chart(
-            _cloud_axes(cloud), "time [s]", "cloud", "Course changes of ships drawn from the uncertainty"
-        )
+    if len(judged.drawn_histories["t"]) > 1:
+        axes = _drawn_axes(judged.drawn_histories)
+        found["drawn"] = chart(axes, "time [s]", "drawn", "Course changes of ships drawn from the uncertainty")
+    if judged.on_board is not None:
+        axes = _on_board_axes(judged.on_board)
+        found["on_board"] = chart(axes, "time [s]", "on_board", "On board, in weather: heading and rudder")
     return found
 
 
@@ -81,38 +91,29 @@ def _margin_axes(judged: Judgement) -> list[Axes]:
 
 
 def _nyquist_lines(judged: Judgement) -> list[Line]:
-    pilot = judged.pilot
-    places = sorted({0, int(np.abs(pilot.speeds - pilot.service_speed).argmin()), len(pilot.speeds) - 1})
-    lines = []
-    for k, i in enumerate(places):
-        speed = float(pilot.speeds[i])
-        plant = pilot.plants(np.array([speed]), steered=True).at(0)
-        numerator, denominator = loop_polynomials(plant, pilot.gains(speed))
-        s = 1j * pilot.pace(speed) * np.geomspace(0.05, 500, 600)
-        loop = np.polyval(numerator, s) / np.polyval(denominator, s)
-        lines.append(Line(f"{speed:.3g} m/s", loop.real, loop.imag, "line", k))
-    return lines
+    return [
+        Line(f"{loop.speed:.3g} m/s", loop.response.real, loop.response.imag, "line", k)
+        for k, loop in enumerate(judged.responses)
+    ]
 
 
 def _step_axes(judged: list[Judgement], names: list[str]) -> list[Axes]:
     heading: list[Line] = []
     rudder: list[Line] = []
     for k, (one, name) in enumerate(zip(judged, names)):
-        pilot = one.pilot
-        speed = float(np.clip(pilot.service_speed, pilot.speeds[0], pilot.speeds[-1]))
-        shown = histories(pilot, [speed] * len(_SHOWN), [float(np.deg2rad(c)) for c in _SHOWN])
-        last = _until(shown, np.deg2rad(_SHOWN))
-        for i, change in enumerate(_SHOWN):
+        shown = one.histories
+        last = _until(shown, np.deg2rad(SHOWN_CHANGES))
+        for i, change in enumerate(SHOWN_CHANGES):
             t, psi, delta = (shown[n][i] for n in ("t", "psi", "delta"))
             kept = np.isfinite(psi) & (t <= last)
             colour, label = (k, name if i == 0 else "") if name else (i, f"{change:.0f} deg")
             look = "line" if k == 0 else "dashed"
-            heading.append(Line(label, t[kept], np.rad2deg(psi[kept]), look, colour))
-            rudder.append(Line("", t[kept], np.rad2deg(delta[kept]), look, colour))
+            heading.append(Line(label, t[kept], to_display(psi[kept], "psi"), look, colour))
+            rudder.append(Line("", t[kept], to_display(delta[kept], "delta"), look, colour))
     return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
 
 
-def _until(shown: dict[str, np.ndarray], changes: np.ndarray) -> float:
+def _until(shown: Mapping[str, np.ndarray], changes: np.ndarray) -> float:
     """Until when a course change is worth showing: half as long again as the slowest takes."""
     last = 0.0
     for t, psi, change in zip(shown["t"], shown["psi"], changes):
@@ -121,15 +122,29 @@ def _until(shown: dict[str, np.ndarray], changes: np.ndarray) -> float:
     return min(1.4 * last, float(shown["t"].max()))
 
 
-def _cloud_axes(cloud: Mapping[str, np.ndarray]) -> list[Axes]:
+def _drawn_axes(drawn: Mapping[str, np.ndarray]) -> list[Axes]:
     heading, rudder = [], []
-    last = _until(dict(cloud), np.full(len(cloud["t"]), np.deg2rad(SAMPLE_CHANGE)))
-    for k in (*range(1, len(cloud["t"])), 0):
-        kept = np.isfinite(cloud["psi"][k]) & (cloud["t"][k] <= last)
+    last = _until(drawn, np.full(len(drawn["t"]), np.deg2rad(SAMPLE_CHANGE)))
+    for k in (*range(1, len(drawn["t"])), 0):
+        kept = np.isfinite(drawn["psi"][k]) & (drawn["t"][k] <= last)
         look, label = ("line", "as designed") if k == 0 else ("faint", "draws" if k == 1 else "")
-        t = cloud["t"][k][kept]
-        heading.append(Line(label, t, np.rad2deg(cloud["psi"][k][kept]), look))
-        rudder.append(Line("", t, np.rad2deg(cloud["delta"][k][kept]), look))
+        t = drawn["t"][k][kept]
+        heading.append(Line(label, t, to_display(drawn["psi"][k][kept], "psi"), look))
+        rudder.append(Line("", t, to_display(drawn["delta"][k][kept], "delta"), look))
+    return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
+
+
+def _on_board_axes(found: OnBoardRuns) -> list[Axes]:
+    """Heading and rudder of the voyages in weather: by the instruments faint, by the filter in front."""
+    heading, rudder = [], []
+    for run in found.runs:
+        if run.weather == "calm":
+            continue
+        look = "faint" if run.feedback == "instruments" else "line"
+        t, psi, delta = (run.histories[n] for n in ("t", "psi", "delta"))
+        kept = np.isfinite(psi)
+        heading.append(Line(f"by the {run.feedback}", t[kept], to_display(psi[kept], "psi"), look))
+        rudder.append(Line("", t[kept], to_display(delta[kept], "delta"), look))
     return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
 
 

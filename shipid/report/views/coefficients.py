@@ -7,7 +7,8 @@ from markupsafe import Markup
 
 from shipid.declaration.units import pretty
 from shipid.foundation.numbers import fixed, given, interval, number, uncertain
-from shipid.identification.fit import Estimate, Fit
+from shipid.identification.fit import Fit
+from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.page import Row, Section
 from shipid.report.typography.prose import prose
@@ -49,13 +50,14 @@ def correlation_section(fit: Fit) -> Section:
             for i, n in enumerate(names)
         ],
         "undetermined": [{"named": named(fit.model, n), "why": fit.parameters[n].why} for n in fit.unidentifiable],
+        "assessed": fit.assessment is not None,
         "directions": [
             {
                 "names": ", ".join(d.parameters),
                 "spread": "open" if d.relative_std is None else f"±{100 * d.relative_std:.2g} %",
                 "words": d.words,
             }
-            for d in fit.directions
+            for d in (fit.assessment.directions if fit.assessment else ())
         ],
     }
     return Section("Correlation, and what is not determined", "fit/correlation.html", view, short="Correlation")

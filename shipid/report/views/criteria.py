@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.criteria.criteria import Criteria, Side
+from shipid.criteria.criteria import Criteria, CriterionSide
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.numbers import fixed, number
 from shipid.report.page import Row, Section
@@ -46,11 +46,11 @@ def _section(view: Row) -> Section:
     return Section("Manoeuvring criteria", "fit/criteria.html", view)
 
 
-def _value(side: Side) -> str:
+def _value(side: CriterionSide) -> str:
     return side.words.partition(":")[0] if side.value is None else fixed(side.value, 2)
 
 
-def _band_of(side: Side) -> str:
+def _band_of(side: CriterionSide) -> str:
     return "" if side.value is None else _band(side.band95) or side.words
 
 

@@ -9,6 +9,7 @@ from markupsafe import Markup
 from scipy.special import chdtri
 
 from shipid.declaration.units import pretty
+from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.numbers import fixed, uncertain
 from shipid.report.figures.trials import Curve, Panel, histories
@@ -21,38 +22,41 @@ from shipid.report.views.words import versions_now
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
+_NOT_ASKED = "Whether the sensors show every state was not worked out; ask ExtendedKalmanFilter.observability."
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[FilterRun], Section | None]] = [
-    lambda run: parameters_section(run, run.filter.base),
+    lambda run: parameters_section(run, run.design.base),
     lambda run: _signals(run),
     lambda run: _innovations(run),
     lambda run: _noise(run),
-    lambda run: equations_section(run.filter.base),
+    lambda run: equations_section(run.design.base),
 ]
 
 
-def filter_page(run: FilterRun) -> Page:
+def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
     """Return what the page says of a filtered record.
 
     Parameters
     ----------
     run : FilterRun
         The run.
+    seen : Observability, optional
+        What the record shows of the state, where that was worked out.
     """
     return Page(
-        f"{run.filter.base.name} on {run.record}",
+        f"{run.design.base.name} on {run.record}",
         [("", _answer(run))],
         [s for section in SECTIONS if (s := section(run)) is not None],
-        run.observability().messages,
-        _cautions(run),
+        () if seen is None else seen.messages,
+        _cautions(run) if seen is not None else [*_cautions(run), _NOT_ASKED],
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
 
 
 def _answer(run: FilterRun) -> list[str]:
-    kind = "Kalman filter" if run.filter.linear else "extended Kalman filter"
-    said = [f"The {kind} of model {run.filter.base.name} went through {run.t.size} samples of {run.record}."]
+    kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
+    said = [f"The {kind} of model {run.design.base.name} went through {run.t.size} samples of {run.record}."]
     return said + [f"{n} ended at {uncertain(p.value, p.std)} {pretty(p.unit)}." for n, p in run.parameters.items()]
 
 
@@ -84,22 +88,22 @@ def _cautions(run: FilterRun) -> list[str]:
 
 def _signals(run: FilterRun) -> Section:
     rows = []
-    for name in (n for n in run.states if n not in run.filter.parameters.values()):
-        how = shown(run.filter.model, name)
+    for name in (n for n in run.states if n not in run.design.parameters.values()):
+        how = shown(run.design.model, name)
         value = uncertain(float(run[name][-1]) * how.factor, float(run.std_of(name)[-1]) * how.factor)
         rows.append(
-            {"name": name, "value": value, "unit": how.unit, "meaning": run.filter.model[name].quantity.meaning}
+            {"name": name, "value": value, "unit": how.unit, "meaning": run.design.model[name].quantity.meaning}
         )
     return Section("Filtered signals", "filter/signals.html", {"states": rows, "figure": _signal_figure(run)})
 
 
 def _signal_figure(run: FilterRun) -> Markup | None:
     panels, arranged = [], run.arranged
-    for j, name in enumerate(run.filter.measured):
-        measures = run.filter.model[name].quantity.measures or name
+    for j, name in enumerate(run.design.measured):
+        measures = run.design.model[name].quantity.measures or name
         if measures not in run.states:
             continue
-        how, there = shown(run.filter.model, measures), arranged.there[:, j]
+        how, there = shown(run.design.model, measures), arranged.there[:, j]
         curves = [
             Curve("measured", arranged.t[there], arranged.z[there, j] * how.factor),
             Curve("estimate", run.t, run[measures] * how.factor),
@@ -111,7 +115,7 @@ def _signal_figure(run: FilterRun) -> Markup | None:
 def _innovations(run: FilterRun) -> Section:
     rows, panels = [], []
     for name, i in run.innovations.items():
-        how = shown(run.filter.model, name)
+        how = shown(run.design.model, name)
         rows.append(
             innovation_row(
                 how,
@@ -140,21 +144,20 @@ def _consistency_figure(run: FilterRun) -> Markup | None:
         mean, t = (sums[width:] - sums[:-width]) / width, i.t[i.taken][width - 1 :]
         curves = [Curve("estimate", t, mean)]
         curves += [Curve("95 % bounds", t, np.full(t.size, chdtri(width, p) / width)) for p in (0.975, 0.025)]
-        label = shown(run.filter.model, name).label.lower()
+        label = shown(run.design.model, name).label.lower()
         panels.append(Panel(f"NIS, {label}, mean of {width} samples", "1", curves))
     return histories(panels, "nis", "Normalised innovations squared") if panels else None
 
 
 def _noise(run: FilterRun) -> Section:
-    kalman = run.filter
-    levels = kalman.constants[kalman.layout.constants["r"]]
+    design = run.design
     sensors: list[Row] = []
-    for name, level in zip(kalman.measured, levels):
-        how = shown(kalman.model, name)
+    for name, level in zip(design.measured, design.r):
+        how = shown(design.model, name)
         sensors.append({"name": name, "level": how.number(level), "unit": how.unit})
     sources: list[Row] = []
-    for source in kalman.sources:
-        how = shown(kalman.model, source.name)
+    for source in design.sources:
+        how = shown(design.model, source.name)
         root = "" if not source.density else "/√s" if source.place == "state" else "·√s"
         sources.append(
             {

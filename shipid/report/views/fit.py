@@ -9,7 +9,8 @@ import numpy as np
 
 from shipid.criteria.criteria import Criteria
 from shipid.foundation.numbers import number
-from shipid.identification.fit import Comparison, Fit
+from shipid.identification.fit import Fit
+from shipid.identification.validation.comparison import Comparison
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.coefficients import coefficients_section, correlation_section, sign_is_open
@@ -23,6 +24,10 @@ from shipid.trials.trial import Trial
 
 #: A validation trial that goes this much beyond the fitted ones is an extrapolation.
 _BEYOND = 1.1
+_NOT_ASSESSED = (
+    "The fit was not assessed: residuals, weakly determined directions, prediction bands and the check of the trials are those "
+    "of shipid.assess, which was not asked for."
+)
 
 
 def provenance_section(fit: Fit) -> Section:
@@ -132,7 +137,7 @@ def _warnings(fit: Fit) -> list[str]:
 
 
 def _cautions(fit: Fit) -> list[str]:
-    """Where a validation trial leaves the range of the fitted ones."""
+    """Where a validation trial leaves the range of the fitted ones, and what was not asked for."""
     beyond: dict[str, list[str]] = {}
     for name in ("delta", "r"):
         largest = max((float(np.abs(c.trial[name]).max()) for c in fit.fitted if c.trial.has(name)), default=np.inf)
@@ -143,10 +148,11 @@ def _cautions(fit: Fit) -> list[str]:
                 beyond.setdefault(c.trial.name, []).append(
                     f"{how.label.lower()} up to {how.number(size)} {how.unit} (fitted up to {how.number(largest)} {how.unit})"
                 )
-    return [
+    found = [
         f"{trial} goes beyond the fitted trials: {listed(words)}. Its prediction is an extrapolation."
         for trial, words in beyond.items()
     ]
+    return found if fit.assessment is not None else [*found, _NOT_ASSESSED]
 
 
 def _file(trial: Trial, role: str) -> Row:

@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
-from shipid.estimation.records.run import ParameterEstimate
+from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import interval, uncertain
 from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel, histories
@@ -24,7 +24,7 @@ class Estimating(Protocol):
         """Times in s."""
 
     @property
-    def parameters(self) -> dict[str, ParameterEstimate]:
+    def parameters(self) -> dict[str, Estimate]:
         """The last estimates by name."""
 
     def __getitem__(self, name: str) -> np.ndarray:
@@ -58,12 +58,12 @@ def parameters_section(run: Estimating, model: Model) -> Section | None:
     return Section("Parameters", "filter/parameters.html", {"rows": rows, "figure": figure})
 
 
-def _row(p: ParameterEstimate, model: Model) -> Row:
+def _row(p: Estimate, model: Model) -> Row:
     return {
         "named": named(model, p.name),
         "value": uncertain(p.value, p.std),
         "unit": pretty(p.unit),
-        "interval": interval(p.interval, p.std),
-        "determined": p.determined,
+        "interval": interval(p.ci95, p.std),
+        "determined": p.identifiable,
         "meaning": p.meaning,
     }

@@ -18,11 +18,11 @@ from shipid.report.views.words import sentence, versions_now
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[RecursiveIdentification], Section | None]] = [
-    lambda run: parameters_section(run, run.identifier.model),
+    lambda run: parameters_section(run, run.design.model),
     lambda run: _signals(run),
     lambda run: _innovations(run),
     lambda run: _noise(run),
-    lambda run: equations_section(run.identifier.model),
+    lambda run: equations_section(run.design.model),
 ]
 
 
@@ -34,12 +34,12 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     run : RecursiveIdentification
         The run.
     """
-    identifier, white = run.identifier, run.white_p
-    answer = [f"{sentence(identifier.method.line)}; {run.t.size} samples of {run.record}."]
+    design, white = run.design, run.white_p
+    answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
     answer += [f"{n} ended at {uncertain(p.value, p.std)}." for n, p in run.parameters.items()]
     coloured = white is not None and white < COLOURED
     return Page(
-        f"{identifier.model.name} on {run.record}, by {identifier.method.name}",
+        f"{design.model.name} on {run.record}, by {design.method.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
@@ -49,7 +49,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
 
 
 def _signals(run: RecursiveIdentification) -> Section:
-    how = shown(run.identifier.model, run.identifier.output)
+    how = shown(run.design.model, run.design.output)
     measured = run.arranged.z[run.arranged.shown, 0] * how.factor
     there = run.arranged.there[run.arranged.shown, 0]
     curves = [Curve("measured", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
@@ -59,7 +59,7 @@ def _signals(run: RecursiveIdentification) -> Section:
 
 
 def _innovations(run: RecursiveIdentification) -> Section:
-    how, taken = shown(run.identifier.model, run.identifier.output), np.isfinite(run.innovations)
+    how, taken = shown(run.design.model, run.design.output), np.isfinite(run.innovations)
     values, variances = run.innovations[taken], run.innovation_variances[taken]
     nis = "" if run.nis_mean is None else fixed(run.nis_mean, 3)
     row = innovation_row(how, values, run.white_p, samples=str(values.size), rejected="0", nis=nis, band="")
@@ -69,6 +69,6 @@ def _innovations(run: RecursiveIdentification) -> Section:
 
 
 def _noise(run: RecursiveIdentification) -> Section:
-    how = shown(run.identifier.model, run.identifier.output)
-    sensor = {"name": run.identifier.sensor, "level": how.number(run.noise_level), "unit": how.unit}
+    how = shown(run.design.model, run.design.output)
+    sensor = {"name": run.design.sensor, "level": how.number(run.noise_level), "unit": how.unit}
     return Section("Noise levels", "filter/noise.html", {"sensors": [sensor], "sources": []})

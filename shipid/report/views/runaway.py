@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid.identification.fit import Comparison
+from shipid.identification.validation.comparison import Comparison
 from shipid.trials.trial import Trial
 
 #: A prediction this many spans of the measured signal away from it has run away.

@@ -54,7 +54,7 @@ def check_section(fit: Fit) -> Section | None:
     fit : Fit
         The result.
     """
-    if not fit.checked:
+    if fit.assessment is None or fit.assessment.findings is None:
         return None
     rows = [
         {
@@ -64,7 +64,7 @@ def check_section(fit: Fit) -> Section | None:
             "effect": c.finding.effect,
             "repair": c.finding.repair,
         }
-        for c in fit.findings
+        for c in fit.assessment.findings
     ]
     return Section("Check of the trials", "fit/check.html", {"findings": rows}, short="Check")
 
@@ -98,9 +98,10 @@ def posterior_section(fit: Fit) -> Section | None:
 
 
 def _signals(fit: Fit) -> list[Row]:
+    residuals = fit.assessment.residuals if fit.assessment else {}
     rows: list[Row] = []
     for name, level in fit.noise.items():
-        how, found = shown(fit.model, name), fit.residuals.get(name)
+        how, found = shown(fit.model, name), residuals.get(name)
         row: Row = {"label": how.label, "level": how.number(level), "unit": how.unit}
         if found is None:
             rows.append({**row, "effective": "none", "time": "", "p": "", "white": None, "chi": ""})

@@ -7,8 +7,9 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.numbers import fixed, number
-from shipid.identification.fit import Comparison, Fit
-from shipid.identification.validation.bands import Manoeuvre
+from shipid.identification.fit import Fit
+from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.runaway import runaway
@@ -33,7 +34,8 @@ def trials_section(fit: Fit) -> Section:
 
 def _trial(fit: Fit, role: str, comparison: Comparison, key: str) -> Row:
     model, trial = fit.model, comparison.trial
-    manoeuvre, lost = fit.manoeuvres.get(trial.name), runaway(comparison)
+    manoeuvres = fit.assessment.manoeuvres if fit.assessment else None
+    manoeuvre, lost = (manoeuvres or {}).get(trial.name), runaway(comparison)
     speed = "u" in predicted_signals(comparison, model)
     turn_title, turn = turn_rows(comparison, speed, fit.ship.particular("L", "m"), manoeuvre)
     drawn, note = track_of(comparison, key)
@@ -109,7 +111,7 @@ def _bias(comparison: Comparison, model: Model, role: str) -> str:
     return words
 
 
-def _overshoots(comparison: Comparison, manoeuvre: Manoeuvre | None) -> list[Row]:
+def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) -> list[Row]:
     closed = manoeuvre.closed_loop if manoeuvre else ()
     bands = (manoeuvre.band95, manoeuvre.closed_loop_band95) if manoeuvre else ((), ())
     foreseen = comparison.predicted_overshoots

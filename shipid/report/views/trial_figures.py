@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.model import Model
-from shipid.identification.fit import Comparison
+from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
 from shipid.report.typography.quantities import shown
 from shipid.report.views.runaway import good_samples

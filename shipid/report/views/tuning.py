@@ -1,8 +1,8 @@
-"""A judged autopilot as the page shows it: words first, then tables and charts."""
+"""An autopilot as a page: words first, then the design, and the sections of its judgement where it was judged."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from markupsafe import Markup
@@ -10,18 +10,25 @@ from markupsafe import Markup
 import shipid
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
-from shipid.autopilot.judgement.judge import SAMPLE_CHANGE
-from shipid.autopilot.judgement.judgement import LIMITS, CourseChange, Judgement, Weakest
-from shipid.autopilot.judgement.margins import Margins
+from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.numbers import fixed, number
-from shipid.report.figures.tuning import tuning_figures
-from shipid.report.page import Page, Row, Section
+from shipid.report.figures.tuning import design_figures, tuning_figures
+from shipid.report.page import Page, Section
+from shipid.report.views.judgement import (
+    margins_section,
+    on_board_section,
+    points_section,
+    robustness_section,
+    steps_section,
+    weather_section,
+)
 from shipid.report.views.words import sentence
 
 #: Warnings that begin so stand in red: they say that the design may not hold.
-_GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain")
+_GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain",
+          "on board")  # fmt: skip
 _ADVICE = {
     "disk margin": "A lower natural frequency or more trials of this ship raise it.",
     "gain margin": "A lower natural frequency raises it.",
@@ -35,18 +42,14 @@ _DESIGNS = {
     "lqr": "least cost of heading error and rudder",
     "pid": "poles placed, with an integral",
 }
-
-
-#: The sections of the page, in order. A new one is a line here and a template.
-SECTIONS: list[Callable[[Judgement, Mapping[str, Markup]], Section]] = [
-    lambda judged, _: _points(judged),
-    lambda judged, figures: _schedules(judged, figures),
-    lambda judged, figures: _margins(judged, figures),
-    lambda judged, figures: _robustness(judged, figures),
-    lambda judged, figures: _steps(judged, figures),
-    lambda judged, _: _weather(judged),
-    lambda judged, _: _method(judged),
-]
+#: The control law of each mode as the page writes it.
+_LAWS = {
+    "course": "Kp (heading ordered − heading) − Kd rate of turn",
+    "rate": "Kd (rate of turn ordered − rate of turn) + Kp integral of (rate of turn ordered − rate of turn)",
+}
+_INTEGRAL = " + Ki integral of (heading ordered − heading)"
+#: Said instead of a judgement.
+NOT_JUDGED = "The design was not judged: margins, robustness and course changes are those of shipid.judge, which was not asked for."
 
 
 def tuning_page(judged: Judgement) -> Page:
@@ -57,16 +60,49 @@ def tuning_page(judged: Judgement) -> Page:
     judged : Judgement
         The design and its judgement.
     """
-    pilot, figures = judged.pilot, tuning_figures(judged)
-    grave = [w for w in judged.warnings if w.startswith(_GRAVE)]
+    figures = tuning_figures(judged)
+    sections = [
+        points_section(judged),
+        _schedule(judged.pilot, figures),
+        margins_section(judged, figures),
+        robustness_section(judged, figures),
+        steps_section(judged, figures),
+        weather_section(judged),
+        on_board_section(judged, figures),
+        _method(judged.pilot),
+    ]
+    return _page(judged.pilot, answer(judged), judged.warnings, [s for s in sections if s is not None])
+
+
+def design_page(pilot: Autopilot) -> Page:
+    """Return what the page says of an autopilot that was not judged.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    """
+    sections = [_schedule(pilot, design_figures(pilot)), _method(pilot)]
+    return _page(pilot, [_what(pilot), NOT_JUDGED], pilot.warnings, sections)
+
+
+def _page(pilot: Autopilot, words: Sequence[str], warnings: Sequence[str], sections: Sequence[Section]) -> Page:
+    grave = [w for w in warnings if w.startswith(_GRAVE)]
     return Page(
         f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
-        [("", answer(judged))],
-        [section(judged, figures) for section in SECTIONS],
+        [("", words)],
+        sections,
         [sentence(w) for w in grave],
-        [sentence(w) for w in judged.warnings if w not in grave],
+        [sentence(w) for w in warnings if w not in grave],
         f"shipid {shipid.__version__}",
     )
+
+
+def _what(pilot: Autopilot) -> str:
+    first, last = pilot.speeds[0], pilot.speeds[-1]
+    speeds = f"{first:.3g} to {last:.3g} m/s" if len(pilot.speeds) > 1 else f"{first:.3g} m/s"
+    kind = "heading" if pilot.mode == "course" else "rate-of-turn"
+    return f"A {kind} autopilot for {pilot.ship.name} from {speeds}: {_DESIGNS[pilot.design]}."
 
 
 def answer(judged: Judgement) -> list[str]:
@@ -78,12 +114,7 @@ def answer(judged: Judgement) -> list[str]:
         The design and its judgement.
     """
     pilot, weakest = judged.pilot, judged.weakest
-    speeds = (
-        f"{pilot.speeds[0]:.3g} to {pilot.speeds[-1]:.3g} m/s"
-        if len(pilot.speeds) > 1
-        else f"{pilot.speeds[0]:.3g} m/s"
-    )
-    sentences = [f"A heading autopilot for {pilot.ship.name} from {speeds}: {_DESIGNS[pilot.design]}."]
+    sentences = [_what(pilot)]
     own = [s for s in judged.steps if s.change_deg == SAMPLE_CHANGE and abs(s.speed - pilot.service_speed) < 1e-6]
     if own and own[0].overshoot_deg is not None and own[0].settling_s is not None:
         sentences.append(
@@ -110,43 +141,17 @@ def answer(judged: Judgement) -> list[str]:
     return sentences
 
 
-def _name(pilot: Autopilot, condition: int) -> str:
-    """The load condition, where there are several."""
-    return pilot.conditions[condition] if len(pilot.conditions) > 1 else ""
-
-
-def _points(judged: Judgement) -> Section:
-    worst: dict[tuple[str, bool], Weakest] = {}
-    for point in judged.points():
-        key = (point.what, "uncertainty" in point.where)
-        if key not in worst or point.share < worst[key].share:
-            worst[key] = point
-    rows = [
-        {
-            "what": sentence(w.what),
-            "where": w.where,
-            "value": number(w.value, 3),
-            "limit": number(w.limit, 3),
-            "unit": w.unit,
-            "within": w.share >= 1,
-        }
-        for w in sorted(worst.values(), key=lambda w: w.share)
-    ]
-    return Section("Weak points", "tuning/points.html", {"points": rows})
-
-
-def _schedules(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
-    pilot = judged.pilot
+def _schedule(pilot: Autopilot, figures: Mapping[str, Markup]) -> Section:
     gains = [
         (f"{n} [{pretty(GAINS[n][0])}]" if pretty(GAINS[n][0]) != "1" else n, n, "n") for n in pilot.schedule.gains
     ]
     schedules = [
         {
-            "name": _name(pilot, j),
+            "name": pilot.conditions[j] if len(pilot.conditions) > 1 else "",
             "rows": [
                 {
                     "speed": fixed(speed, 2),
-                    "poles": _poles(pilot.poles(float(speed), j)),
+                    "poles": _poles(pilot.poles[j][i]),
                     **{n: number(table[j][i], 4) for n, table in pilot.schedule.gains.items()},
                 }
                 for i, speed in enumerate(pilot.speeds)
@@ -157,7 +162,7 @@ def _schedules(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
     view = {
         "schedules": schedules,
         "gains": gains,
-        "integral": "Ki" in pilot.schedule.gains,
+        "law": _LAWS[pilot.mode] + (_INTEGRAL if "Ki" in pilot.schedule.gains else ""),
         "figure": figures["schedule"],
     }
     return Section("Schedule", "tuning/schedule.html", view)
@@ -174,127 +179,7 @@ def _poles(poles: np.ndarray) -> str:
     return "; ".join(words)
 
 
-def _margins(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
-    pilot = judged.pilot
-    margins = []
-    for j in range(len(pilot.ships)):
-        both = [*((m, False) for m in judged.margins[j]), *((m, True) for m in judged.between[j])]
-        rows = [_margin_row(m, between) for m, between in sorted(both, key=lambda b: b[0].speed)]
-        margins.append({"name": _name(pilot, j), "rows": rows})
-    view = {
-        "limit": number(LIMITS["disk margin"], 2),
-        "margins": margins,
-        "figure": figures["margins"],
-        "nyquist": figures["nyquist"],
-    }
-    return Section("Margins", "tuning/margins.html", view)
-
-
-def _margin_row(m: Margins, between: bool) -> Row:
-    disk = fixed(m.disk, 2)
-    return {
-        "class": "own" if between else "",
-        "speed": fixed(m.speed, 2),
-        "disk": Markup('<span class="no">{}</span>').format(disk) if m.disk < LIMITS["disk margin"] else disk,
-        "gain": " / ".join("none" if g is None else number(g, 3) for g in (m.gain_low, m.gain_high)),
-        "phase": "none" if m.phase_deg is None else fixed(m.phase_deg, 0),
-        "delay": "none" if m.delay_s is None else number(m.delay_s, 3),
-        "bandwidth": "none" if m.bandwidth is None else number(m.bandwidth, 3),
-        "sensitivity": fixed(m.sensitivity, 2),
-        "complementary": fixed(m.complementary, 2),
-    }
-
-
-def _robustness(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
-    conditions = [
-        {
-            "name": _name(judged.pilot, j),
-            "samples": robust.samples,
-            "source": robust.source,
-            "worst": fixed(robust.disk_worst, 2),
-            "low": fixed(robust.disk_low, 2),
-            "speed": fixed(robust.speed_worst, 2),
-            "unstable": robust.unstable,
-            "overshoot": [_reached(v, 2) for v in robust.overshoot_deg],
-            "settling": [_reached(v, 0) for v in robust.settling_s],
-            "change": fixed(robust.sample_change_deg, 0),
-            "variants": [
-                {
-                    "name": sentence(name),
-                    "disk": _reached(v["disk"], 2),
-                    "overshoot": _reached(v["overshoot_deg"], 2),
-                    "settling": _reached(v["settling_s"], 0),
-                }
-                for name, v in robust.variants.items()
-            ],
-        }
-        for j, robust in enumerate(judged.robust)
-    ]
-    view = {"conditions": conditions, "figure": figures.get("cloud")}
-    return Section("Robustness", "tuning/robustness.html", view)
-
-
-def _reached(value: float | None, decimals: int) -> str:
-    return "not reached" if value is None else fixed(value, decimals)
-
-
-def _steps(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
-    groups: dict[tuple[str, float], dict[float, CourseChange]] = {}
-    for s in judged.steps:
-        groups.setdefault((s.weather, s.speed), {})[s.change_deg] = s
-    columns = [f"{fixed(speed, 2)} m/s" + (f", {words[6:]}" if words != "calm" else "") for words, speed in groups]
-    rows = [
-        {"change": fixed(change, 0), "cells": [c for group in groups.values() for c in _step_cells(group[change])]}
-        for change in sorted({s.change_deg for s in judged.steps})
-    ]
-    view = {"columns": columns, "rows": rows, "figure": figures["steps"]}
-    return Section("Course changes", "tuning/steps.html", view)
-
-
-def _step_cells(s: CourseChange) -> tuple[str, str]:
-    if s.lost:
-        return "ran away", "ran away"
-    return _reached(s.overshoot_deg, 2), _reached(s.settling_s, 0)
-
-
-def _weather(judged: Judgement) -> Section:
-    w = judged.weather
-    head = (
-        f"Wind {number(w['wind_m_s'], 2)} m/s and waves at {number(w['wave_frequency_rad_s'], 2)} rad/s that yaw a ship at rest by "
-        f"{number(w['wave_heading_rms_deg'], 2)} deg rms, both from one side; current {number(w['current_m_s'], 2)} m/s across. "
-        "In proportion to the length of the ship below 100 m. The sea filter is on, a notch at the frequency of encounter."
-    )
-    raw = [s for s in judged.weathered if not s.sea_filter]
-    without = [max((getattr(s, n) or 0.0 for s in raw), default=0.0) for n in ("rms_rudder_deg", "reversals")]
-    words = (
-        f"Without the sea filter the rms rudder is {fixed(without[0], 2)} deg at worst, with {fixed(without[1], 1)} reversals a "
-        "minute at worst."
-    )
-    filtered = [s for s in judged.weathered if s.sea_filter]
-    view = {
-        "head": head,
-        "without": words,
-        "kept": [_weather_row(s) for s in filtered if not s.change_deg],
-        "turned": [_weather_row(s) for s in filtered if s.change_deg],
-        "change": fixed(SAMPLE_CHANGE, 0),
-    }
-    return Section("Wind, waves and current", "tuning/weather.html", view, short="Wind and waves")
-
-
-def _weather_row(s: CourseChange) -> Row:
-    return {
-        "weather": s.weather.removeprefix("weather from "),
-        "rms": _reached(s.rms_error_deg, 2),
-        "mean": "not reached" if s.mean_error_deg is None else fixed(s.mean_error_deg, 2, sign=True),
-        "overshoot": _reached(s.overshoot_deg, 2),
-        "rudder": _reached(s.rms_rudder_deg, 2),
-        "reversals": _reached(s.reversals, 1),
-        "track": "not reached" if s.cross_track_m is None else number(s.cross_track_m, 3),
-    }
-
-
-def _method(judged: Judgement) -> Section:
-    pilot = judged.pilot
+def _method(pilot: Autopilot) -> Section:
     names = {"omega_n": ("Natural frequency at the ship's own speed", "rad/s"), "damping": ("Damping ratio", ""),
              "integral": ("Third pole over the natural frequency", ""), "rudder_weight": ("Weight of the rudder", "")}  # fmt: skip
     facts = {

@@ -2,25 +2,17 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.errors import ShipidError
 from shipid.foundation.numbers import fixed, number
-from shipid.identification.fit import Comparison
-from shipid.identification.validation.bands import TURN, Manoeuvre
+from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.predicted_manoeuvre import TURN, PredictedManoeuvre
 from shipid.report.page import Row
-from shipid.report.views.runaway import good_samples
-from shipid.trials.measuring.measure import detect, measure
-from shipid.trials.measuring.measures import TurningCircle
-from shipid.trials.trial import Trial
 
 _SHOWN = ("advance", "transfer", "tactical_diameter", "steady_diameter", "steady_rate", "steady_speed")
 
 
 def turn_rows(
-    comparison: Comparison, speed: bool, length: float | None, manoeuvre: Manoeuvre | None
+    comparison: Comparison, speed: bool, length: float | None, manoeuvre: PredictedManoeuvre | None
 ) -> tuple[str, list[Row]]:
     """Return what the turning circle is called, and a row for each of its quantities; nothing for another manoeuvre.
 
@@ -32,19 +24,14 @@ def turn_rows(
         Whether the model predicts the speed.
     length : float or None
         Ship length in m, for ratios.
-    manoeuvre : Manoeuvre or None
+    manoeuvre : PredictedManoeuvre or None
         The manoeuvre with its bands.
     """
-    trial = comparison.trial
-    metres = None if not length else f"{length!r} m"
-    try:
-        if detect(trial) != TurningCircle.kind:
-            return "", []
-        measured = measure(trial, TurningCircle.kind, length=metres)
-    except ShipidError:
+    measured, predicted_circle = comparison.measures.circle, comparison.predicted_circle
+    if measured is None:
         return "", []
     found = {n: (v, u, m) for n, v, u, m in measured.quantities()}
-    foreseen = _predicted(comparison, metres)
+    foreseen = {n: v for n, v, _, _ in predicted_circle.quantities()} if predicted_circle is not None else {}
     rows: list[Row] = []
     for name in (n for base in _SHOWN for n in (base, f"{base}_ratio")):
         if name == "steady_speed" and not speed:
@@ -68,21 +55,7 @@ def turn_rows(
     return measured.title, rows
 
 
-def _predicted(comparison: Comparison, length: str | None) -> dict[str, float | None]:
-    trial = comparison.trial
-    if good_samples(comparison) < len(trial):
-        return {}
-    kept = {n: trial[n] for n in ("t", "delta", "delta_order") if trial.has(n)}
-    table = pd.DataFrame({**kept, **{n: p for n, p in comparison.predicted.items() if n in FIELDS}})
-    try:
-        return {
-            n: v for n, v, _, _ in measure(Trial(trial.name, table), TurningCircle.kind, length=length).quantities()
-        }
-    except ShipidError:
-        return {}
-
-
-def _band(name: str, manoeuvre: Manoeuvre | None, length: float | None) -> str:
+def _band(name: str, manoeuvre: PredictedManoeuvre | None, length: float | None) -> str:
     """The band of one quantity, in ship lengths where its name says so."""
     base = name.removesuffix("_ratio")
     found = [v for k, v in (manoeuvre.turn if manoeuvre else {}).items() if TURN[k][0] == base]

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, linear_ship, poles_at, to_control
 from shipid.autopilot.design.placement import Gains, closed_poles, closed_polynomial, lqr_gains, place, pole_pair
 from shipid.autopilot.design.plant import linear_plant, transfer
 from shipid.generation.system import generate
@@ -35,7 +36,7 @@ def test_poles_are_those_asked_for(model, ship):
     pilot = shipid.design_autopilot(model, ship, omega_n=None, damping=0.8)
     for speed in pilot.speeds:
         asked = np.roots(pole_pair(pilot.request["omega_n"] * speed / pilot.service_speed, 0.8))
-        found = pilot.poles(float(speed))
+        found = poles_at(pilot, float(speed))
         assert (np.abs(found[:, None] - asked[None, :]).min(axis=0) <= 1e-12 * np.abs(asked)).all()
 
 
@@ -45,7 +46,7 @@ def test_three_poles_with_an_integral(model, ship):
     for speed in pilot.speeds:
         omega = pilot.request["omega_n"] * speed / pilot.service_speed
         asked = np.append(np.roots(pole_pair(omega, 0.8)), -0.2 * omega)
-        found = pilot.poles(float(speed))
+        found = poles_at(pilot, float(speed))
         assert (np.abs(found[:, None] - asked[None, :]).min(axis=0) <= 1e-11 * np.abs(asked)).all()
 
 
@@ -65,8 +66,8 @@ def test_closed_form_of_the_thesis(damping):
 
 def test_gains_equal_controls_placement(container):
     for i, speed in enumerate(container.speeds):
-        plant = container.plants(np.array([speed])).at(0)
-        gains = control.place(plant.A, plant.B[:, None], container.poles(float(speed))).ravel()
+        plant = linear_ship(container, [speed]).at(0)
+        gains = control.place(plant.A, plant.B[:, None], poles_at(container, float(speed))).ravel()
         ours = [container.schedule.gains["Kp" if s == "psi" else "Kd"][0, i] for s in plant.states]
         np.testing.assert_allclose(ours, gains, rtol=1e-9)  # its rank-one updates leave that much
 
@@ -75,7 +76,7 @@ def test_gains_equal_controls_lqr():
     """Of a ship of first order, heading and rate are all there is; the cost is psi^2 + 2 delta^2, so Kp = 1/sqrt(2)."""
     pilot = shipid.design_autopilot("de-keizer", "soesterberg", design="lqr", rudder_weight=2.0, speeds=[6.0, 9.5])
     for i, speed in enumerate(pilot.speeds):
-        plant = pilot.plants(np.array([speed])).at(0)
+        plant = linear_ship(pilot, [speed]).at(0)
         heading = np.array([[1.0 if s == "psi" else 0.0 for s in plant.states]])
         feedback, _, _ = control.lqr(plant.A, plant.B[:, None], heading.T @ heading, [[2.0]])
         ours = [pilot.schedule.gains["Kp" if s == "psi" else "Kd"][0, i] for s in plant.states]
@@ -85,7 +86,7 @@ def test_gains_equal_controls_lqr():
 
 def test_lqr_of_a_ship_of_higher_order_costs_least():
     """A change of either gain by a hundredth, up or down, costs more: the integral of psi^2 + delta^2, simulated."""
-    plant = shipid.design_autopilot("bech", "kvlcc2", speeds=[7.97]).plants(np.array([7.97])).at(0)
+    plant = linear_ship(shipid.design_autopilot("bech", "kvlcc2", speeds=[7.97]), [7.97]).at(0)
     best = lqr_gains(plant, 1.0, 7.97 / 320)
 
     def cost(gains: Gains) -> float:
@@ -117,7 +118,7 @@ def test_poles_between_the_speeds_stay_with_those_asked_for():
     assert len(pilot.speeds) > 2 and {3.0, 12.0} <= set(pilot.speeds)
     for speed in np.linspace(3, 12, 40):
         asked = np.roots(pole_pair(pilot.request["omega_n"] * speed / pilot.service_speed, 0.9))
-        found = pilot.poles(float(speed))
+        found = poles_at(pilot, float(speed))
         assert (np.abs(found[:, None] - asked[None, :]).min(axis=0) <= 0.055 * np.abs(asked)).all()
 
 
@@ -132,8 +133,8 @@ def test_the_schedule_is_clamped_and_linear(container):
 
 def test_the_declared_schedule_equals_the_table(container):
     """The expression that is simulated and emitted, on a grid that runs beyond both ends."""
-    system = generate(container.closed_loop)
-    p = system.vector(system.coefficients, container.values(container.closed_loop, 9.5))
+    system = generate(closed_loop(container))
+    p = system.vector(system.coefficients, coefficients_of(container, closed_loop(container), 9.5))
     function = system.function(["gain_Kp", "gain_Kd"])
     x, u = np.zeros(len(system.states)), np.zeros(len(system.inputs))
     for speed in np.linspace(1, 15, 29):
@@ -145,18 +146,18 @@ def test_the_declared_schedule_equals_the_table(container):
 
 def test_the_closed_loop_is_a_model_like_any_other(container):
     """It linearises to the poles of the design, beside that of the servo, and simulates through python-control."""
-    slow = container.to_control(9.5).poles()
+    slow = to_control(container, 9.5).poles()
     assert len(slow) == 3
-    fast = shipid.design_autopilot("de-keizer", "soesterberg", actuator=None).to_control(9.5).poles()
-    np.testing.assert_allclose(np.sort_complex(fast), np.sort_complex(container.poles(9.5)), rtol=1e-12)
-    loop = container.to_control(9.5, nonlinear=True)
+    fast = to_control(shipid.design_autopilot("de-keizer", "soesterberg", actuator=None), 9.5).poles()
+    np.testing.assert_allclose(np.sort_complex(fast), np.sort_complex(poles_at(container, 9.5)), rtol=1e-12)
+    loop = to_control(container, 9.5, nonlinear=True)
     order = np.zeros((len(loop.input_labels), 2))
     order[loop.input_index["cruise"]], order[loop.input_index["psi_order"]] = 9.5, 0.2
     start = [9.5 if s == "u" else 0.0 for s in loop.state_labels]
     answer = control.input_output_response(loop, [0.0, 600.0], order, start)
     assert answer.outputs[0, -1] == pytest.approx(0.2, abs=1e-4)
-    assert "psi_order" in container.closed_loop.inputs
-    assert shipid.typeset(container.closed_loop)
+    assert "psi_order" in closed_loop(container).inputs
+    assert shipid.typeset(closed_loop(container))
 
 
 def test_load_conditions(sized):
@@ -165,8 +166,8 @@ def test_load_conditions(sized):
     pilot = shipid.design_autopilot("de-keizer", [shipid.find_ship("soesterberg"), light], speeds=[8.0, 9.5])
     alone = shipid.design_autopilot("de-keizer", light, speeds=[8.0, 9.5], omega_n=pilot.request["omega_n"])
     np.testing.assert_allclose(pilot.schedule.gains["Kp"][1], alone.schedule.gains["Kp"][0])
-    system = generate(pilot.closed_loop)
-    p = system.vector(system.coefficients, pilot.values(pilot.closed_loop, 9.5))
+    system = generate(closed_loop(pilot))
+    p = system.vector(system.coefficients, coefficients_of(pilot, closed_loop(pilot), 9.5))
     x, u = np.zeros(len(system.states)), np.zeros(len(system.inputs))
     x[system.states.index("u")] = 9.5
     found = []
@@ -182,9 +183,7 @@ def test_a_table_against_speed_is_followed():
     """The Zeefakkel's K and tau are tabulated: at 6 m/s they are those of the table and not scaled."""
     pilot = shipid.design_autopilot("nomoto", "zeefakkel", speeds=[5.0, 6.0])
     K, tau = np.interp(6.0, [5.0, 6.2], [0.50, 0.83]), np.interp(6.0, [5.0, 6.2], [31.0, 43.0])
-    np.testing.assert_allclose(
-        np.sort(np.linalg.eigvals(pilot.plants(np.array([6.0])).A[0])), [-1 / tau, 0], atol=1e-15
-    )
+    np.testing.assert_allclose(np.sort(np.linalg.eigvals(linear_ship(pilot, [6.0]).A[0])), [-1 / tau, 0], atol=1e-15)
     assert pilot.schedule.gains["Kp"][0, -1] == pytest.approx((pilot.request["omega_n"] * 1.2) ** 2 * tau / K)
 
 

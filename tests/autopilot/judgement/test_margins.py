@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, linear_ship, to_control
 from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.plant import Plant
 from shipid.autopilot.judgement.judgement import LIMITS
@@ -26,7 +27,7 @@ from shipid.generation.system import generate
 
 def loops(pilot):
     for speed in pilot.speeds:
-        plant = pilot.plants(np.array([speed]), steered=True).at(0)
+        plant = linear_ship(pilot, [speed], steered=True).at(0)
         yield float(speed), plant, pilot.gains(float(speed))
 
 
@@ -52,7 +53,7 @@ def test_the_loop_is_that_of_the_model(pilot):
     """The loop of the judgement against the declared loop, opened at the rudder order: 1 / (1 + L) from order to rudder."""
     for speed, plant, gains in loops(pilot):
         numerator, denominator = loop_polynomials(plant, gains)
-        closed = pilot.to_control(speed).poles()
+        closed = to_control(pilot, speed).poles()
         found = np.roots(numerator + denominator)
         away = np.abs(found[:, None] - closed[None, :]).min(axis=1)
         assert (away <= 1e-9 * np.abs(found)).all()
@@ -113,7 +114,7 @@ def test_growth_of_many():
 def test_bandwidth_equals_python_controls(pilot):
     for speed, plant, gains in loops(pilot):
         found = margins_at(plant, gains, speed, pilot.pace(speed)).bandwidth
-        loop = pilot.to_control(speed)[0, 0]
+        loop = to_control(pilot, speed)[0, 0]
         assert found == pytest.approx(control.bandwidth(loop, 20 * np.log10(np.sqrt(0.5))), rel=1e-4)
 
 
@@ -150,7 +151,7 @@ def test_an_unstable_ship_has_a_lower_gain_margin():
 
 @pytest.fixture(scope="module")
 def judgement(uncertain_pilot):
-    return uncertain_pilot.judge(samples=50)
+    return shipid.judge(uncertain_pilot, samples=50)
 
 
 def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
@@ -179,9 +180,9 @@ def test_the_worst_draw_is_worse_than_the_ship_itself(judgement):
 
 def test_a_log_that_is_off_shifts_the_schedule(judgement, uncertain_pilot):
     """Poles placed for K ~ u/L and tau ~ L/u make Kd ~ L/u: a log that reads a tenth high takes the Kd of a tenth more speed."""
-    model = uncertain_pilot.closed_loop
+    model = closed_loop(uncertain_pilot)
     system = generate(model)
-    known = uncertain_pilot.values(model, 9.5) | {"log_scale": 1.1, "u": 9.5, "cruise": 9.5}
+    known = coefficients_of(uncertain_pilot, model, 9.5) | {"log_scale": 1.1, "u": 9.5, "cruise": 9.5}
     x, u, p = (system.vector(n, known, 0.0) for n in (system.states, system.inputs, system.coefficients))
     seen, kd = system.function(["speed_seen", "gain_Kd"])(x, u, p).full().ravel()
     assert seen == pytest.approx(1.1 * 9.5) and kd == pytest.approx(uncertain_pilot.gains(10.45).Kd)
@@ -201,14 +202,14 @@ def test_correlation_counts(uncertain):
     for correlation in (0.99, -0.99):
         ship = uncertain("soesterberg", "nomoto", share=0.3, correlation=correlation)
         pilot = shipid.design_autopilot("nomoto", ship, speeds=[7.0, 9.5, 11.0])
-        worst.append(pilot.judge(samples=50).robust[0].disk_worst)
+        worst.append(shipid.judge(pilot, samples=50).robust[0].disk_worst)
     assert worst[0] > worst[1]
 
 
 def test_a_weak_design_says_so(uncertain):
     """Poles far quicker than the servo: the disk margin falls below its limit, in the warnings and the weakest point."""
     pilot = shipid.design_autopilot("nomoto", "soesterberg", omega_n=1.5, speeds=[7.0, 9.5, 11.0])
-    judged = pilot.judge(samples=10)
+    judged = shipid.judge(pilot, samples=10)
     assert any(w.startswith("disk margin: the least of the design is") for w in judged.warnings)
     assert any(w.startswith("no uncertainty") for w in judged.warnings)
     assert judged.weakest.share < 1 and "beyond its limit" in judged.weakest.sentence

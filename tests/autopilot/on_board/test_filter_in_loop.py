@@ -38,7 +38,12 @@ def loop_and_run(kalman: shipid.ExtendedKalmanFilter):
         ship,
         pilot,
         estimator,
-        shown={"r_shown": ("r", "r_wave", "gyro_noise"), "psi_shown": ("psi", "psi_wave"), "u_shown": ("u",)},
+        shown={
+            "r_shown": ("r", "r_wave", "gyro_noise"),
+            "psi_shown": ("psi", "psi_wave"),
+            "u_shown": ("u",),
+            "speed_seen": ("u",),
+        },
         outputs=("psi", "r", "u", "delta"),
     )
     count = 600

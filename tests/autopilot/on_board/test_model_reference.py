@@ -13,17 +13,18 @@ from shipid.autopilot.on_board.model_reference import (
     IndirectAdaptation,
     PlacedGains,
     ReferenceModel,
-    SwitchedSight,
+    SelectedFeedback,
 )
 from shipid.autopilot.on_board.sampled_loop import Estimator, make_sampled_loop
 from shipid.declaration.model import Evaluation
 from shipid.foundation.errors import DeclarationError, UnknownNameError
-from shipid.models import CubicYaw, DeKeizer, PlanarMotion, SteeringMachine, VanLeeuwenSway
+from shipid.generation.simulator import UnstatedInputError
+from shipid.models import CubicYaw, PlanarMotion, SteeringMachine, VanLeeuwenSway
 from shipid.parts.helm import DirectRudder
 
 L, U, T = 200.0, 9.77, 0.4
 K, TAU = 1.6, 1.7
-PILOT = shipid.join("pilot", SwitchedSight, ReferenceModel, PlacedGains, CompensatedCourseController)
+PILOT = shipid.join("pilot", SelectedFeedback, ReferenceModel, PlacedGains, CompensatedCourseController)
 
 
 def evaluated(model: shipid.Model, **values: float) -> Evaluation:
@@ -151,7 +152,7 @@ def test_the_autopilot_sees_what_it_is_switched_to(loop):
     p = loop.coefficients(SHIP_VALUES, settings)
     start = loop.start({}, {"a_ref": K / TAU, "b1_ref": 1 / TAU})
     noise = 0.01 * np.random.default_rng(0).standard_normal(200)
-    given = {"u": U, "cruise": U, "gyro_noise": noise}
+    given = {"u": U, "cruise": U, "psi_order": 0.0, "gyro_noise": noise}
     raw, clean = (loop(start, given | {"filtered": f}, p, T, 200) for f in (0.0, 1.0))
     assert np.abs(raw["delta"]).max() > 1e-3 and np.abs(clean["delta"]).max() == 0.0
     np.testing.assert_allclose(raw["r_shown"], raw["r"] + noise, atol=1e-15)
@@ -163,8 +164,8 @@ def test_loops_that_are_none(loop):
         loop(loop.start(), {"sail": 1.0}, p, T, 3)
     with pytest.raises(DeclarationError, match="has to state 'delta_order'"):
         make_sampled_loop(SHIP, shipid.join("p", PlacedGains), truth(1, 1), shown=SHOWN)
-    with pytest.raises(DeclarationError, match="has a continuous state"):
-        make_sampled_loop(SHIP, shipid.join("p", PILOT, DeKeizer), truth(1, 1), shown=SHOWN)
+    with pytest.raises(UnstatedInputError, match="reads 'psi_order'"):
+        loop(loop.start(), {"u": U, "cruise": U}, p, T, 3)
     with pytest.raises(UnknownNameError, match="quantity of the loop called 'sail'"):
         make_sampled_loop(SHIP, PILOT, truth(1, 1), shown=SHOWN, outputs=("sail",))
     at_once = shipid.join("ship", CubicYaw, PlanarMotion, VanLeeuwenSway, DirectRudder)

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shipid.estimation.errors import FilterDivergedError, NotMeasurableError, SavedStateError
-from shipid.estimation.recursion.step import TAKEN
+from shipid.estimation.errors import FilterDivergedError, SavedStateError
+from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.errors import UsageError
+from shipid.generation.simulator import UnstatedInputError
 
 SENSORS = {"psi": 0.01, "r": 5e-4}
 OPTIONS: dict[str, Any] = {"density": {"r": 1e-4}, "estimated": ["K", "tau"], "gate": 5.0}
@@ -21,7 +22,7 @@ def rows_of(record: dict[str, np.ndarray]) -> list[dict[str, float]]:
 
 def sailed(hand: Any, t: np.ndarray, swing: Any, seed: int = 4) -> dict[str, np.ndarray]:
     first = {"log_K": np.log(0.07), "log_tau": np.log(40.0), "psi": 0.4}
-    levels = hand.kalman.constants[hand.kalman.layout.constants["r"]]
+    levels = hand.kalman.design.r
     x0 = np.array([first.get(s, 0.0) for s in hand.states])
     return hand.sail(t, {"delta": swing(t)}, x0, levels, np.random.default_rng(seed))[0]
 
@@ -37,7 +38,7 @@ def same(kalman: Any, record: dict[str, np.ndarray], stamps: Any = None) -> tupl
     x, std = np.array([e.x for e in kept]), np.array([e.std for e in kept])
     assert np.all(np.abs(x - run.x) <= 1e-12 * (np.abs(run.x) + run.std))
     assert std == pytest.approx(run.std, rel=1e-12)
-    fate = run._rows("fate")
+    fate = run.rows("fate")
     for k, e in enumerate(kept):
         assert e.taken == tuple(n for n, f in zip(kalman.measured, fate[k]) if f == TAKEN)
     counted = {n: run.innovations[n].rejected + run.innovations[n].limited for n in kalman.measured}
@@ -79,7 +80,7 @@ def test_a_slow_sensor_is_read_when_it_shows_something(setup: Any, swing: Any) -
 
 def test_a_rate_is_a_frequency_too(setup: Any) -> None:
     a = setup("yaw", SENSORS, rates={"psi": "0.5 Hz"}, **OPTIONS).kalman
-    assert a.rates == {"psi": pytest.approx(2.0)}
+    assert a.design.instruments.rates == {"psi": pytest.approx(2.0)}
 
 
 def test_a_lost_input(setup: Any, swing: Any) -> None:
@@ -91,7 +92,7 @@ def test_a_lost_input(setup: Any, swing: Any) -> None:
     whole = hand.kalman.filter(record)
     record["delta"] = np.where((np.arange(120) > 60) & (np.arange(120) < 90), np.nan, record["delta"])
     run, _ = same(hand.kalman, record)
-    places, control = hand.kalman.layout.control, run._control
+    places, control = hand.kalman.design.layout.control, run.control
     assert control[run.arranged.shown][61:90, places["u"]] == pytest.approx(record["delta"][60])
     assert set(control[:, places["scale"]][:, -1]) == {0.0, 1.0}
     # With the rudder unknown the rate is less sure, and where it is known both are the same filter.
@@ -237,7 +238,7 @@ def test_what_a_sample_needs(setup: Any) -> None:
         with pytest.raises(UsageError, match="a sample needs its time 't' in s, a finite number"):
             online.update(sample)
     with pytest.raises(
-        NotMeasurableError, match=r"first sample lacks 'delta' \(rudder angle\), which model yaw reads\. It has t, psi"
+        UnstatedInputError, match=r"model yaw reads 'delta' \(rudder angle\), that the first sample does"
     ):
         online.update({"t": 0.0, "psi": 0.1})
     # Nothing has begun: the next sample is the first.

@@ -24,7 +24,7 @@ def run() -> FilterRun:
 
 
 def test_a_declared_walk_is_estimated_unless_told_otherwise(run: FilterRun) -> None:
-    assert tuple(run.filter.parameters) == ("a", "b1")
+    assert tuple(run.design.parameters) == ("a", "b1")
     assert ExtendedKalmanFilter(find_model("nomoto"), "soesterberg", measured={"r": "0.1 deg/s"}).parameters == {}
     with pytest.raises(shipid.ShipidError, match="a "):
         ExtendedKalmanFilter(find_model("yaw-filter"), "soesterberg", estimated=())
@@ -44,7 +44,7 @@ def test_published_coefficients_by_hand(run: FilterRun) -> None:
 
 def test_noise_that_sensors_share_counts_in_what_follows(run: FilterRun) -> None:
     """r_wave = w - v_f: the noise w of the sample is an unknown beside the states."""
-    w, i = run._rows("w")[:, 0], run.states.index("v_f")
+    w, i = run.rows("w")[:, 0], run.states.index("v_f")
     joint = run.joint_covariance
     value, spread = run.quantity("r_wave")
     np.testing.assert_allclose(value, w - run["v_f"], atol=1e-15)
@@ -63,9 +63,7 @@ def test_results_hold_the_published_coefficients(run: FilterRun) -> None:
     assert list(run.parameters) == ["a", "b1", "K", "tau"]
     assert [p.follows for p in run.parameters.values()] == [False, False, True, True]
     gain = run.parameters["K"]
-    assert gain.interval == pytest.approx(
-        (gain.value - 1.959964 * gain.std, gain.value + 1.959964 * gain.std), rel=1e-6
-    )
+    assert gain.ci95 == pytest.approx((gain.value - 1.959964 * gain.std, gain.value + 1.959964 * gain.std), rel=1e-6)
     table = run.to_frame()
     np.testing.assert_array_equal(table["K [1]"], run["K"])
     np.testing.assert_array_equal(table["std_tau [1]"], run.std_of("tau"))

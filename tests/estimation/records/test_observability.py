@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from shipid import Component, ExtendedKalmanFilter, given, join, output, parameter, state
+from shipid.estimation.records.first_estimate import first_estimate
+from shipid.estimation.records.observability import observability
 
 
 class Twins(Component):
@@ -69,7 +71,7 @@ def test_a_pair_that_is_shown_as_a_sum(own: Any, swing: Any) -> None:
     kalman = ExtendedKalmanFilter(
         twins, own, initial={"psi": "0.1 rad", "drift": "0.1 rad"}, model_noise=False, gate=None
     )
-    told = kalman.filter(record(swing)).observability()
+    told = observability(kalman.filter(record(swing)))
     assert told.states == ("r", "psi", "drift")
     assert len(told.unobservable) == 1
     weights = told.unobservable[0].weights
@@ -85,14 +87,14 @@ def test_a_pair_that_is_shown_as_a_sum(own: Any, swing: Any) -> None:
 def test_the_null_direction_is_in_first_standard_deviations(own: Any, swing: Any) -> None:
     """Their sum is shown, so a change of one is undone by as much of the other, counted in what each was unsure by."""
     kalman = ExtendedKalmanFilter(twins, own, initial={"psi": "0.2 rad", "drift": "0.05 rad"}, model_noise=False)
-    (direction,) = kalman.filter(record(swing)).observability().unobservable
+    (direction,) = observability(kalman.filter(record(swing))).unobservable
     # d psi = -d drift: 1/0.2 against 1/0.05.
     assert direction.weights["psi"] / direction.weights["drift"] == pytest.approx(-0.05 / 0.2, rel=1e-6)
 
 
 def test_a_state_that_nothing_shows(own: Any, swing: Any) -> None:
     kalman = ExtendedKalmanFilter(twins, own, measured={"gyro": None}, model_noise=False)
-    told = kalman.filter(record(swing)).observability()
+    told = observability(kalman.filter(record(swing)))
     assert sorted(next(iter(d.weights)) for d in told.unobservable) == ["drift", "psi"]
     assert "psi is not observable: no sensor shows it, and it keeps the error it starts with." in told.messages
 
@@ -101,7 +103,7 @@ def test_what_a_short_record_hardly_shows_is_weak(own: Any, swing: Any) -> None:
     """Ten seconds of a rate tell nearly nothing of a time constant of a minute, which is not nothing."""
     kalman = ExtendedKalmanFilter(twins, own, measured={"gyro": "2 deg/s"}, estimated=["tau"], initial={"tau": "1 s"},
                                   model_noise=False)  # fmt: skip
-    told = kalman.filter(record(swing, 15)).observability()
+    told = observability(kalman.filter(record(swing, 15)))
     named = {n for d in told.weak for n in d.weights}
     assert "tau" in named and all(0 < d.information < 1e-2 for d in told.weak)
 
@@ -112,23 +114,21 @@ def test_all_is_well(setup: Any, swing: Any) -> None:
     first = {"log_K": np.log(0.07), "log_tau": np.log(40.0)}
     x0 = np.array([first.get(s, 0.0) for s in hand.states])
     told = hand.kalman.filter(hand.sail(t, {"delta": swing(t)}, x0, np.array([0.01]), np.random.default_rng(1))[0])
-    told = told.observability()
+    told = observability(told)
     assert told.unobservable == () and told.weak == () and told.messages == ()
     # The Gramian by hand, over the first hundred samples, in first standard deviations.
     run = hand.kalman.filter({"t": t[:100], "delta": swing(t[:100]), "psi": np.zeros(100)})
     n, phi = len(hand.states), np.eye(4 + 1)[: len(hand.states), : len(hand.states)]
-    before = run._start[hand.kalman.layout.carried["x"]]
-    from shipid.estimation.records.vectors import first_estimate
-
-    _, deviation = first_estimate(hand.kalman, {})
+    before = run.start[hand.kalman.design.layout.carried["x"]]
+    _, deviation = first_estimate(hand.kalman.design, {})
     total = np.zeros((n, n))
     u = swing(t[:100])[:, None]
     for k in range(100):
         if k:
             phi = hand.transition(before, u[k - 1], u[k], 0.7) @ phi
-        ahead = run._rows("ahead")[k]
+        ahead = run.rows("ahead")[k]
         row = hand.sensitivity(ahead, u[k]) @ phi @ np.diag(deviation)
         total += row.T @ row / 0.01**2
         before = run.x[k]
     wanted = np.linalg.eigvalsh(total)
-    assert run.observability().information == pytest.approx(np.maximum(wanted, 0), rel=1e-6, abs=1e-9 * wanted[-1])
+    assert observability(run).information == pytest.approx(np.maximum(wanted, 0), rel=1e-6, abs=1e-9 * wanted[-1])

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shipid.estimation.recursion.step import TAKEN
+from shipid.estimation.records.smoother import smooth
+from shipid.estimation.recursion.gate import TAKEN
 
 
 def dense(hand: Any, record: dict[str, np.ndarray], start: Any, taken: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -14,7 +15,7 @@ def dense(hand: Any, record: dict[str, np.ndarray], start: Any, taken: np.ndarra
     Every state is written as a sum over independent random numbers (first errors, noises); what they are given the samples
     is one least-squares problem, which needs no covariance to be regular.
     """
-    n, names = len(hand.states), hand.kalman.base.inputs
+    n, names = len(hand.states), hand.kalman.design.base.inputs
     intervals, u, z = hand.rows(record)
     x0, p0 = start
     driving = np.array([hand.driving.get(i, 0.0) for i in names])
@@ -25,7 +26,7 @@ def dense(hand: Any, record: dict[str, np.ndarray], start: Any, taken: np.ndarra
     by[:, :n] = np.linalg.cholesky(p0 + 1e-300 * np.eye(n))
     means, maps, rows, rest, weights = [], [], [], [], []
     w_before = np.zeros((len(names), total))
-    levels = hand.kalman.constants[hand.kalman.layout.constants["r"]]
+    levels = hand.kalman.design.r
     for k, T in enumerate(intervals):
         if k:
             F = hand.transition(mean, u[k - 1], u[k], T)
@@ -64,13 +65,13 @@ def dense(hand: Any, record: dict[str, np.ndarray], start: Any, taken: np.ndarra
 
 def check(hand: Any, record: dict[str, np.ndarray], **options: Any) -> Any:
     run = hand.kalman.filter(record, **options)
-    n = hand.kalman.layout.n
-    carried = hand.kalman.layout.carried
-    packed = run._start[carried["P"]]
-    p0 = np.diag(packed[np.cumsum(np.arange(1, hand.kalman.layout.joint + 1)) - 1][:n])
-    taken = run._rows("fate") == TAKEN
-    x, covariance = dense(hand, record, (run._start[carried["x"]], p0), taken)
-    smoothed = run.smooth()
+    n = hand.kalman.design.layout.n
+    carried = hand.kalman.design.layout.carried
+    packed = run.start[carried["P"]]
+    p0 = np.diag(packed[np.cumsum(np.arange(1, hand.kalman.design.layout.joint + 1)) - 1][:n])
+    taken = run.rows("fate") == TAKEN
+    x, covariance = dense(hand, record, (run.start[carried["x"]], p0), taken)
+    smoothed = smooth(run)
     std = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
     assert np.all(np.abs(smoothed.x - x) <= 1e-8 * std)
     assert np.all(np.abs(smoothed.covariance - covariance) <= 1e-8 * std[:, :, None] * std[:, None, :])
@@ -87,7 +88,7 @@ FIRST = {"psi": "0.05 rad", "r": "0.01 rad/s"}
 
 
 def sailed(hand: Any, t: np.ndarray, swing: Any, rng: Any, **first: float) -> dict[str, np.ndarray]:
-    levels = hand.kalman.constants[hand.kalman.layout.constants["r"]]
+    levels = hand.kalman.design.r
     return hand.sail(t, {"delta": swing(t)}, np.array([first.get(s, 0.0) for s in hand.states]), levels, rng)[0]
 
 
@@ -106,7 +107,7 @@ def test_a_parameter_without_noise(setup: Any, swing: Any, uneven: Any, rng: Any
     hand = setup("yaw", SENSORS, estimated=["K"], log=(), density={"r": 1e-4})
     record = sailed(hand, uneven(60), swing, rng, K=0.07)
     run = check(hand, record)
-    smoothed = run.smooth()
+    smoothed = smooth(run)
     # It is a constant, so every moment knows it as well as the last.
     i = run.states.index("K")
     assert smoothed.x[:, i] == pytest.approx(np.full(60, run.x[-1, i]), rel=1e-8)
@@ -150,8 +151,8 @@ def test_square_root_form_smooths_the_same(setup: Any, swing: Any, uneven: Any, 
     options = {"density": {"r": 1e-4}, "estimated": ["K", "tau"]}
     hand = setup("yaw", SENSORS, **options)
     record = sailed(hand, uneven(60), swing, rng, log_K=np.log(0.07), log_tau=np.log(40.0))
-    a = hand.kalman.filter(record).smooth()
-    b = setup("yaw", SENSORS, form="square-root", **options).kalman.filter(record).smooth()
+    a = smooth(hand.kalman.filter(record))
+    b = smooth(setup("yaw", SENSORS, form="square-root", **options).kalman.filter(record))
     assert np.all(np.abs(a.x - b.x) <= 1e-7 * a.std)
     assert a.std == pytest.approx(b.std, rel=1e-7)
 
@@ -164,8 +165,8 @@ def test_switched_off_samples_count_for_the_smoother(setup: Any, swing: Any, une
     adapt = np.arange(60) % 20 < 8
     run = hand.kalman.filter(record, adapt=adapt)
     free = setup("yaw", SENSORS, **options).kalman.filter(record)
-    assert np.all(np.abs(run.smooth().x - free.smooth().x) <= 1e-8 * free.smooth().std)
-    assert run.smooth().std == pytest.approx(free.smooth().std, rel=1e-8)
+    assert np.all(np.abs(smooth(run).x - smooth(free).x) <= 1e-8 * smooth(free).std)
+    assert smooth(run).std == pytest.approx(smooth(free).std, rel=1e-8)
     check(hand, record)
 
 
@@ -176,7 +177,7 @@ def test_smoothing_is_worth_it(setup: Any, swing: Any, uneven: Any, rng: Any) ->
     levels = np.array(list(SENSORS.values()))
     record, truth = hand.sail(t, {"delta": swing(t)}, np.zeros(2), levels, rng)
     run = hand.kalman.filter(record)
-    smoothed = run.smooth()
+    smoothed = smooth(run)
     middle = slice(20, 280)
     for i, name in enumerate(run.states):
         gained = np.mean((smoothed[name] - truth[:, i])[middle] ** 2)
@@ -204,7 +205,7 @@ def test_fixed_lag_is_the_smoother_up_to_then(setup: Any, swing: Any, gated: boo
         if k % 13 and k != 79:
             continue
         so_far = hand.kalman.filter({n: c[: k + 1] for n, c in record.items()})
-        smoothed = so_far.smooth()
+        smoothed = smooth(so_far)
         assert lagged[0] == t[k - 10]
         assert np.all(np.abs(lagged[1] - smoothed.x[k - 10]) <= 1e-9 * smoothed.std[k - 10])
         assert lagged[2] == pytest.approx(smoothed.std[k - 10], rel=1e-9)
@@ -219,7 +220,7 @@ def test_a_lag_across_a_gap(setup: Any, swing: Any) -> None:
     found = [online.update({n: c[k] for n, c in record.items()}).lagged for k in range(40)]
     assert [f[0] for f in found[5:20]] == list(t[:15])
     for k in (20, 26, 39):
-        so_far = hand.kalman.filter({n: c[: k + 1] for n, c in record.items()}).smooth()
+        so_far = smooth(hand.kalman.filter({n: c[: k + 1] for n, c in record.items()}))
         at = int(np.searchsorted(t, found[k][0]))
         assert t[at] == found[k][0] and t[k] - t[at] >= 5.0 - 1e-9
         assert np.all(np.abs(found[k][1] - so_far.x[at]) <= 1e-9 * so_far.std[at])

@@ -34,17 +34,17 @@ def test_jacobians_are_exact(setup: Any, name: str, augmented: bool) -> None:
     """F and H against complex steps through equations run by NumPy, to 1e-12 of the largest entry of a row."""
     estimated = ESTIMATED.get(name, []) if augmented else []
     hand = setup(name, SENSORS[name], estimated=estimated)
-    kalman, eq = hand.kalman, hand.kalman.equations
-    base = dict(zip(kalman.base.states, POINTS[name][0]))
+    kalman, eq = hand.kalman, hand.kalman.design.equations
+    base = dict(zip(kalman.design.base.states, POINTS[name][0]))
     x = np.array([base.get(s, np.log(hand.values[s[4:]]) if s[:4] == "log_" else 0.05) for s in kalman.model.states])
     u0, u1 = (np.array(p) for p in POINTS[name][1:])
-    joint = np.concatenate([x, np.zeros(kalman.layout.joint - x.size)])
+    joint = np.concatenate([x, np.zeros(kalman.design.layout.joint - x.size)])
     evaluate = ca.Function(
         "all",
         [eq.joint, eq.u0, eq.u1, eq.T, eq.p],
         [eq.advanced, ca.densify(eq.transition), eq.shown, ca.densify(eq.sensitivity)],
     )
-    got = [m.full() for m in evaluate(joint, u0, u1, 0.8, kalman.constants[kalman.layout.constants["p"]])]
+    got = [m.full() for m in evaluate(joint, u0, u1, 0.8, kalman.design.p)]
     wanted = [
         hand.advance(x, u0, u1, 0.8)[:, None],
         hand.transition(x, u0, u1, 0.8),
@@ -58,11 +58,11 @@ def test_jacobians_are_exact(setup: Any, name: str, augmented: bool) -> None:
 def test_the_effect_of_a_noise_is_exact(setup: Any) -> None:
     """Noise that drives and shows is an unknown of its own; its columns against complex steps."""
     hand = setup("waved", SENSORS["waved"], driving={"w": 0.01})
-    kalman, eq = hand.kalman, hand.kalman.equations
+    kalman, eq = hand.kalman, hand.kalman.design.equations
     x, u0, u1 = (np.array(p) for p in POINTS["waved"])
     w = np.array([0.002])
     evaluate = ca.Function("all", [eq.joint, eq.u0, eq.u1, eq.T, eq.p], [eq.transition, eq.sensitivity])
-    p = kalman.constants[kalman.layout.constants["p"]]
+    p = kalman.design.p
     F, H = (m.full() for m in evaluate(np.concatenate([x, w]), u0, u1, 0.8, p))
     both = np.array([0.0, w[0]])
     assert F[:, 3] == pytest.approx(hand.effect(x, u0 + both, u1 + both, 0.8)[:, 1], rel=1e-12)

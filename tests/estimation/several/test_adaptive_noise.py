@@ -83,7 +83,7 @@ def test_levels_that_are_never_left_are_a_choice_between_filters(
         quiet.filter(calm),
         ExtendedKalmanFilter(MODEL, model_noise=False, noise={"drift": "0.03 m/s^1.5"}).filter(calm),
     ]
-    told = np.array([np.cumsum(r._out[:, r.filter.layout.full["ll"]].ravel()) for r in alone])
+    told = np.array([np.cumsum(r.out[:, r.design.layout.full["ll"]].ravel()) for r in alone])
     weight = np.exp(told - told.max(axis=0))
     weight /= weight.sum(axis=0)
     np.testing.assert_allclose(mixed.probabilities, weight.T, rtol=1e-6, atol=1e-9)
@@ -136,9 +136,11 @@ def test_missing_samples_and_outliers(adaptive: AdaptiveFilter, record: dict[str
     assert abs(run["place"][125] - record["truth"][125]) < 10
 
 
-def test_what_a_mixture_cannot_do(adaptive: AdaptiveFilter, record: dict[str, np.ndarray]) -> None:
+def test_what_a_mixture_cannot_do(
+    quiet: ExtendedKalmanFilter, adaptive: AdaptiveFilter, record: dict[str, np.ndarray]
+) -> None:
     with pytest.raises(UsageError, match="has no smoother"):
-        adaptive.filter(record).smooth()
+        quiet.smooth(adaptive.filter(record))
 
 
 def test_what_does_not_fit_is_said(quiet: ExtendedKalmanFilter) -> None:

@@ -58,10 +58,10 @@ def test_what_one_estimates_is_an_input_of_the_next(pair: Cascade, record: dict[
     assert pair.passed == {"yaw": {}, "position": {"psi": "yaw", "r": "yaw"}}
     run = pair.filter(record)
     assert list(run) == ["yaw", "position"]
-    alone = pair.plain["yaw"].filter(record)
+    alone = pair.filters["yaw"].filter(record)
     np.testing.assert_array_equal(run["yaw"].x, alone.x)
     thinned = {n: c[::5] for n, c in (record | {"psi": alone["psi"], "r": alone["r"]}).items()}
-    by_hand = pair.plain["position"].filter(thinned)
+    by_hand = pair.filters["position"].filter(thinned)
     np.testing.assert_array_equal(run["position"].t, record["t"][::5])
     np.testing.assert_array_equal(run["position"].x, by_hand.x)
     late = run["position"].t > 250
@@ -150,7 +150,7 @@ def test_results(pair: Cascade, record: dict[str, np.ndarray]) -> None:
 
 
 def test_what_does_not_fit_is_said(yaw: ExtendedKalmanFilter, pair: Cascade, record: dict[str, np.ndarray]) -> None:
-    plain = pair.plain["position"]
+    plain = pair.filters["position"]
     with pytest.raises(UsageError, match="at least one filter"):
         Cascade({})
     with pytest.raises(UnknownNameError, match=r"'postion'.*position"):

@@ -10,9 +10,9 @@ from scipy.linalg import expm
 from scipy.signal import lfilter
 
 import shipid
-from shipid.estimation.errors import NotMeasurableError
 from shipid.estimation.several.noise_level import LevelEstimator
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.generation.simulator import UnstatedInputError
 from shipid.models import AdaptiveYaw, ColouredWaves, Compass, Gyro, PlanarMotion, WaveLevel
 from shipid.parameters.parameter_set import Value
 
@@ -166,7 +166,7 @@ def test_what_cannot_be_a_level_is_refused(yaw):
     with pytest.raises(UnknownNameError, match="level of model wave-level called 'height'"):
         LevelEstimator(WaveLevel, "height")
     estimator = LevelEstimator(WaveLevel)
-    with pytest.raises(NotMeasurableError, match="reads 'r'"):
+    with pytest.raises(UnstatedInputError, match="reads 'r'"):
         estimator.estimate({"t": np.arange(3.0)})
     with pytest.raises(UsageError, match="goes back"):
         estimator.estimate({"t": np.array([0.0, 1.0, 0.5]), "r": np.zeros(3)})

@@ -65,7 +65,7 @@ def test_the_truth_comes_back_with_five_percent_outliers(sail, truth_of):
             found.append([fit.parameters[n].value / truth[n] - 1 for n in NAMES])
             if loss == "linear":
                 continue
-            assert f"{loss} loss" in fit.method and fit.to_dict(bands=False)["loss"] == loss
+            assert f"{loss} loss" in fit.method and fit.to_dict()["loss"] == loss
             for n in NAMES:
                 # Four standard deviations, seeds fixed.
                 assert abs(fit.parameters[n].value - truth[n]) < 4 * fit.parameters[n].std, (loss, n)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from shipid import Component, Model, given, join, parameter, state
+from shipid import Component, Model, Trial, find_model, given, join, parameter, simulate, state
 
 TRUTH = np.array([0.95, 0.08])
 
@@ -41,3 +41,9 @@ def noisy() -> Callable[..., dict[str, np.ndarray]]:
         return {"t": k.astype(float), "v": v, "y": y + sigma * np.random.default_rng(seed).standard_normal(count)}
 
     return make
+
+
+@pytest.fixture(scope="session")
+def trial() -> Trial:
+    """A noisy zig-zag of the ship the yaw filter was made for."""
+    return simulate(find_model("de-keizer"), "soesterberg", "zigzag:15/15", noise={"r": "0.02 deg/s", "u": "0.05 m/s"})

@@ -10,10 +10,12 @@ import pytest
 import shipid
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.identification.errors import NotRegressableError
+from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import make_problem
-from shipid.identification.problem.trial_data import prepare, unknown_biases
+from shipid.identification.problem.signals import unknown_biases
+from shipid.identification.problem.trial_data import prepare
 from shipid.identification.search.equation_error import instrumental_variables, least_squares
-from shipid.identification.search.least_squares import Box, minimise
+from shipid.identification.search.least_squares import minimise
 from shipid.identification.search.multiple_shooting import shoot
 from shipid.identification.search.regression import make_regression, make_window
 from shipid.identification.search.trust_region import search
@@ -176,7 +178,7 @@ def test_the_rescue_is_climbed_where_output_error_runs_away(sail, truth_of):
     assert fit.converged and fit.method.startswith("multiple shooting, finished by output error on psi, r")
     for name in fit.estimated:
         assert abs(fit.parameters[name].value - truth[name]) < 4 * fit.parameters[name].std, name
-    tried = json.loads(json.dumps(fit.to_dict(bands=False), allow_nan=False))["ladder"]
+    tried = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["ladder"]
     assert [set(r) for r in tried] == [{"method", "cost", "converged", "used", "reason", "evaluations"}] * 2
     assert "tried     multiple-shooting (cost" in repr(fit)
     # The method asked for alone is not rescued.

@@ -13,7 +13,7 @@ from shipid.generation.loop import make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.identification.identify import identify
-from shipid.identification.search.least_squares import box_of
+from shipid.identification.problem.box import box_of
 from shipid.identification.search.prediction_error import fit_levels
 
 TRUTH = {"K": 0.063, "tau": 40.0}
@@ -59,8 +59,8 @@ def fitted():
     rows = []
     for seed in range(12):
         fit = identify("nomoto", [gusty(seed)], ship="soesterberg", starts=1)
-        problem = dataclasses.replace(fit._problem)
-        start = fit._solution.q[: len(problem.estimated)]
+        problem = dataclasses.replace(fit.identified.problem)
+        start = fit.identified.solution.parameters
         box = box_of({n: (float(s), 1e-3 * float(s), 1e3 * float(s)) for n, s in zip(problem.estimated, start)})
         rows.append((problem.estimated, start, fit_levels(problem, box, start, LENGTH / SPEED)))
     return rows
@@ -101,7 +101,7 @@ def test_the_purpose_leads_to_it_and_the_result_says_so():
     fit = identify("nomoto", [gusty(1)], ship="soesterberg", starts=1, purpose="filter")
     assert [r.method for r in fit.ladder] == ["output-error", "prediction-error"]
     assert fit.ladder[-1].used and "prediction error" in fit.method
-    result = fit.to_dict(bands=False)
+    result = fit.to_dict()
     level = result["filter_noise"]["process"]["r"]
     assert level["unit"] == "rad/s/s^0.5" and level["density"] == pytest.approx(NOISE["r"], rel=0.3)
     assert "drives r" in repr(fit)

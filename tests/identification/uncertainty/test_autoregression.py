@@ -1,14 +1,14 @@
-"""The colour of residuals against closed forms, and the covariance it gives against simulated noise."""
+"""The autoregression of residuals against closed forms, and the covariance it gives against simulated noise."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.linalg import toeplitz
+from scipy.linalg import solve_discrete_lyapunov, toeplitz
 from scipy.signal import lfilter
 
-from shipid.identification.uncertainty.autoregression import Colour, colour_of, corrected
-from shipid.identification.uncertainty.covariance import _gathered
+from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.uncertainty.covariance import gathered
 
 
 def first_order(phi: float, count: int, seed: int) -> np.ndarray:
@@ -16,29 +16,93 @@ def first_order(phi: float, count: int, seed: int) -> np.ndarray:
     return lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], noise)[500:]
 
 
+#: Two signals, of which the first drives the second: A(1), A(2) and the covariance of what drives both.
+COUPLED = np.array([[[0.7, 0.0], [0.4, 0.5]], [[0.1, -0.2], [0.3, 0.1]]])
+DRIVE = np.array([[1.0, 0.3], [0.3, 0.5]])
+
+
+def coupled(count: int, seed: int) -> np.ndarray:
+    """The residuals that the definition of the autoregression gives, shape (2, count)."""
+    driven = np.random.default_rng(seed).standard_normal((count + 500, 2)) @ np.linalg.cholesky(DRIVE).T
+    for t in range(2, len(driven)):
+        driven[t] += COUPLED[0] @ driven[t - 1] + COUPLED[1] @ driven[t - 2]
+    return driven[500:].T
+
+
+def coupled_covariance(count: int) -> np.ndarray:
+    """Their covariance, shape (2, count, 2, count): Lyapunov's equation of the pair of samples (e(t), e(t - 1))."""
+    step = np.block([[COUPLED[0], COUPLED[1]], [np.eye(2), np.zeros((2, 2))]])
+    both = solve_discrete_lyapunov(step, np.kron(np.diag([1.0, 0.0]), DRIVE))
+    lags = [(np.linalg.matrix_power(step, k) @ both)[:2, :2] for k in range(count)]
+    whole = np.empty((2, count, 2, count))
+    for late in range(count):
+        for early in range(late + 1):
+            whole[:, late, :, early] = lags[late - early]
+            whole[:, early, :, late] = lags[late - early].T
+    return whole
+
+
 def test_white_residuals_are_of_order_zero():
     rng = np.random.default_rng(1)
-    orders = [colour_of(rng.standard_normal((3, 500))).order for _ in range(100)]
+    orders = [autoregression_of(rng.standard_normal((3, 500))).order for _ in range(100)]
     assert np.mean(np.array(orders) > 0) <= 0.02
 
 
 def test_a_first_order_process_is_found():
-    colour = colour_of(np.array([first_order(0.9, 20_000, 2)]))
+    found = autoregression_of(np.array([first_order(0.9, 20_000, 2)]))
     # The standard error of the coefficient is sqrt((1 - phi^2) / N) = 0.003.
-    assert colour.order == 1
-    assert colour.steps[0, 0, 0] == pytest.approx(0.9, abs=0.012)
+    assert found.order == 1
+    assert found.steps[0, 0, 0] == pytest.approx(0.9, abs=0.012)
 
 
 def test_the_spectrum_gives_the_covariance_matrix():
     """J'CJ and CJ with C the Toeplitz matrix of phi^|k|, two signals that are independent."""
     phi, count = 0.8, 200
     c = toeplitz(phi ** np.arange(count))
-    colour = Colour(np.array([np.diag([phi, 0.0])]), np.diag([1 - phi**2, 4.0]))
+    found = Autoregression(np.array([np.diag([phi, 0.0])]), np.diag([1 - phi**2, 4.0]))
     jacobian = np.random.default_rng(3).standard_normal((2, count, 3))
     wanted = jacobian[0].T @ c @ jacobian[0] + 4.0 * jacobian[1].T @ jacobian[1]
-    shaped = colour.shaped(jacobian)
+    shaped = found.shaped(jacobian)
     assert shaped.T @ shaped == pytest.approx(wanted, rel=1e-8)
-    assert colour.spread(jacobian)[0] == pytest.approx(c @ jacobian[0], rel=1e-8)
+    assert found.spread(jacobian)[0] == pytest.approx(c @ jacobian[0], rel=1e-8)
+
+
+def test_signals_that_drive_each_other_have_the_covariance_of_lyapunov():
+    count = 240
+    c = coupled_covariance(count)
+    colour = Autoregression(COUPLED, DRIVE)
+    jacobian = np.random.default_rng(4).standard_normal((2, count, 3))
+    shaped = colour.shaped(jacobian)
+    assert shaped.T @ shaped == pytest.approx(np.einsum("inp,injm,jmq->pq", jacobian, c, jacobian), rel=1e-8)
+    assert colour.spread(jacobian) == pytest.approx(np.einsum("injm,jmq->inq", c, jacobian), rel=1e-8, abs=1e-8)
+
+
+def test_signals_that_drive_each_other_are_found():
+    colour = autoregression_of(coupled(40_000, 5))
+    assert colour.order == 2
+    # The standard errors of the coefficients, of which this is four, are 0.008 at the most (Luetkepohl 2005, 3.2).
+    assert colour.steps == pytest.approx(COUPLED, abs=0.03)
+    assert colour.drive == pytest.approx(DRIVE, abs=0.03)
+
+
+def test_no_more_past_samples_are_taken_than_there_are():
+    """Four signals of first order: a second past sample has 16 numbers, which reach 16 log(500) once in 10^13 times."""
+    found = [
+        autoregression_of(np.array([first_order(0.6, 500, 4 * seed + k) for k in range(4)])).order for seed in range(60)
+    ]
+    assert found == [1] * 60
+
+
+def test_of_signals_that_drive_each_other_everything_is_put_back():
+    """Unknowns for every sample leave no residual: what is put back is the whole covariance, but for the ends."""
+    count = 400
+    everything = np.eye(2 * count).reshape(2, count, 2 * count)
+    colour = Autoregression(COUPLED, DRIVE)
+    shaped = colour.shaped(everything)
+    found = corrected(colour, np.zeros((2, count)), everything, np.eye(2 * count), shaped.T @ shaped)
+    # A lag of k samples is an average of N - k products over N.
+    assert found.steps == pytest.approx(COUPLED, abs=0.02)
+    assert found.drive == pytest.approx(DRIVE, abs=0.03)
 
 
 def test_what_a_fit_took_up_is_put_back():
@@ -53,12 +117,12 @@ def test_what_a_fit_took_up_is_put_back():
         noise = first_order(phi, count, seed)
         residual = np.array([noise - slow @ (flat @ (slow.T @ noise))])
         jacobian = slow[None]
-        colour = colour_of(residual)
-        plain.append(np.square(colour.shaped(jacobian)).sum(axis=0)[0])
+        found = autoregression_of(residual)
+        plain.append(np.square(found.shaped(jacobian)).sum(axis=0)[0])
         for _ in range(3):
-            shaped = colour.shaped(jacobian)
-            colour = corrected(colour, residual, jacobian, flat, flat @ shaped.T @ shaped @ flat)
-        mended.append(np.square(colour.shaped(jacobian)).sum(axis=0)[0])
+            shaped = found.shaped(jacobian)
+            found = corrected(found, residual, jacobian, flat, flat @ shaped.T @ shaped @ flat)
+        mended.append(np.square(found.shaped(jacobian)).sum(axis=0)[0])
     true = float(slow[:, 0] @ toeplitz(phi ** np.arange(count)) @ slow[:, 0])
     assert np.mean(plain) < 0.8 * true
     # 60 spectra of 400 samples scatter by some 5 % in their mean.
@@ -67,22 +131,22 @@ def test_what_a_fit_took_up_is_put_back():
 
 @pytest.mark.parametrize("residual", [np.zeros((2, 100)), np.full((2, 100), np.inf), np.ones((1, 4))])
 def test_residuals_that_say_nothing(residual):
-    assert colour_of(residual).order == 0
+    assert autoregression_of(residual).order == 0
 
 
-def test_a_colour_that_would_not_die_out_is_not_stable():
-    assert not Colour(np.array([[[1.01]]]), np.eye(1)).stable
-    assert not Colour(np.array([[[0.5]]]), -np.eye(1)).stable
-    assert Colour(np.array([[[0.5]], [[0.4]]]), np.eye(1)).stable
+def test_an_autoregression_that_does_not_die_out_is_not_stable():
+    assert not Autoregression(np.array([[[1.01]]]), np.eye(1)).stable
+    assert not Autoregression(np.array([[[0.5]]]), -np.eye(1)).stable
+    assert Autoregression(np.array([[[0.5]], [[0.4]]]), np.eye(1)).stable
 
 
 def test_long_records_are_gathered_without_loss_where_a_ship_answers():
     rng = np.random.default_rng(6)
     t = np.linspace(0, 1, 4321)
     slow = np.stack([np.sin(2 * np.pi * 5 * t), np.cos(2 * np.pi * 3 * t)], axis=1)[None]
-    gathered = _gathered(slow, 4)
-    assert gathered.shape == (1, 1081, 2)
-    assert gathered[0].T @ gathered[0] == pytest.approx(slow[0].T @ slow[0], rel=1e-3, abs=1)
+    sums = gathered(slow, 4)
+    assert sums.shape == (1, 1081, 2)
+    assert sums[0].T @ sums[0] == pytest.approx(slow[0].T @ slow[0], rel=1e-3, abs=1)
     noise = rng.standard_normal((1, 4321))
-    assert np.mean(_gathered(noise, 4) ** 2) == pytest.approx(1, abs=0.1)
-    assert _gathered(noise, 1) is noise
+    assert np.mean(gathered(noise, 4) ** 2) == pytest.approx(1, abs=0.1)
+    assert gathered(noise, 1) is noise

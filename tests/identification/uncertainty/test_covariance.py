@@ -3,13 +3,24 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
+from scipy.signal import lfilter
+from scipy.stats import linregress, multivariate_normal, norm
 
 import shipid
+from shipid import Component, given, parameter, state
+from shipid.identification.problem.box import box_of
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.prior import Prior, prior_of
+from shipid.identification.problem.trial_data import prepare
+from shipid.identification.search.least_squares import minimise
+from shipid.identification.search.solution import Solution
 from shipid.identification.search.trust_region import triangle
-from shipid.identification.uncertainty.covariance import autocorrelation_time, correlation_of, verdict
+from shipid.identification.uncertainty.covariance import autocorrelation_time, correlation_of, covariance_of, verdict
 
 
 @pytest.mark.parametrize("phi", [0.5, 0.9, 0.97])
@@ -67,6 +78,167 @@ def test_verdicts():
     assert "90% of its value" in verdict(0.1, 0.09, 1.0, 0.01, 10.0, ""), "one that must be positive has no zero"
 
 
+@pytest.mark.parametrize("strength", [1.0, 7.0])
+def test_without_data_the_uncertainty_is_that_of_the_belief(drift, drifting, strength):
+    """The rudder rests amidships and shows no gain; how many samples outvote the belief does not make it surer."""
+    trial, _ = drifting(np.deg2rad(0.5), 100, seed=1, rudder=0.0)
+    sailed, sigma = prepare(drift, trial, ("psi",), None), np.array([np.deg2rad(0.5)])
+    problem = make_problem(drift, [sailed], ("psi",), ("gain", "swing"), {}, sigma, ())
+    prior = Prior({}, {}, {}, {}, parameters={"gain": (0.1, 0.02)}, strength=strength)
+    box = box_of({"gain": (0.3, -10, 10), "swing": (0.0, -1, 1)})
+    found = minimise(replace(problem, prior=prior), problem.first_guess(box.start), box, most=50)
+    assert found.q[0] == pytest.approx(0.1)
+    assert np.sqrt(covariance_of(found).matrix[0, 0]) == pytest.approx(0.02, rel=1e-6)
+
+
+def test_weights_three_times_too_small_make_nothing_surer(drift, drifting):
+    """One signal: its residuals say how large its noise is, whatever weight it was given, and how many samples count."""
+    sigma, phi = np.deg2rad(0.5), 0.8
+    trial, design = drifting(sigma, 400, seed=6)
+    noise = lfilter([np.sqrt(1 - phi**2)], [1.0, -phi], np.random.default_rng(7).standard_normal(900))[500:]
+    found = []
+    for given_ in (sigma, 3 * sigma):
+        problem = make_problem(
+            drift, [prepare(drift, trial, ("psi",), None)], ("psi",), ("gain", "swing"), {}, np.array([given_]), ()
+        )
+        q = problem.first_guess(np.array([0.05, 1e-4]))
+        solution = Solution(problem, q, sigma * noise / given_, design / given_, True, "", 1)
+        found.append(covariance_of(solution))
+    assert found[1].matrix == pytest.approx(found[0].matrix, rel=1e-9)
+    assert found[1].effective == pytest.approx(found[0].effective, rel=1e-9)
+    assert found[1].effective[0, 0] < 0.5
+
+
+def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, drifting):
+    trial, _ = drifting(np.deg2rad(0.5), 100, seed=2)
+    sailed = prepare(drift, trial, ("psi",), None, first=25)
+    line = linregress(trial["t"][:25], trial["psi"][:25])
+    assert sailed.start["psi"] == pytest.approx(line.intercept, rel=1e-9)
+    assert sailed.start_std["psi"] == pytest.approx(line.intercept_stderr, rel=1e-9)
+
+
+class Steered(Component):
+    """Yaw and surge with a disturbance that nobody measures; two coefficients in the prime system, one without a unit."""
+
+    psi = state("rad", "heading", wraps=True)
+    r = state("rad/s", "rate of turn")
+    w = state("rad/s", "what waves add to the rate", nominal="0.2 deg/s")
+    u = state("m/s", "forward speed")
+    delta = given("rad", "rudder angle")
+    cruise = given("m/s", "speed on a straight course")
+    K = parameter("1/s", "gain", start=1.0, low=0.02, high=50.0, prime=True, spread=0.3)
+    tau = parameter("s", "time constant", start=1.5, low=0.02, high=50.0, prime=True, spread=0.4)
+    share = parameter("1", "time constant of yaw over that of surge", start=0.5, low=0.01, high=2.0, spread=0.1)
+
+    @psi.rate
+    def heading(self):
+        """By definition."""
+        return self.r + self.w
+
+    @r.rate
+    def yaw(self):
+        """Nomoto's first order."""
+        return (self.K * self.delta - self.r) / self.tau
+
+    @w.rate
+    def waves(self):
+        """Made up: it dies out."""
+        return -self.w / self.tau
+
+    @u.rate
+    def surge(self):
+        """Made up: it goes back to the speed of the approach."""
+        return self.share * (self.cruise - self.u) / self.tau
+
+
+@pytest.fixture(scope="module")
+def steered():
+    """The model, and a trial whose first two thirds are its approach: the ship gathers speed, with noise on it."""
+    model, t = shipid.join("steered", Steered), np.arange(600.0)
+
+    def sailed(seed: int, noise: float = 0.1):
+        speed = 5.0 + 5e-4 * t + noise * np.random.default_rng(seed).standard_normal(t.size)
+        delta = np.where(t < 400, 0.0, np.deg2rad(20))
+        table = {"t [s]": t, "psi [rad]": 1e-3 * t, "r [rad/s]": 1e-3 + 0 * t, "u [m/s]": speed, "delta [rad]": delta}
+        return prepare(model, shipid.Trial.from_frame(pd.DataFrame(table), name=f"t{seed}"), ("psi", "r", "u"), None)
+
+    return model, sailed
+
+
+def test_the_speed_of_the_approach_is_as_sure_as_a_median(steered):
+    """The variance of a median is pi/2 of that of a mean; that the ship gathers speed does not count as noise."""
+    _, sailed = steered
+    found = [sailed(seed).cruise_std for seed in range(20)]
+    assert np.mean(found) == pytest.approx(np.sqrt(np.pi / 2) * 0.1 / np.sqrt(400), rel=0.03)
+
+
+def test_beliefs_scale_with_the_ship(steered):
+    """A ship six times as long at twice the speed, in times three times as long: the same beliefs in the prime system."""
+    model, sailed = steered
+    one = sailed(1)
+    other = replace(one, speed=2 * one.speed, intervals=3 * one.intervals)
+    names, biases = ("psi", "r", "u"), ("delta", "cruise")
+    first, second = (
+        prior_of(model, names, biases, s, unit_time, model.parameters) for s, unit_time in ((one, 9.0), (other, 27.0))
+    )
+    assert second.strength == pytest.approx(first.strength) and first.strength > 2
+    assert (second.biases, second.mean_biases) == (first.biases, first.mean_biases)
+    assert second.own["cruise"] == pytest.approx(2 * first.own["cruise"])
+    for state_, factor in {"psi": 1, "r": 1 / 3, "u": 2}.items():
+        assert second.initial[state_] == pytest.approx(factor * first.initial[state_])
+    for coefficient, factor in {"K": 1 / 3, "tau": 3, "share": 1}.items():
+        assert second.parameters[coefficient] == pytest.approx(np.array(first.parameters[coefficient]) * factor)
+    # By the declaration, with L = 9 s times the speed of about 5 m/s.
+    assert first.parameters["tau"] == pytest.approx((1.5 * 9, 0.4 * 9))
+
+
+def test_beliefs_cost_what_normal_densities_say(steered):
+    """Rudder biases of three trials share a mean; the second trial begins in the middle of a manoeuvre."""
+    model, sailed = steered
+    trials = [sailed(seed) for seed in range(3)]
+    trials = [
+        replace(s, start_std=dict(zip(model.states, 1e-3 * (1 + i + np.arange(4.0)))), settled=i != 1)
+        for i, s in enumerate(trials)
+    ]
+    parameters = {"K": (0.1, 0.03), "tau": (20.0, 4.0)}
+    prior = Prior(
+        {"delta": 0.002}, {"delta": 0.05}, {"cruise": 0.03}, {"r": 0.001, "w": 0.004}, parameters, strength=9.0
+    )
+    problem = make_problem(
+        model, trials, ("psi", "r", "u"), ("K", "tau"), {"share": 0.5}, np.ones(3), ("delta", "cruise")
+    )
+    problem = replace(problem, prior=prior)
+    mean = problem.first_guess(np.array([0.1, 20.0]))
+    moved = mean + 0.01 * np.random.default_rng(4).standard_normal(mean.size)
+    offset = moved - mean
+    own = np.array([offset[problem.own(i)] for i in range(3)])
+    initial = {name: own[:, k] for k, name in enumerate(problem.initial)}
+    delta, cruise = own[:, len(problem.initial)], own[:, len(problem.initial) + 1]
+
+    common = 0.05**2 * np.ones((3, 3)) + 0.002**2 * (np.eye(3) - np.ones((3, 3)) / 3)
+    density = multivariate_normal(np.zeros(3), common)
+    logarithm = density.logpdf(delta) - density.logpdf(np.zeros(3))
+    for i, s in enumerate(trials):
+        # Of a trial without a steady beginning twenty times less is believed, but of what is measured there.
+        far, at = 1.0 if s.settled else 20.0, s.start_std
+        for deviation, believed, noise in (
+            (cruise[i], 0.03 * far, s.cruise_std),
+            (initial["r"][i], 0.001, at["r"]),
+            (initial["w"][i], 0.004 * far, at["w"]),
+        ):
+            # Beliefs count ninefold, sensor noise once.
+            spread = np.hypot(believed, 3.0 * noise)
+            logarithm += norm.logpdf(deviation, 0.0, spread) - norm.logpdf(0.0, 0.0, spread)
+    for k, (_, spread) in enumerate(parameters.values()):
+        logarithm += norm.logpdf(offset[k], 0.0, spread) - norm.logpdf(0.0, 0.0, spread)
+
+    residual, slope = problem.prior_residuals(moved, prior)
+    assert 0.5 * residual @ residual == pytest.approx(-9.0 * logarithm, rel=1e-9)
+    least, _ = problem.prior_residuals(mean, prior)
+    assert least == pytest.approx(np.zeros_like(least), abs=1e-9)
+    assert slope @ offset == pytest.approx(residual - least, rel=1e-9, abs=1e-9)
+
+
 def test_a_coefficient_without_influence_is_not_determined(sail):
     """The sway constant shows in nothing but sway and track."""
     trial = sail("de-keizer", "soesterberg")
@@ -91,7 +263,7 @@ def test_intervals_widen_when_the_model_is_wrong(sail):
     """Nomoto on a cubic ship: residuals are not white, and an interval that counts every sample would be too narrow."""
     trial = sail("norrbin", "zeefakkel", seed=4)
     wrong = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=2)
-    jacobian = wrong._solution.jacobian
+    jacobian = wrong.identified.solution.jacobian
     naive = np.sqrt(np.linalg.inv(jacobian.T @ jacobian)[0, 0])
     assert wrong.parameters["K"].std > 3 * naive
 

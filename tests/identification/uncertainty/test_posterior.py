@@ -6,50 +6,23 @@ import json
 import sys
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import shipid
-from shipid import Component, given, parameter, state
 from shipid.foundation.errors import UsageError
 from shipid.identification.errors import PosteriorError
 
 pytest.importorskip("emcee")
 
-
-class Drift(Component):
-    """A rate of turn that is a multiple of the rudder and a constant: linear in both coefficients."""
-
-    psi = state("rad", "heading", wraps=True)
-    delta = given("rad", "rudder angle")
-    gain = parameter("1/s", "rate of turn per rudder angle", start=0.1, low=-10, high=10)
-    swing = parameter("rad/s", "rate of turn without rudder", start=0.001, low=-1, high=1)
-
-    @psi.rate
-    def turn(self):
-        """Made up for its closed form."""
-        return self.gain * self.delta + self.swing
-
-
 SIGMA, COUNT = np.deg2rad(0.5), 240
 
 
 @pytest.fixture(scope="module")
-def linear():
+def linear(drift, drifting):
     """A fit whose posterior is a normal density: heading = psi0 + gain * integral of delta + swing * t, white noise."""
-    t = np.arange(COUNT, dtype=float)
-    delta = np.deg2rad(10) * np.sign(np.sin(2 * np.pi * t / 60))
-    # Between samples the rudder runs straight: the integral is the trapezoid's.
-    turned = np.concatenate([[0.0], np.cumsum(0.5 * (delta[1:] + delta[:-1]))])
-    design = np.column_stack([turned, t, np.ones(COUNT)])
-    rng = np.random.default_rng(11)
-    psi = design @ np.array([0.05, 1e-4, 0.0]) + SIGMA * rng.standard_normal(COUNT)
-    table = pd.DataFrame({"t [s]": t, "delta [rad]": delta, "psi [rad]": psi, "u [m/s]": np.full(COUNT, 5.0)})
-    trial = shipid.Trial.from_frame(table, name="linear")
-    model = shipid.join("drift", Drift)
-    fit = shipid.identify(
-        model, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"], check=False
-    )
+    trial, design = drifting(SIGMA, COUNT, seed=11)
+    fit = shipid.identify(drift, [trial], noise={"psi": (SIGMA, "rad")}, rudder_bias=False, signals=["psi"])
+    psi = trial["psi"]
     covariance = SIGMA**2 * np.linalg.inv(design.T @ design)
     mean = covariance @ design.T @ psi / SIGMA**2
     return fit, mean[:2], np.sqrt(np.diag(covariance))[:2]
@@ -62,8 +35,8 @@ def drawn(linear):
 
 def test_against_the_closed_form(linear, drawn):
     fit, mean, spread = linear
-    assert drawn.names == ("gain", "swing") and fit._problem.size == 3
-    assert np.array(fit._solution.q[:2]) == pytest.approx(mean, rel=1e-6)
+    assert drawn.names == ("gain", "swing") and fit.identified.problem.size == 3
+    assert fit.identified.solution.parameters == pytest.approx(mean, rel=1e-6)
     assert drawn.mixed
     # So many independent draws tell a mean to 1/sqrt(n) and a standard deviation to 1/sqrt(2n) of it; four of those.
     few = drawn.independent.min()

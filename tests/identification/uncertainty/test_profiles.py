@@ -12,7 +12,7 @@ from scipy.signal import lfilter
 import shipid
 from shipid import Component, given, parameter, state
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.identification.uncertainty.directions import _sparse
+from shipid.identification.uncertainty.directions import sparse_basis
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def test_a_coefficient_that_no_data_have_seen_has_an_open_interval(sail):
     profile = fit.profile("gamma", points=9)
     assert profile.ci95 == (None, None)
     assert "open" in repr(profile)
-    (direction,) = fit.directions
+    (direction,) = shipid.assess(fit, bands=False, findings=False).assessment.directions
     assert direction.parameters == {"gamma": 1.0} and direction.relative_std is None
     assert "does not show" in direction.words and "sway speed" in direction.words
 
@@ -54,8 +54,10 @@ def test_what_cannot_be_profiled_is_said(fit, sail):
 
 
 def test_a_determined_fit_has_no_direction_to_speak_of(fit):
-    assert fit.directions == ()
-    assert fit.to_dict(bands=False)["diagnostics"]["directions"] == []
+    assert fit.to_dict()["diagnostics"]["directions"] is None
+    assessed = shipid.assess(fit, bands=False, findings=False)
+    assert assessed.assessment.directions == ()
+    assert assessed.to_dict()["diagnostics"]["directions"] == []
 
 
 class TwoGains(Component):
@@ -76,7 +78,7 @@ class TwoGains(Component):
 def test_a_structure_that_hides_a_coefficient_is_seen_through(sail):
     trial = sail("nomoto", "zeefakkel")
     fit = shipid.identify(TwoGains, [trial], ship=shipid.find_ship("zeefakkel"), starts=1)
-    (direction,) = fit.directions
+    (direction,) = shipid.assess(fit, bands=False, findings=False).assessment.directions
     assert direction.parameters == {
         "rudder_gain": pytest.approx(1, abs=0.02),
         "hull_gain": pytest.approx(-1, abs=0.02),
@@ -91,7 +93,8 @@ def test_sway_and_yaw_derivatives_leave_two_directions_open(sail):
     """Four numbers of the transfer function from rudder to heading, six derivatives: two combinations are free."""
     trial = sail("davidson-schiff", "mariner", "zigzag:10/10", sampling="1 s", noise="psi=0.2 deg,r=0.02 deg/s")
     fit = shipid.identify("davidson-schiff", [trial], ship="mariner", signals=["psi", "r"], starts=1)
-    free = [d for d in fit.directions if d.relative_std is None]
+    directions = shipid.assess(fit, bands=False, findings=False).assessment.directions
+    free = [d for d in directions if d.relative_std is None]
     assert len(free) == 2
     assert all("Measure the sway speed" in d.words for d in free)
 
@@ -99,7 +102,7 @@ def test_sway_and_yaw_derivatives_leave_two_directions_open(sail):
 def test_a_small_zigzag_does_not_show_the_cubic(sail):
     trial = sail("norrbin", "zeefakkel", "zigzag:2/2", noise="psi=0.2 deg,r=0.05 deg/s")
     fit = shipid.identify("norrbin", [trial], ship="zeefakkel", signals=["psi"], starts=1)
-    weakest = fit.directions[0]
+    weakest = shipid.assess(fit, bands=False, findings=False).assessment.directions[0]
     assert next(iter(weakest.parameters)) == "b3"
     assert weakest.relative_std > 0.1
     assert "Sail a" in weakest.words and "zig-zag as well" in weakest.words
@@ -109,23 +112,25 @@ def test_sparse_directions_span_the_same_space():
     rng = np.random.default_rng(4)
     wanted = np.array([[1.0, -1, 0, 0, 0], [0, 0, 0, 2, 1]])
     basis = np.linalg.qr((rng.standard_normal((2, 2)) @ wanted).T)[0].T
-    found = _sparse(basis)
+    found = sparse_basis(basis)
     assert sorted(int(np.sum(np.abs(v) > 1e-9)) for v in found) == [2, 2]
     assert np.linalg.matrix_rank(np.vstack([wanted, *found]), tol=1e-9) == 2
 
 
 def test_white_residuals_pass_and_coloured_ones_do_not(fit, sail):
-    assert all(r.white for r in fit.residuals.values())
-    assert all(r.chi_square == pytest.approx(1, abs=0.01) for r in fit.residuals.values())
-    assert all(r.effective == r.samples for r in fit.residuals.values())
+    residuals = shipid.assess(fit, bands=False, findings=False).assessment.residuals
+    assert all(r.white for r in residuals.values())
+    assert all(r.chi_square == pytest.approx(1, abs=0.01) for r in residuals.values())
+    assert all(r.effective == r.samples for r in residuals.values())
     trial = sail("norrbin", "zeefakkel", "zigzag:10/10", noise="none")
     rng, table = np.random.default_rng(5), trial.table.copy()
     for name, level in (("psi", 0.003), ("r", 0.0003)):
         table[name] += level * lfilter([np.sqrt(1 - 0.9**2)], [1, -0.9], rng.standard_normal(len(table)))
     coloured = shipid.identify("norrbin", [replace(trial, table=table)], ship="zeefakkel", starts=1)
-    for r in coloured.residuals.values():
+    coloured = shipid.assess(coloured, bands=False, findings=False)
+    for r in coloured.assessment.residuals.values():
         assert not r.white and r.p_value < 1e-6
         assert r.autocorrelation_time > 5
         assert r.effective < 0.5 * r.samples
-    plain = json.loads(json.dumps(coloured.to_dict(bands=False), allow_nan=False))["diagnostics"]["residuals"]
+    plain = json.loads(json.dumps(coloured.to_dict(), allow_nan=False))["diagnostics"]["residuals"]
     assert set(plain["psi"]) >= {"p_value", "ljung_box", "autocorrelation_time", "chi_square", "effective", "white"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.uncertainty.draws import band_of, box_of_fit, draws_of
+from shipid.identification.uncertainty.draws import band_of, draws_of
 from shipid.identification.validation.bands import manoeuvres_of
 from shipid.identification.validation.closed_loop import helmsman_of
 from shipid.trials.measuring.measure import measure
@@ -20,8 +20,11 @@ KEYS = ("advance_m", "transfer_m", "tactical_diameter_m", "steady_rate_deg_s", "
 @pytest.fixture(scope="module")
 def fit(sail):
     held_out = [sail("de-keizer", "soesterberg", m, seed=i) for i, m in enumerate(("zigzag:10/10", "turn:20"), start=2)]
-    return shipid.identify(
-        "de-keizer", [sail("de-keizer", "soesterberg", seed=1)], ship="soesterberg", starts=1, validate=held_out
+    return shipid.assess(
+        shipid.identify(
+            "de-keizer", [sail("de-keizer", "soesterberg", seed=1)], ship="soesterberg", starts=1, validate=held_out
+        ),
+        findings=False,
     )
 
 
@@ -40,7 +43,7 @@ def test_the_result_has_every_key_and_no_nan(fit):
 
 def test_the_prediction_in_the_band_is_the_one_of_the_fit(fit):
     for c in (*fit.fitted, *fit.validation):
-        assert fit.manoeuvres[c.trial.name].open_loop == pytest.approx(c.predicted_overshoots, abs=1e-9)
+        assert fit.assessment.manoeuvres[c.trial.name].open_loop == pytest.approx(c.predicted_overshoots, abs=1e-9)
 
 
 def test_a_simulated_helmsman_is_read_from_the_record(fit, sail):
@@ -55,7 +58,7 @@ def test_a_simulated_helmsman_is_read_from_the_record(fit, sail):
 
 def test_closed_loop_repeats_the_manoeuvre_of_the_true_ship(fit, sail):
     true = measure(sail("de-keizer", "soesterberg", "zigzag:10/10", noise="none")).overshoots
-    foreseen = fit.manoeuvres["de-keizer-zigzag-10-10"].closed_loop
+    foreseen = fit.assessment.manoeuvres["de-keizer-zigzag-10-10"].closed_loop
     count = min(len(true), len(foreseen)) - 1
     # The reading of an execute is good to a sample, in which this ship turns by 0.3 deg.
     assert np.rad2deg(foreseen[:count]) == pytest.approx(np.rad2deg(true[:count]), abs=0.6)
@@ -64,12 +67,13 @@ def test_closed_loop_repeats_the_manoeuvre_of_the_true_ship(fit, sail):
 def test_the_bands_hold_what_the_truth_would_do_with_the_same_rudder(fit, truth_of):
     inside = []
     for c in fit.validation:
-        manoeuvre = fit.manoeuvres[c.trial.name]
-        problem, truth = fit._problem, truth_of("de-keizer", "soesterberg")
-        values = np.array([truth[n] for n in problem.estimated])
-        exact = replace(fit._solution, q=np.concatenate([values, fit._solution.q[len(values) :]]))
+        manoeuvre = fit.assessment.manoeuvres[c.trial.name]
+        solution, truth = fit.identified.solution, truth_of("de-keizer", "soesterberg")
+        values = np.array([truth[n] for n in fit.estimated])
+        exact = replace(solution, q=np.concatenate([values, solution.q[len(values) :]]))
         same = replace(c, biases={**c.biases, "delta": 0.0})
-        foreseen = manoeuvres_of(replace(fit, validation=(same,), _solution=exact))[c.trial.name]
+        identified = replace(fit.identified, solution=exact)
+        foreseen = manoeuvres_of(identified, [same], draws_of(fit.identified, 2))[c.trial.name]
         pairs = [*zip(foreseen.open_loop, manoeuvre.band95)]
         pairs += [(foreseen.turn[k].predicted, v.band95) for k, v in manoeuvre.turn.items()]
         inside += [band[0] <= value <= band[1] for value, band in pairs]
@@ -80,18 +84,19 @@ def test_the_bands_hold_what_the_truth_would_do_with_the_same_rudder(fit, truth_
 
 def test_bands_can_be_left_out(sail):
     fit = shipid.identify("nomoto", [sail("nomoto", "zeefakkel")], ship="zeefakkel", starts=1)
-    result = fit.to_dict(bands=False)["manoeuvre"]
-    assert set(next(iter(result.values()))) == {"overshoots_deg", "predicted_overshoots_deg"}
-    assert "manoeuvres" not in vars(fit)
+    for unasked in (fit, shipid.assess(fit, bands=False)):
+        result = unasked.to_dict()["manoeuvre"]
+        assert set(next(iter(result.values()))) == {"overshoots_deg", "predicted_overshoots_deg"}
+    assert shipid.assess(fit, bands=False).assessment.manoeuvres is None
 
 
 def test_draws_have_the_covariance_of_the_fit(fit):
-    drawn = draws_of(fit, 512).values
+    drawn = draws_of(fit.identified, 512).values
     seen = [i for i, n in enumerate(fit.estimated) if fit.parameters[n].identifiable]
     spread = np.sqrt(np.diag(fit.covariance))
     # 512 evenly spread draws scatter by a per cent or two; logarithms make the positive ones a little wider.
     assert drawn[:, seen].std(axis=0) == pytest.approx(spread[seen], rel=0.1)
-    box = box_of_fit(fit)
+    box = fit.identified.box
     assert (drawn >= box.low).all() and (drawn <= box.high).all()
 
 
@@ -99,7 +104,7 @@ def test_what_no_data_have_seen_is_drawn_over_its_bounds(sail):
     trial = sail("de-keizer", "soesterberg")
     fit = shipid.identify("de-keizer", [trial], ship="soesterberg", signals=["psi", "r", "u"], starts=1)
     assert fit.parameters["gamma"].std is None
-    drawn = draws_of(fit).values[:, fit.estimated.index("gamma")]
+    drawn = draws_of(fit.identified).values[:, fit.estimated.index("gamma")]
     assert np.isfinite(drawn).all() and drawn.max() > 3 * drawn.min()
     json.dumps(fit.to_dict(), allow_nan=False)
 
@@ -109,7 +114,7 @@ def test_a_model_that_runs_away_has_no_band(sail):
         "norrbin", [sail("norrbin", "zeefakkel", "zigzag:5/5", seed=1)], ship="zeefakkel", fixed={"b3": "-200 s/rad^2"}
     )
     fit = fit.validate([sail("norrbin", "zeefakkel", "turn:35", seed=2)])
-    turn = fit.to_dict()["manoeuvre"]["norrbin-turn-35"]
+    turn = shipid.assess(fit).to_dict()["manoeuvre"]["norrbin-turn-35"]
     assert turn["advance_m"]["measured"] is not None
     assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["band95"] is None
     json.dumps(turn, allow_nan=False)

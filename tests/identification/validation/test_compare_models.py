@@ -9,7 +9,8 @@ import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
-from shipid.identification.validation.compare_models import MEASURES, Rank, Ranking, _tied, compare_models
+from shipid.identification.validation.compare_models import compare_models
+from shipid.identification.validation.ranking import MEASURES, Rank, Ranking, tied_models
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +61,9 @@ def rank(model: str, free: int, shares: tuple[float, ...], reads: int = 1, coeff
 def test_models_tie_by_the_error_of_their_difference():
     """One trial is hard for both: the scatter between trials is large, that of the difference is not."""
     best, worse = rank("one", 5, (0.1, 0.4)), rank("two", 2, (0.15, 0.62))
-    assert _tied([best, worse]) == ("one",)
+    assert tied_models([best, worse]) == ("one",)
     close = rank("three", 2, (0.15, 0.39))
-    assert _tied([best, close]) == ("one", "three")
+    assert tied_models([best, close]) == ("one", "three")
 
 
 def test_of_tied_models_the_one_with_most_beliefs_is_taken():

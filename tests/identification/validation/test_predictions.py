@@ -54,6 +54,20 @@ def test_refitting_the_bias_is_reported_apart(fit, sail):
     assert compared.rmse["psi"] > 5 * compared.refitted["psi"]
 
 
+def test_the_bias_of_a_prediction_is_the_mean_of_the_fitted_trials(sail):
+    """Rudder zeros of 2 and -1 degrees, each fitted in its trial: the next trial is predicted with half a degree."""
+    units = {n: FIELDS[n].unit for n in ("t", "psi", "r", "u", "delta")}
+    trials = []
+    for name, zero in (("first", 2.0), ("second", -1.0)):
+        frame = sail("norrbin", "zeefakkel", seed=1).table[list(units)].copy()
+        frame["delta"] -= np.deg2rad(zero)
+        trials.append(shipid.Trial.from_frame(frame, name=name, units=units))
+    fit = shipid.identify("norrbin", trials, ship="zeefakkel", starts=1)
+    assert np.rad2deg([c.bias for c in fit.fitted]) == pytest.approx([2.0, -1.0], abs=0.1)
+    compared = fit.validate([sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)]).validation[0]
+    assert np.rad2deg(compared.bias) == pytest.approx(0.5, abs=0.1)
+
+
 def test_validation_does_not_change_the_fit(fit, sail):
     after = fit.validate([sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)])
     assert after.parameters == fit.parameters

@@ -1,4 +1,4 @@
-"""The doctor inside an identification: what he found is in the result; nothing is repaired."""
+"""The trials' doctor asked about a fit: what it found is in the result; nothing is repaired."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def mirrored(sail):
 
 def test_a_finding_is_in_the_result_and_nothing_is_repaired(mirrored):
     before = mirrored["delta"].copy()
-    fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1)
-    first = fit.findings[0]
+    fit = shipid.assess(shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1), bands=False)
+    first = fit.assessment.findings[0]
     assert (first.trial, first.role, first.finding.kind) == ("mirrored", "fitted", "rudder-sign")
     assert (fit.fitted[0].trial["delta"] == before).all()
-    found = json.loads(json.dumps(fit.to_dict(bands=False), allow_nan=False))["findings"]
+    found = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["findings"]
     assert found[0]["kind"] == "rudder-sign" and found[0]["trial"] == "mirrored" and found[0]["repair"]
     line = next(x for x in repr(fit).splitlines() if "rudder-sign" in x)
     assert line.startswith("  check     mirrored: rudder-sign (delta")
@@ -34,15 +34,18 @@ def test_a_finding_is_in_the_result_and_nothing_is_repaired(mirrored):
 
 def test_a_trial_kept_apart_is_looked_at_too(sail, mirrored):
     fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", starts=1, validate=[mirrored])
-    assert [(f.role, f.finding.kind) for f in fit.findings] == [("validation", "rudder-sign")]
+    findings = shipid.assess(fit, bands=False).assessment.findings
+    assert [(f.role, f.finding.kind) for f in findings] == [("validation", "rudder-sign")]
 
 
 def test_a_clean_trial_is_not_spoken_of(sail):
     fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", starts=1)
-    assert fit.findings == () and "check" not in repr(fit)
-    assert fit.to_dict(bands=False)["findings"] == []
+    fit = shipid.assess(fit, bands=False)
+    assert fit.assessment.findings == () and "check" not in repr(fit)
+    assert fit.to_dict()["findings"] == []
 
 
 def test_it_can_be_left_out(mirrored):
-    fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1, check=False)
-    assert fit.findings == () and fit.to_dict(bands=False)["findings"] is None
+    fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1)
+    for unasked in (fit, shipid.assess(fit, bands=False, findings=False)):
+        assert unasked.to_dict()["findings"] is None and "check" not in repr(unasked)

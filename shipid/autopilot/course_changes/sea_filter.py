@@ -1,0 +1,65 @@
+"""A wave filter that needs no model of the ship: a notch at the frequency of encounter.
+
+It takes the place of `Measured`. A Kalman filter, which has a model of the ship, takes out more of the waves.
+"""
+
+from __future__ import annotations
+
+from shipid.autopilot.design.control_law import Measured
+from shipid.declaration.quantity import constant, state
+from shipid.foundation.aliases import Expression
+
+#: Damping of the poles of the notch: wide enough for the spread of the waves.
+WIDTH = 0.7
+#: The notch stays this many times above the natural frequency of the heading, where its lag costs little phase.
+ABOVE = 4.0
+
+
+class SeaFiltered(Measured):
+    """Feedback through a notch: heading and rate of turn with the waves taken out."""
+
+    sea_frequency = constant("rad/s", "frequency of encounter the filter is set to", default="0.6 rad/s")
+    sea_depth = constant("1", "setting of the filter: 0 for a calm sea, lets everything pass; 1 takes all", default=1.0)
+    sea_width = constant("1", "damping ratio of the notch", default=WIDTH)
+    psi_swing = state("rad*s^2", "heading by the waves, twice integrated", nominal=0.01)
+    psi_band = state("rad*s", "heading in the band of the waves, integrated", nominal=0.01)
+    r_swing = state("rad*s", "rate of turn by the waves, twice integrated", nominal=0.01)
+    r_band = state("rad", "rate of turn in the band of the waves, integrated", nominal=0.01)
+
+    def band(self, shown: Expression, swing: Expression, moving: Expression) -> Expression:
+        """Return the rate of a band pass, ``s / (s^2 + 2 zeta omega s + omega^2)``.
+
+        Parameters
+        ----------
+        shown, swing, moving : Expression
+            What is filtered, and the two states of the filter.
+        """
+        return shown - 2 * self.sea_width * self.sea_frequency * moving - self.sea_frequency**2 * swing
+
+    @psi_swing.rate
+    def swing_heading(self) -> Expression:
+        """The band pass of the heading."""
+        return self.psi_band
+
+    @psi_band.rate
+    def band_heading(self) -> Expression:
+        """The band pass of the heading."""
+        return self.band(self.psi + self.psi_wave, self.psi_swing, self.psi_band)
+
+    @r_swing.rate
+    def swing_rate(self) -> Expression:
+        """The band pass of the rate of turn."""
+        return self.r_band
+
+    @r_band.rate
+    def band_rate(self) -> Expression:
+        """The band pass of the rate of turn."""
+        return self.band(self.r + self.r_wave, self.r_swing, self.r_band)
+
+    def heading(self) -> Expression:
+        """Return the heading through a notch: 1 less the band, van Amerongen (1982), at the frequency of encounter."""
+        return self.psi + self.psi_wave - 2 * self.sea_depth * self.sea_width * self.sea_frequency * self.psi_band
+
+    def rate(self) -> Expression:
+        """Return the rate of turn through the same notch."""
+        return self.r + self.r_wave - 2 * self.sea_depth * self.sea_width * self.sea_frequency * self.r_band

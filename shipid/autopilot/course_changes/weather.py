@@ -1,0 +1,148 @@
+"""The weather an autopilot is judged in: one wind, one sea, one current, in proportion to the ship.
+
+A ship of 100 m and longer meets a fresh wind and a sea that yaws it; a smaller one meets them smaller by Froude's law, as a ship
+model does. It is a standard for comparison and no forecast: every autopilot meets the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
+from shipid.declaration.scale import Scale
+from shipid.declaration.vocabulary import to_display
+from shipid.parts.environment import Waves, Wind
+
+#: From this length on, in m, the weather is that of the sea.
+_FULL = 100.0
+#: What a model may read of wind, waves and current, in calm.
+CALM: Mapping[str, float] = MappingProxyType({
+    "wind_speed": 0.0, "wind_direction": 0.0, "wave_direction": 0.0, "current_north": 0.0, "current_east": 0.0,
+    "r_disturbance": 0.0, "u_disturbance": 0.0,
+})  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Weather:
+    """Wind, waves and current.
+
+    Attributes
+    ----------
+    wind : float
+        True wind in m/s.
+    wave_frequency : float
+        Frequency of the waves in rad/s.
+    wave_heading : float
+        Root mean square of the heading by the waves, the ship at rest, in rad.
+    current : float
+        In m/s, to the side of the wind.
+    damping : float
+        Damping ratio of the filter that makes waves of white noise.
+    """
+
+    wind: float
+    wave_frequency: float
+    wave_heading: float
+    current: float
+    damping: float = 0.15
+
+    def components(self, model: Model) -> tuple[type[Component], ...]:
+        """Return what is joined to the loop of a model: what it reads of wind, waves and current.
+
+        Parameters
+        ----------
+        model : Model
+            The ship's own model.
+        """
+        wind = (Wind,) if self.wind and "r_disturbance" in model.inputs else ()
+        return (*wind, *((Waves,) if self.wave_heading else ()))
+
+    def inputs(self, direction: np.ndarray) -> dict[str, np.ndarray]:
+        """Return the inputs of each run.
+
+        Parameters
+        ----------
+        direction : ndarray, shape (runs,)
+            Direction wind and waves go to, in rad.
+        """
+        across = direction + np.pi / 2
+        return {
+            "wind_speed": np.full(direction.shape, self.wind),
+            "wind_direction": direction,
+            "wave_direction": direction,
+            "current_north": self.current * np.cos(across),
+            "current_east": self.current * np.sin(across),
+        }
+
+    def values(self, pilot: Autopilot, model: Model, condition: int = 0) -> dict[str, float]:
+        """Return the coefficients of wind and waves that the ship's set does not hold, SI.
+
+        Parameters
+        ----------
+        pilot : Autopilot
+            The design.
+        model : Model
+            Its closed loop with the weather.
+        condition : int
+            Which load condition.
+        """
+        found = {"wave_frequency": self.wave_frequency, "wave_damping": self.damping}
+        ship, length = pilot.ships[condition], pilot.length
+        if ship.particular("L", "m") is None:
+            found["L"] = length
+        for name in ("N_w", "F_w"):
+            if name in model.parameters and ship.find(model, name) is None:
+                found[name] = Scale(length, 1.0).start_of(model[name]) or 0.0
+        return {n: v for n, v in found.items() if n in model}
+
+    def noise(self, count: int, interval: np.ndarray, seed: int) -> np.ndarray:
+        """Return the white noise that drives the waves, shape (count, runs), in rad/s^2.
+
+        The variance of the heading by waves under noise of intensity q is q / (4 zeta omega^3).
+
+        Parameters
+        ----------
+        count : int
+            Steps.
+        interval : ndarray, shape (runs,)
+            Length of a step in s.
+        seed : int
+            Of the noise; every run has noise of its own.
+        """
+        intensity = 4 * self.damping * self.wave_frequency**3 * self.wave_heading**2
+        draws = np.random.default_rng([seed, 7]).standard_normal((count, interval.size))
+        return np.asarray(draws * np.sqrt(intensity / interval))
+
+    @property
+    def wave_rate(self) -> float:
+        """Root mean square of the rate of turn by the waves, the ship at rest, in rad/s."""
+        return self.wave_frequency * self.wave_heading
+
+    def to_dict(self) -> Mapping[str, float]:
+        """Return plain values."""
+        return {
+            "wind_m_s": self.wind,
+            "wave_frequency_rad_s": self.wave_frequency,
+            "wave_heading_rms_deg": to_display(self.wave_heading, "psi"),
+            "current_m_s": self.current,
+        }
+
+
+def standard_weather(length: float, speed: float) -> Weather:
+    """Return the weather an autopilot is judged in: 12 m/s of wind, waves of 0.6 rad/s, 1 m/s of current, or less.
+
+    Parameters
+    ----------
+    length : float
+        In m.
+    speed : float
+        The ship's own, in m/s; the wind is at most half as fast again, as a slow ship lies to a stronger one.
+    """
+    share = float(np.sqrt(min(length, _FULL) / _FULL))
+    return Weather(min(12.0 * share, 1.5 * speed), 0.6 / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed))

@@ -1,0 +1,232 @@
+"""The closed loop of an autopilot: as a model like any other, linearised at a speed, and for python-control."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.control_law import (
+    CourseController,
+    IntegralCourseController,
+    Measured,
+    RateController,
+)
+from shipid.autopilot.design.placement import closed_poles
+from shipid.autopilot.design.plant import Plant, coefficients_at, linear_plant, ship_plants
+from shipid.autopilot.design.schedule import Schedule
+from shipid.declaration.component import Component
+from shipid.declaration.join import join
+from shipid.declaration.model import Model
+from shipid.generation.linearisation import linearise
+from shipid.generation.system import generate
+from shipid.parameters.parameter_set import ParameterSet
+
+if TYPE_CHECKING:
+    import control
+
+
+def control_law(pilot: Autopilot) -> type[Component]:
+    """Return the control law of an autopilot, by its mode and its gains.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    """
+    if pilot.mode == "rate":
+        return RateController
+    return IntegralCourseController if "Ki" in pilot.schedule.gains else CourseController
+
+
+def closed_loop(pilot: Autopilot, *parts: type[Component], measured: type[Component] = Measured) -> Model:
+    """Return ship, steering machine, measurement and law as one declared model.
+
+    Its input is ``psi_order`` [rad], or ``r_order`` [rad/s] where the autopilot holds a rate of turn.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    *parts : type[Component]
+        More components to join: wind, waves, measures.
+    measured : type[Component]
+        What states ``psi_seen``, ``r_seen`` and ``speed_seen``: a filter may take the place of the instruments.
+    """
+    name = f"{pilot.model.name}-autopilot"
+    return join(name, pilot.model, pilot.actuator, measured, control_law(pilot), pilot.schedule.component, *parts)
+
+
+def steered_ship(pilot: Autopilot) -> Model:
+    """Return the ship with its steering machine; its input is ``delta_order``.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    """
+    return join(f"{pilot.model.name}-steered", pilot.model, pilot.actuator)
+
+
+def coefficients_of(pilot: Autopilot, model: Model, speed: float, condition: int = 0) -> dict[str, float]:
+    """Return the coefficients of a model that holds the ship of an autopilot, at a speed, SI.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    model : Model
+        The ship's own model, `closed_loop`, or another one it was joined into.
+    speed : float
+        In m/s.
+    condition : int
+        Which load condition.
+    """
+    ship, own = pilot.ships[condition], coefficients_at(pilot.model, pilot.ships[condition], speed).values
+    known: dict[str, float] = {}
+    for name in model.parameters + model.constants:
+        found, default = ship.find(model, name), model[name].number("default")
+        if name in own:
+            known[name] = own[name]
+        elif name in pilot.limits:
+            known[name] = pilot.limits[name]
+        elif found is not None and not found.speed:
+            known[name] = found.at(None, model[name].unit, f"ship {ship.name}")
+        elif default is not None:
+            known[name] = default
+    return known | ({"rudder_limit": pilot.rudder_limit} if "rudder_limit" in model else {})
+
+
+def linear_ship(
+    pilot: Autopilot, speeds: Sequence[float] | np.ndarray, condition: int = 0, steered: bool = False
+) -> Plant:
+    """Return the linear ship at several speeds, with or without its steering machine.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    speeds : sequence of float, shape (n,)
+        In m/s.
+    condition : int
+        Which load condition.
+    steered : bool
+        Whether the input is the rudder order, through the steering machine.
+    """
+    model, speeds = steered_ship(pilot) if steered else pilot.model, np.atleast_1d(np.asarray(speeds, dtype=float))
+    system = generate(model)
+    p = [system.vector(system.coefficients, coefficients_of(pilot, model, float(v), condition)) for v in speeds]
+    return linear_plant(model, speeds, np.stack(p, axis=1), "delta_order" if steered else "delta")
+
+
+def poles_at(pilot: Autopilot, speed: float, condition: int = 0) -> np.ndarray:
+    """Return the poles of the loop in rad/s at a speed, the steering machine inside its limits left out.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    speed : float
+        In m/s.
+    condition : int
+        Which load condition.
+    """
+    return closed_poles(linear_ship(pilot, [speed], condition).at(0), pilot.gains(speed, condition))
+
+
+def schedule_poles(
+    model: Model, ships: Sequence[ParameterSet], schedule: Schedule
+) -> tuple[tuple[np.ndarray, ...], ...]:
+    """Return the poles of the loop in rad/s at each speed of a schedule, for each load condition.
+
+    Parameters
+    ----------
+    model : Model
+        The ship's model.
+    ships : sequence of ParameterSet
+        The ship, once for each load condition.
+    schedule : Schedule
+        Speeds and gains.
+    """
+    return tuple(
+        tuple(closed_poles(plants.at(i), schedule.gains_at(float(speed), j)) for i, speed in enumerate(schedule.speeds))
+        for j, plants in enumerate(ship_plants(model, ship, schedule.speeds) for ship in ships)
+    )
+
+
+def with_schedule(pilot: Autopilot, schedule: Schedule) -> Autopilot:
+    """Return an autopilot with other gains, its poles worked out anew.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    schedule : Schedule
+        Speeds and gains, for the same load conditions.
+    """
+    return dataclasses.replace(pilot, schedule=schedule, poles=schedule_poles(pilot.model, pilot.ships, schedule))
+
+
+def heading_frequency(pilot: Autopilot, speed: float) -> float:
+    """Return the natural frequency of the heading in rad/s: the one asked for, or that of the two slowest poles.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    speed : float
+        In m/s.
+    """
+    if "omega_n" in pilot.request:
+        return pilot.request["omega_n"] * speed / pilot.service_speed
+    return float(np.sqrt(np.prod(np.sort(np.abs(poles_at(pilot, speed)))[:2])))
+
+
+def to_control(
+    pilot: Autopilot, speed: float | None = None, condition: int = 0, nonlinear: bool = False
+) -> control.StateSpace | control.NonlinearIOSystem:
+    """Return the closed loop for python-control, from the order to ``psi``, ``r`` and ``delta``.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The design.
+    speed : float, optional
+        In m/s; the service speed by default.
+    condition : int
+        Which load condition.
+    nonlinear : bool
+        Whether it is the whole nonlinear loop as an `nlsys` with every input of the model, or a `StateSpace`.
+    """
+    speed = pilot.service_speed if speed is None else speed
+    model, order = closed_loop(pilot), "r_order" if pilot.mode == "rate" else "psi_order"
+    known = coefficients_of(pilot, model, speed, condition)
+    known |= {"u": speed, "cruise": speed, "loading": float(condition)}
+    outputs = ["psi", "r", "delta"]
+    if nonlinear:
+        return _nonlinear(model, known, outputs)
+    system = generate(model)
+    column = np.asarray(system.vector(system.coefficients, known))[:, None]
+    plant = linear_plant(model, np.array([speed]), column, order)
+    return linearise(model, known, plant.states, [order], outputs).to_state_space()
+
+
+def _nonlinear(model: Model, known: Mapping[str, float], outputs: list[str]) -> control.NonlinearIOSystem:
+    import control
+
+    system = generate(model)
+    rates, shown = system.right_hand_side, system.function(outputs)
+    p = system.vector(system.coefficients, known)
+
+    def update(_t: float, x: np.ndarray, u: np.ndarray, _params: object) -> np.ndarray:
+        return np.asarray(rates(x, u, p)).ravel()
+
+    def output(_t: float, x: np.ndarray, u: np.ndarray, _params: object) -> np.ndarray:
+        return np.asarray(shown(x, u, p)).ravel()
+
+    return control.nlsys(
+        update, output, inputs=list(system.inputs), outputs=outputs, states=list(system.states), name=model.name
+    )

@@ -1,0 +1,96 @@
+"""What the user of a design has to know: where it rests on assumptions, and what the ship does not allow."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shipid.autopilot.design.gain_design import GainDesign
+from shipid.autopilot.design.plant import coefficients_at
+from shipid.autopilot.design.schedule import Schedule
+from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import angle
+from shipid.parameters.parameter_set import ParameterSet
+
+#: Speeds outside those of the trials by less than this part are no extrapolation.
+_SLACK = 0.05
+
+
+def design_warnings(
+    problem: GainDesign, schedule: Schedule, rudder_limit: float, limits: Mapping[str, float]
+) -> list[str]:
+    """Return the warnings of a design in words.
+
+    Parameters
+    ----------
+    problem : GainDesign
+        What was asked for.
+    schedule : Schedule
+        The gains found.
+    rudder_limit : float
+        Of the autopilot, in rad.
+    limits : mapping of str to float
+        Constants of the steering machine, SI.
+    """
+    return (
+        _outside_trials(problem.model, problem.ships, schedule.speeds)
+        + _about_ship(problem, schedule)
+        + _too_fast(problem, schedule, rudder_limit, limits)
+    )
+
+
+def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.ndarray) -> list[str]:
+    found = []
+    for ship in ships:
+        known = [coefficients_at(model, ship, float(v)) for v in (speeds[0], speeds[-1])]
+        span = known[0].span
+        if span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK)):
+            found.append(
+                f"outside the identified range: ship {ship.name} was tried from {span[0]:.3g} to {span[1]:.3g} m/s, and the "
+                f"schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s; beyond the trials it is extrapolation."
+            )
+        elif not span and any(k.scaled for k in known):
+            found.append(
+                f"scaled by speed: the coefficients of {model.name} hold at {ship.particular('speed', 'm/s'):.3g} m/s; at other "
+                "speeds they are scaled by L and L/U, which a ship follows only roughly."
+            )
+    return found
+
+
+def _about_ship(problem: GainDesign, schedule: Schedule) -> list[str]:
+    found = []
+    for condition, ship in enumerate(problem.ships):
+        plants = problem.plants(schedule.speeds, condition)
+        # The heading is the integral of the rate of turn: one root of the ship is zero whatever it is.
+        roots = [np.roots(d) for d in plants.denominator]
+        growing = [float(np.sort(r.real)[-1]) for r in roots]
+        if max(growing) > 1e-9 * max(float(np.abs(r).max()) for r in roots):
+            worst = int(np.argmax(growing))
+            found.append(
+                f"course-unstable: without the autopilot ship {ship.name} turns away by itself, within "
+                f"{1 / growing[worst]:.3g} s at {schedule.speeds[worst]:.3g} m/s; its loop has a lower gain margin too."
+            )
+        if (schedule.gains["Kd"][condition] * schedule.gains["Kp"][condition] < 0).any():
+            found.append(
+                f"negative rate gain: the request is slower than ship {ship.name} itself, so the law pushes the turn on. Ask for "
+                "a higher natural frequency or damping."
+            )
+        if (schedule.gains["Kp"][condition] < 0).any():
+            found.append(f"reversed rudder: positive rudder turns ship {ship.name} to port; the gains are negative.")
+    return found
+
+
+def _too_fast(problem: GainDesign, schedule: Schedule, limit: float, limits: Mapping[str, float]) -> list[str]:
+    """Whether the rudder can follow an oscillation at the natural frequency as wide as the rudder limit."""
+    speed = float(schedule.speeds[-1])
+    plant = problem.plants(np.array([speed]), 0).at(0)
+    omega = float(np.sqrt(np.abs(np.prod(problem.wanted_poles(plant, speed)[:2]))))
+    needed = omega * limit
+    if needed <= limits["delta_rate"]:
+        return []
+    return [
+        f"rudder rate: at {speed:.3g} m/s the loop is asked for {omega:.3g} rad/s, at which a rudder swinging to its limit of "
+        f"{angle(limit, 3)} needs {np.rad2deg(needed):.3g} deg/s, and it has {np.rad2deg(limits['delta_rate']):.3g} "
+        f"deg/s. At most {limits['delta_rate'] / limit * problem.service_speed / speed:.3g} rad/s at {problem.service_speed:.3g} m/s can be met."
+    ]

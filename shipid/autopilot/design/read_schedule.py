@@ -1,0 +1,157 @@
+"""Reading a schedule: the file may have been edited by hand, so that each entry is checked, and the loop it gives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
+from shipid.autopilot.design.closed_loop import schedule_poles
+from shipid.autopilot.design.design_autopilot import DESIGNS, MODES
+from shipid.autopilot.design.plant import check_steerable
+from shipid.autopilot.design.schedule import GAINS, Schedule
+from shipid.autopilot.design.write_schedule import KIND, LIMIT_UNITS, REQUEST_UNITS
+from shipid.autopilot.errors import ScheduleError
+from shipid.declaration.model import Model
+from shipid.declaration.tables import Table, read_table
+from shipid.declaration.units import factor
+from shipid.declaration.vocabulary import angle
+from shipid.foundation.errors import ParameterSetError, ShipidError, UnitError
+from shipid.parameters.catalogue import find_model, known_component
+from shipid.parameters.parameter_file import parse_parameter_set
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.helm import DirectRudder
+
+_REQUIRED = ("model", "design", "service_speed", "rudder_limit", "schedule", "ship")
+_KEYS = (*_REQUIRED, "kind", "written_by", "actuator", "mode", "request", "limits", "condition", "warnings")
+
+
+def read_schedule(path: str | Path) -> Autopilot:
+    """Read a schedule that `write_schedule` or ``shipid tune`` wrote.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Autopilot
+
+    Raises
+    ------
+    ScheduleError
+        If it is no schedule, or an entry or the loop it gives cannot be; the message names file and entry.
+    """
+    path = Path(path)
+    table = read_table(path, "schedule", ScheduleError)
+    if table.content.get("kind") != KIND:
+        raise ScheduleError(f"{path} is no schedule of an autopilot: it does not say kind = '{KIND}'.")
+    table.check_keys(_KEYS, _REQUIRED)
+    model = find_model(table.value("model", str))
+    check_steerable(model)
+    ships = _ships(table, path.stem)
+    schedule = _schedule(table.table("schedule"), len(ships))
+    limits = _numbers(table.table("limits"), LIMIT_UNITS)
+    for name in ("delta_max", "delta_rate"):
+        if not limits.get(name, 0.0) > 0:
+            raise table.table("limits").fail(f"'{name}' is missing or not greater than zero.")
+    rudder_limit, service_speed = _positive(table, "rudder_limit", "rad"), _positive(table, "service_speed", "m/s")
+    if rudder_limit > limits["delta_max"] * (1 + 1e-9):
+        raise table.fail(
+            f"the rudder limit is {angle(rudder_limit)}, and has to lie within the {angle(limits['delta_max'])} of the rudder."
+        )
+    actuator = table.value("actuator", str, "")
+    return Autopilot(
+        model=model,
+        ships=ships,
+        actuator=known_component(actuator) if actuator else DirectRudder,
+        design=cast(Design, table.choice("design", DESIGNS)),
+        mode=cast(Mode, table.choice("mode", MODES, "course")),
+        request=_numbers(table.table("request"), REQUEST_UNITS),
+        service_speed=service_speed,
+        rudder_limit=rudder_limit,
+        limits=limits,
+        schedule=schedule,
+        poles=_stable_poles(path, model, ships, schedule),
+        warnings=tuple(str(w) for w in table.value("warnings", list, [])),
+    )
+
+
+def _stable_poles(
+    path: Path, model: Model, ships: tuple[ParameterSet, ...], schedule: Schedule
+) -> tuple[tuple[np.ndarray, ...], ...]:
+    """The poles at each speed; a schedule that does not hold the ship is refused, whoever wrote it."""
+    try:
+        poles = schedule_poles(model, ships, schedule)
+    except ShipidError as error:
+        raise ScheduleError(f"{path}: the ship gives no loop at these speeds. {error}") from None
+    for ship, at_speeds in zip(ships, poles):
+        for speed, found in zip(schedule.speeds, at_speeds):
+            if found.real.max() >= 0:
+                raise ScheduleError(
+                    f"{path}: at {speed:.4g} m/s the loop of ship {ship.name} with these gains is unstable (a pole at "
+                    f"{found[0].real:.3g}{found[0].imag:+.3g}i rad/s). Correct the gains at that speed."
+                )
+    return poles
+
+
+def _schedule(table: Table, conditions: int) -> Schedule:
+    table.check_keys(("u", *GAINS), ("u", "Kp", "Kd"))
+    speeds = _row(table, "u", "m/s")
+    if speeds.ndim != 1 or speeds.min() <= 0 or not (np.diff(speeds) > 0).all():
+        raise table.fail(f"the speeds {speeds.tolist()} have to be greater than zero and to rise.")
+    gains = {}
+    for name, (unit, _) in GAINS.items():
+        if name in table:
+            gains[name] = np.atleast_2d(_row(table, name, unit))
+            if gains[name].shape != (conditions, len(speeds)):
+                rows, columns = gains[name].shape
+                raise table.fail(
+                    f"{name} has {columns} values in {rows} rows, and the schedule {len(speeds)} speeds and {conditions} "
+                    "load conditions."
+                )
+    return Schedule(speeds, gains)
+
+
+def _row(table: Table, name: str, unit: str) -> np.ndarray:
+    """Numbers with one unit, in one row or in several, SI."""
+    raw = table.content[name]
+    if not isinstance(raw, Mapping) or set(raw) != {"value", "unit"}:
+        raise table.fail(f"'{name}' has to be written {{ value = [..], unit = '{unit}' }}.")
+    try:
+        values = np.array(raw["value"], dtype=float)
+    except (TypeError, ValueError):
+        raise table.fail(f"'{name}' is {raw['value']!r}, which is no list of numbers.") from None
+    if values.ndim not in (1, 2) or not values.size or not np.isfinite(values).all():
+        raise table.fail(f"'{name}' is {raw['value']!r}, which is no list of finite numbers.")
+    try:
+        return np.asarray(values * factor(str(raw["unit"]), unit, f"{table.where} {name}"))
+    except UnitError as error:
+        raise ScheduleError(str(error)) from None
+
+
+def _positive(table: Table, name: str, unit: str) -> float:
+    number = table.quantity(name, unit)
+    if number is None or not number > 0:
+        raise table.fail(f"'{name}' is {number:g} {unit}, and has to be greater than zero.")
+    return number
+
+
+def _numbers(table: Table, units: Mapping[str, str]) -> dict[str, float]:
+    table.check_keys(units)
+    return {n: number for n in table if (number := table.quantity(n, units[n])) is not None}
+
+
+def _ships(table: Table, name: str) -> tuple[ParameterSet, ...]:
+    ships = [
+        table.table("ship"),
+        *(Table(c, table.where, ScheduleError).table("ship") for c in table.value("condition", list, [])),
+    ]
+    try:
+        return tuple(parse_parameter_set(Table(s.content, s.where, ParameterSetError), name) for s in ships)
+    except ParameterSetError as error:
+        raise ScheduleError(f"the ship in {error}") from None

@@ -1,0 +1,136 @@
+"""The result of running an autopilot on board: course changes by the instruments and by the Kalman filter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from shipid.autopilot.course_changes.course_changes import CourseChange
+from shipid.foundation.aliases import Plain
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: What is adapted to the filter's estimates of the ship: nothing, the gains, or a reference that the ship is made to follow.
+Adaptation = Literal["none", "gains", "reference"]
+#: What the autopilot is fed back.
+Feedback = Literal["instruments", "filter"]
+
+
+@dataclass(frozen=True, eq=False)
+class OnBoardRun:
+    """Course changes of one voyage, one after the other.
+
+    Attributes
+    ----------
+    feedback : {"instruments", "filter"}
+        What the autopilot is fed back: heading and rate of turn as the instruments show them, or as the filter estimates them.
+    weather : str
+        "calm", or what acts.
+    changes : tuple of CourseChange
+        In the order of the voyage; a change of zero is a course kept.
+    error_deg : float or None
+        Root mean square of the heading fed back less the ship's heading, in degrees; None where the run diverged.
+    histories : mapping of str to ndarray, shape (n,)
+        ``t``, ``psi_order``, ``psi``, ``delta`` of the whole voyage, thinned, SI.
+    """
+
+    feedback: Feedback
+    weather: str
+    changes: tuple[CourseChange, ...]
+    error_deg: float | None
+    histories: Mapping[str, np.ndarray]
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, without the histories."""
+        return {
+            "feedback": self.feedback,
+            "weather": self.weather,
+            "heading_error_rms_deg": self.error_deg,
+            "changes": [c.to_dict() for c in self.changes],
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class OnBoardRuns:
+    """An autopilot on board, with and without its filter; made by `shipid.run_on_board`.
+
+    Attributes
+    ----------
+    ship, kalman : str
+        Names of the ship and of the filter's model.
+    sensors : mapping of str to str
+        Standard deviation of one sample of each sensor.
+    interval : float
+        Between two samples, in s.
+    adaptation : {"none", "gains", "reference"}
+        What is adapted to the filter's estimates of the ship, where the filter is fed back.
+    runs : tuple of OnBoardRun
+        By the instruments and by the filter, in calm and in weather.
+    warnings : tuple of str
+        What the reader has to know.
+    """
+
+    ship: str
+    kalman: str
+    sensors: Mapping[str, str]
+    interval: float
+    adaptation: Adaptation
+    runs: tuple[OnBoardRun, ...]
+    warnings: tuple[str, ...]
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values for JSON, free of NaN."""
+        return {
+            "ship": self.ship,
+            "filter": self.kalman,
+            "sensors": dict(self.sensors),
+            "interval_s": self.interval,
+            "adaptation": self.adaptation,
+            "runs": [r.to_dict() for r in self.runs],
+            "warnings": list(self.warnings),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table with a row for each course change."""
+        import pandas as pd
+
+        rows = [{"feedback": r.feedback, **c.to_dict()} for r in self.runs for c in r.changes]
+        return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change_deg"])
+
+    def __repr__(self) -> str:
+        sensors = ", ".join(f"{n} {level}" for n, level in self.sensors.items())
+        adapted = {"none": "gains of the schedule", "gains": "gains adapted", "reference": "model reference"}
+        head = (
+            "change [deg]",
+            "overshoot [deg]",
+            "settling [s]",
+            "rms error [deg]",
+            "rms rudder [deg]",
+            "reversals a minute",
+        )
+        lines = [
+            f"on board, a sample every {self.interval:.3g} s: filter {self.kalman} ({sensors}), {adapted[self.adaptation]}",
+            " " * 41 + "".join(h.rjust(len(h) + 2) for h in head),
+        ]
+        for run in self.runs:
+            for c in run.changes:
+                turned = bool(c.change_deg)
+                numbers = (
+                    f"{c.change_deg:g}",
+                    _number(c.overshoot_deg if turned else None, 2),
+                    _number(c.settling_s if turned else None, 0),
+                    _number(c.rms_error_deg, 2),
+                    _number(c.rms_rudder_deg, 2),
+                    "diverged" if c.lost else _number(c.reversals, 1),
+                )
+                cells = "".join(n.rjust(len(h) + 2) for n, h in zip(numbers, head))
+                lines.append(f"  {run.feedback}, {run.weather}".ljust(41) + cells)
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+
+def _number(value: float | None, digits: int) -> str:
+    return "-" if value is None else f"{value:.{digits}f}"

@@ -1,0 +1,132 @@
+"""The estimate of one coefficient, as a filter, a recursion or a fit returns it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shipid.declaration.model import Entry
+from shipid.declaration.units import pretty
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import interval_95, plain
+
+#: A coefficient whose standard deviation is a larger share of its size is not determined.
+UNDETERMINED = 0.5
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimated coefficient.
+
+    Attributes
+    ----------
+    name, unit, meaning : str
+        The coefficient as declared; SI.
+    value : float or None
+        The estimate; None where it is not finite (a gain at the edge of course stability).
+    std : float or None
+        Standard deviation; None where the data give none.
+    ci95 : tuple of float or None
+        95 % confidence interval.
+    identifiable : bool
+        Whether the data determine it.
+    why : str
+        If not, why not, where a reason is known.
+    follows : bool
+        Whether it is a published coefficient that follows from the estimated ones.
+    prime : float or None
+        Its value in the prime system (powers of L and U), or its dimensional value if it is declared without
+        dimension; None where L or U is unknown.
+    prime_unit : str
+        Unit of `prime`.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    value: float | None
+    std: float | None
+    ci95: tuple[float, float] | None
+    identifiable: bool
+    why: str = ""
+    follows: bool = False
+    prime: float | None = None
+    prime_unit: str = ""
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, free of NaN."""
+        other = "dimensional" if self.unit in ("", "1") else "normalised"
+        return {
+            "value": self.value,
+            "unit": self.unit,
+            "std": self.std,
+            "ci95": list(self.ci95) if self.ci95 else None,
+            "identifiable": self.identifiable,
+            "why": self.why,
+            "follows": self.follows,
+            "meaning": self.meaning,
+            other: self.prime,
+            f"{other}_unit": self.prime_unit,
+        }
+
+    def __str__(self) -> str:
+        value, std = (float("nan") if v is None else v for v in (self.value, self.std))
+        return f"{self.name:<12s}{value:11.4g} ± {std:.2g} {pretty(self.unit)}   {self.meaning}"
+
+
+def is_determined(value: float, std: float) -> bool:
+    """Return whether a standard deviation is small enough for the coefficient to count as determined.
+
+    Parameters
+    ----------
+    value, std : float
+        Estimate and standard deviation.
+
+    Returns
+    -------
+    bool
+        False where either number is not finite.
+    """
+    return bool(std < UNDETERMINED * abs(value) < float("inf"))
+
+
+def estimate_of(
+    entry: Entry,
+    value: float,
+    std: float,
+    *,
+    ci95: tuple[float, float] | None = None,
+    why: str = "",
+    follows: bool = False,
+) -> Estimate:
+    """Return the estimate of a coefficient from numbers that may not be finite.
+
+    Parameters
+    ----------
+    entry : Entry
+        The coefficient in its model.
+    value, std : float
+        Estimate and standard deviation, SI.
+    ci95 : tuple of float, optional
+        The 95 % interval; that of a normal distribution unless it is given.
+    why : str
+        Why it is not determined, for reasons other than its standard deviation.
+    follows : bool
+        Whether it follows from the estimated coefficients.
+
+    Returns
+    -------
+    Estimate
+        Determined where nothing speaks against it and the standard deviation is below half of the value.
+    """
+    ends = tuple(plain(end) for end in ci95 or interval_95(value, std))
+    return Estimate(
+        entry.name,
+        entry.unit,
+        entry.quantity.meaning,
+        plain(value),
+        plain(std),
+        (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None,
+        is_determined(value, std) and not why,
+        why,
+        follows,
+    )

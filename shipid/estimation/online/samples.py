@@ -1,0 +1,187 @@
+"""Samples that arrive one by one, as the rows a generated step takes: their time, their inputs, and what the sensors show.
+
+It is the counterpart of `shipid.estimation.records.arrangement`, which does the same to a whole record.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from shipid.estimation.records.clock import LATEST, FilterClock, steps
+from shipid.estimation.settings.instruments import Instruments
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UsageError
+from shipid.generation.simulator import unstated_input
+
+
+class SampleReader:
+    """What a filter or a recursion makes of samples before it estimates.
+
+    Parameters
+    ----------
+    instruments : Instruments
+        Sensors and inputs.
+
+    Attributes
+    ----------
+    clock : FilterClock
+        Its own time.
+    refused : int
+        Whole samples left out so far: their time stamp cannot be right (see `shipid.estimation.records.clock`).
+    """
+
+    def __init__(self, instruments: Instruments) -> None:
+        self.instruments = instruments
+        self.clock = FilterClock()
+        self.refused = 0
+        self._began: float | None = None
+        self._counts = {n: -1 for n in instruments.rates}
+        # Looked up once: a sample costs microseconds.
+        model, free = instruments.model, (-math.inf, math.inf)
+        self._inputs = tuple((n, instruments.inputs.get(n), n in instruments.lost) for n in model.inputs)
+        self._sensors = tuple(
+            (i, n, model[n].quantity.measures, instruments.rates.get(n), *instruments.ranges.get(n, free))
+            for i, n in enumerate(instruments.sensors)
+        )
+
+    @property
+    def t(self) -> float | None:
+        """Time stamp of the last sample in s; None before the first."""
+        return None if self._began is None else self.clock.last
+
+    @property
+    def state(self) -> dict[str, Plain]:
+        """Everything it remembers, as plain values; numbers as text that keeps every digit."""
+        return {
+            "began": float(self._began or 0.0).hex(),
+            "clock": [[float(v).hex() for v in part] for part in self.clock.state],
+            "counts": self._counts,
+            "refused": self.refused,
+        }
+
+    @state.setter
+    def state(self, plain: Mapping[str, Plain]) -> None:
+        self._began = float.fromhex(plain["began"])
+        self.clock.state = [[float.fromhex(v) for v in part] for part in plain["clock"]]
+        self._counts, self.refused = dict(plain["counts"]), int(plain["refused"])
+
+    def elapsed(self, sample: Mapping[str, float]) -> float | None:
+        """Return the seconds since the sample before, or None for a sample that is left out, and go on to its time.
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            ``t`` in s and the rest.
+
+        Raises
+        ------
+        UsageError
+            If it has no time.
+        """
+        t = sample.get("t")
+        if t is None or (self._began is None and not abs(t) < LATEST):
+            raise UsageError("a sample needs its time 't' in s, a finite number.")
+        if self._began is None:
+            self.clock = FilterClock()
+        elapsed = self.clock.elapsed(float(t))
+        if elapsed is None:
+            self.refused += 1
+        return elapsed
+
+    def begin(self) -> None:
+        """Take the sample whose time was read last for the first one: nothing was wrong with it."""
+        self._began = self.clock.now
+
+    def why_refused(self, sample: Mapping[str, float]) -> str:
+        """Return in words why a sample was left out.
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            The sample.
+        """
+        return f"its time {sample['t']:g} s does not follow the last one, {self.t:g} s"
+
+    def inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+        """Return the inputs of a sample, SI, and which of them are missing, shapes (inputs,).
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            SI.
+        held : ndarray, shape (inputs,), or None
+            Their last values, which stand in; None for the first sample.
+
+        Raises
+        ------
+        UnstatedInputError
+            If the first sample lacks an input that is needed and declares no default.
+        """
+        values, lost = np.empty(len(self._inputs)), np.zeros(len(self._inputs), dtype=bool)
+        for i, (name, fixed, can_be_lost) in enumerate(self._inputs):
+            value = sample.get(name) if fixed is None else fixed
+            if value is not None and math.isfinite(value):
+                values[i] = value
+                continue
+            lost[i] = name in sample or can_be_lost
+            values[i] = held[i] if held is not None else self._first_input(name, sample)
+        return values, lost
+
+    def _first_input(self, name: str, sample: Mapping[str, float]) -> float:
+        """An input that the first sample lacks: of the cruising speed the speed there or the ship's, of others the default."""
+        instruments = self.instruments
+        for speed in (sample.get("u"), instruments.scale.speed) if name in ("cruise", "u") else ():
+            if speed is not None and math.isfinite(speed):
+                return speed
+        default = instruments.model[name].number("default")
+        if default is None and name in instruments.needed:
+            raise unstated_input(instruments.model, name, "the first sample")
+        return default or 0.0
+
+    def bridge(self, elapsed: float, last: np.ndarray, inputs: np.ndarray) -> Iterator[tuple[float, np.ndarray, bool]]:
+        """Yield the rows up to a sample: interval in s, inputs, and whether the row is the sample; a gap takes several.
+
+        Parameters
+        ----------
+        elapsed : float
+            Seconds since the sample before.
+        last, inputs : ndarray, shape (inputs,)
+            Inputs at both ends.
+        """
+        count = steps(elapsed, self.clock.typical)
+        for k in range(1, count):
+            yield elapsed / count, last + k / count * (inputs - last), False
+        yield elapsed / count, inputs, True
+
+    def shown(self, sample: Mapping[str, float], z: np.ndarray, there: np.ndarray) -> tuple[str, ...]:
+        """Write what the sensors show, and return those whose value is out of their range.
+
+        Parameters
+        ----------
+        sample : mapping of str to float
+            SI.
+        z, there : ndarray, shape (sensors,)
+            Written: values, and 1 where a sensor shows one.
+
+        Returns
+        -------
+        tuple of str
+        """
+        outside = []
+        for i, name, measures, seconds, low, high in self._sensors:
+            value = sample.get(name, sample.get(measures) if measures else None)
+            if value is None or not math.isfinite(value):
+                continue
+            if seconds is not None:
+                number = int((self.clock.now - (self._began or 0.0) + 0.5 * self.clock.typical) // seconds)
+                if number <= self._counts[name]:
+                    continue
+                self._counts[name] = number
+            if not low <= value <= high:
+                outside.append(name)
+                continue
+            z[i], there[i] = value, 1.0
+        return tuple(outside)

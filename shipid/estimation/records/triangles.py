@@ -1,0 +1,46 @@
+"""Symmetric matrices kept as their packed upper triangles, columns one after the other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def unpacked(packed: np.ndarray, n: int) -> np.ndarray:
+    """Return the symmetric matrices of packed upper triangles, shape (N, n, n).
+
+    Parameters
+    ----------
+    packed : ndarray, shape (N, n (n + 1) / 2)
+        Columns one after the other.
+    n : int
+        Size of the matrices.
+    """
+    rows = np.concatenate([np.arange(j + 1) for j in range(n)]) if n else np.zeros(0, dtype=int)
+    columns = np.repeat(np.arange(n), np.arange(1, n + 1))
+    full = np.empty((packed.shape[0], n, n))
+    full[:, rows, columns] = full[:, columns, rows] = packed
+    return full
+
+
+def diagonal_of(n: int) -> np.ndarray:
+    """Return where the diagonal of a matrix stands in its packed upper triangle, shape (n,).
+
+    Parameters
+    ----------
+    n : int
+        Size of the matrix.
+    """
+    return np.cumsum(np.arange(1, n + 1)) - 1
+
+
+def deviations_of(packed: np.ndarray, n: int) -> np.ndarray:
+    """Return the standard deviations of packed covariances, shape (..., n); rounding below zero counts as zero.
+
+    Parameters
+    ----------
+    packed : ndarray, shape (..., n (n + 1) / 2)
+        Packed upper triangles.
+    n : int
+        Size of the covariances.
+    """
+    return np.asarray(np.sqrt(np.maximum(packed[..., diagonal_of(n)], 0.0)))

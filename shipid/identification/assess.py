@@ -1,0 +1,49 @@
+"""The verb: how far a fit is to be believed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from threadpoolctl import threadpool_limits
+
+from shipid.identification.assessment import Assessment
+from shipid.identification.fit import Fit
+from shipid.identification.uncertainty.directions import directions_of
+from shipid.identification.uncertainty.draws import DRAWS, draws_of
+from shipid.identification.uncertainty.residuals import residuals_of
+from shipid.identification.validation.bands import manoeuvres_of
+from shipid.identification.validation.trial_findings import findings_of
+
+
+def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = DRAWS, seed: int = 0) -> Fit:
+    """Assess a fit: weakly determined directions, residuals, prediction bands, and what is wrong with its trials.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    bands : bool
+        Whether the manoeuvres of the trials are predicted with 95 % bands.
+    findings : bool
+        Whether the trials' doctor is asked; it repairs nothing.
+    draws : int
+        Number of draws of the coefficients behind the bands.
+    seed : int
+        Of the draws.
+
+    Returns
+    -------
+    Fit
+        The same fit with its `assessment`, which printing, `to_dict` and a report read.
+    """
+    identified = fit.identified
+    # The matrices are tall and thin: several threads on each cost more than they bring.
+    with threadpool_limits(1, "blas"):
+        compared = (*fit.fitted, *fit.validation)
+        assessment = Assessment(
+            directions_of(identified, [c.measures.words for c in fit.fitted]),
+            residuals_of(identified),
+            manoeuvres_of(identified, compared, draws_of(identified, draws, seed)) if bands else None,
+            findings_of(fit.ship, fit.fitted, fit.validation) if findings else None,
+        )
+    return replace(fit, assessment=assessment)

@@ -1,0 +1,33 @@
+"""What was worked out of a fit beyond its coefficients: bands, null directions, residuals, findings on the trials."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from shipid.identification.uncertainty.directions import NullDirection
+from shipid.identification.uncertainty.residuals import Residuals
+from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
+from shipid.identification.validation.trial_findings import TrialFinding
+
+
+@dataclass(frozen=True, eq=False)
+class Assessment:
+    """How far a fit is to be believed.
+
+    Attributes
+    ----------
+    directions : tuple of NullDirection
+        Directions in which the coefficients may move together, the weakest first, with what would help.
+    residuals : mapping of str to Residuals
+        Size and whiteness of the residuals of each signal.
+    manoeuvres : mapping of str to PredictedManoeuvre, or None
+        The manoeuvre of each trial by its name, measured and predicted, with 95 % bands; None where they were not asked for.
+    findings : tuple of TrialFinding, or None
+        What the trials' doctor is sure of; None where it was not asked.
+    """
+
+    directions: tuple[NullDirection, ...]
+    residuals: Mapping[str, Residuals]
+    manoeuvres: Mapping[str, PredictedManoeuvre] | None = None
+    findings: tuple[TrialFinding, ...] | None = None

@@ -1,0 +1,69 @@
+"""The record of an identification: the problem, where its search ended, and the ship that came of it.
+
+Everything that is worked out of an identification later (bands, directions, profiles, a posterior, predictions) reads this
+record.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from shipid.declaration.model import Model
+from shipid.declaration.scale import Scale
+from shipid.identification.methods import Method
+from shipid.identification.problem.box import Box
+from shipid.identification.problem.output_error import Problem
+from shipid.identification.problem.setting import box_around
+from shipid.identification.search.solution import Solution
+from shipid.identification.uncertainty.covariance import Covariance
+from shipid.identification.uncertainty.estimate import Estimate
+from shipid.parameters.parameter_set import ParameterSet
+
+
+@dataclass(frozen=True, eq=False)
+class Identified:
+    """What was identified.
+
+    Attributes
+    ----------
+    ship : ParameterSet
+        The identified ship.
+    scale : Scale
+        Its length and usual speed in the trials.
+    solution : Solution
+        Where the search ended, with its problem.
+    covariance : Covariance
+        Covariance of all unknowns.
+    parameters : mapping of str to Estimate
+        Fitted coefficients, then published ones that follow from them.
+    method : str
+        Name of the method that found them (`shipid.identification.methods`).
+    """
+
+    ship: ParameterSet
+    scale: Scale
+    solution: Solution
+    covariance: Covariance
+    parameters: Mapping[str, Estimate]
+    method: Method
+
+    @property
+    def problem(self) -> Problem:
+        """What was solved."""
+        return self.solution.problem
+
+    @property
+    def model(self) -> Model:
+        """What was fitted."""
+        return self.problem.model
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of all coefficients, fitted and fixed, SI, by name."""
+        return self.problem.values(self.solution.q)
+
+    @property
+    def box(self) -> Box:
+        """Declared bounds of the fitted coefficients, around their values."""
+        return box_around(self.model, self.scale, dict(zip(self.problem.estimated, self.solution.parameters.tolist())))

@@ -1,0 +1,90 @@
+"""The scale of a ship in her trials: her usual speed U, and her length L or what stands in for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shipid.declaration.scale import Scale
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials.trial import Trial
+
+
+def recorded_speed(trial: Trial) -> np.ndarray | None:
+    """Return the recorded forward speed in m/s, shape (N,); the speed over all where there is no other.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    ndarray or None
+        None where the trial records no speed.
+    """
+    return next((trial[n] for n in ("u", "U") if trial.has(n)), None)
+
+
+def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
+    """Return the medians in m/s of all recorded speeds, forward and over all.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+    """
+    return [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+
+
+def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
+    """Return the usual speed of the trials in m/s, the ship's own where they record none, 1 where nobody knows it.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        For its own speed.
+    trials : sequence of Trial
+        For the recorded one.
+    """
+    recorded = recorded_speeds(trials)
+    speed = float(np.mean(recorded)) if recorded else ship.particular("speed", "m/s")
+    return speed if speed and speed > 0 else 1.0
+
+
+def guessed_unit_time(trials: Sequence[Trial]) -> float:
+    """Return L/U in s, guessed from the rudder's period: zig-zags of ships take 7 to 12 L/U.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        Of a ship whose length is unknown; the guess only scales the first search.
+    """
+    guesses = []
+    for trial in trials:
+        delta = trial["delta"] - np.median(trial["delta"])
+        changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
+        guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
+    return float(np.median(guesses))
+
+
+def scale_of(ship: ParameterSet, trials: Sequence[Trial], length: float | None = None) -> Scale:
+    """Return length and usual speed, the length guessed from the rudder's period where it is unknown.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        For length and speed.
+    trials : sequence of Trial
+        For the recorded speed.
+    length : float, optional
+        L in m, where it is known from elsewhere; that of the ship by default.
+
+    Returns
+    -------
+    Scale
+    """
+    speed = usual_speed(ship, trials)
+    length = length or ship.particular("L", "m")
+    return Scale(length or speed * guessed_unit_time(trials), speed)

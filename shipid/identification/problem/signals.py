@@ -1,0 +1,137 @@
+"""Which signals are fitted, and which inputs have an unknown constant bias."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.foundation.errors import UnknownNameError
+from shipid.identification.errors import NoAnswerError, NothingToFitError
+from shipid.trials.trial import Trial
+
+#: Signals that are fitted where the trial measures them and the model predicts them.
+SIGNALS = ("psi", "r", "u", "v")
+#: Signals that are fitted where the sway speed is predicted and not measured.
+TRACK = ("x", "y")
+#: What is shown of a prediction beside the fitted signals.
+SHOWN = (*SIGNALS, *TRACK)
+
+
+def is_predicted(model: Model, name: str) -> bool:
+    """Return whether a model predicts a quantity: whether it is no input, parameter or constant of it.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    name : str
+        One of its quantities.
+    """
+    return model[name].quantity.kind in ("state", "derived", "output")
+
+
+def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
+    """Return the signals that are fitted unless others are asked for.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    measured : collection of str
+        What is measured.
+
+    Returns
+    -------
+    tuple of str
+        Heading, rate of turn, forward and sway speed, as far as they are measured and predicted. Where the sway speed is
+        predicted and not measured, the track stands in for it, with a constant current of its own in each trial.
+    """
+    predicted = {n for n in model.entries if is_predicted(model, n)}
+    found = tuple(n for n in SIGNALS if n in predicted and n in measured)
+    if "v" in predicted and "v" not in found and set(TRACK) <= set(measured):
+        found += tuple(n for n in TRACK if n in predicted)
+    return found
+
+
+def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
+    """Return the signals that every trial measures and the model predicts.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    trials : sequence of Trial
+        The trials.
+    wanted : sequence of str, optional
+        Signals that are asked for; `usual_signals` by default.
+
+    Raises
+    ------
+    UnknownNameError
+        If a signal asked for is none the model predicts.
+    NothingToFitError
+        If there is none, or a trial does not measure a signal asked for.
+    """
+    predicted = [n for n in model.entries if is_predicted(model, n)]
+    for name in wanted or ():
+        if name not in predicted:
+            raise UnknownNameError(f"signal that model {model.name} predicts called", name, predicted)
+        for trial in trials:
+            if not trial.has(name):
+                raise NothingToFitError(
+                    f"the signal '{name}' is to be fitted, and trial {trial.name} does not have it. Its columns: "
+                    f"{', '.join(trial.table.columns)}."
+                )
+    measured = {n for n in predicted if all(t.has(n) for t in trials)}
+    found = usual_signals(model, measured) if wanted is None else tuple(dict.fromkeys(wanted))
+    if not found:
+        raise NothingToFitError(
+            f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "
+            f"{', '.join(trials[0].table.columns)}."
+        )
+    return found
+
+
+def check_answer(trial: Trial, signals: Sequence[str]) -> None:
+    """Refuse a trial whose heading or rate of turn never changes: the ship did not answer, or the sensor stood still.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    signals : sequence of str
+        Fitted signals.
+
+    Raises
+    ------
+    NoAnswerError
+        With the column and the value it keeps.
+    """
+    for name in ("psi", "r"):
+        if name in signals and np.ptp(trial[name]) == 0:
+            raise NoAnswerError(
+                f"trial {trial.name}, column '{name}': it stays at {trial[name][0]:.6g} {trial.unit(name)} throughout, "
+                "while the rudder moves. Check the sensor and the column, or fit other signals (--signals)."
+            )
+
+
+def unknown_biases(model: Model, signals: Sequence[str], rudder_bias: bool = True) -> tuple[str, ...]:
+    """Return the inputs whose constant bias is unknown in each trial.
+
+    The rudder; the speed before the manoeuvre, where a fitted speed shows it; the current, where a fitted track shows it.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    signals : sequence of str
+        Fitted signals.
+    rudder_bias : bool
+        Whether the rudder has one.
+    """
+    wanted = ["delta"] if rudder_bias else []
+    wanted += ["cruise"] if "u" in signals else []
+    wanted += ["current_north", "current_east"] if set(TRACK) & set(signals) else []
+    return tuple(n for n in wanted if n in model.inputs)

@@ -1,0 +1,105 @@
+"""Weights for prediction: the error of a low-order model, or what a record shows beyond it, whichever is larger.
+
+In a towing tank the structure of the model is what is wrong, and it is wrong by about the same shares for every ship. At sea
+and on a pond waves, wind and current move the ship as well: a signal they disturb says less of the coefficients, and the
+prior more. So does one whose error lasts: a heading that drifts off says once what a thousand samples seem to repeat.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from shipid.identification.problem.box import Box
+from shipid.identification.problem.output_error import Problem
+from shipid.identification.search.least_squares import minimise_robustly, thinned_to
+from shipid.identification.search.solution import Solution, in_own_noise, residual_levels
+
+#: Change of a weight below which it has settled, and how often it may change.
+_SETTLED = 0.05
+_TURNS = 4
+#: Samples in L/U that are enough: residuals last for longer, and a rudder takes longer to be put over.
+_ENOUGH = 40
+
+
+def independent_samples(problem: Problem, unit_time: float) -> Problem:
+    """Return the problem on as many samples as tell something of their own.
+
+    Parameters
+    ----------
+    problem : Problem
+        On every sample.
+    unit_time : float
+        L/U in s.
+    """
+    return thinned_to(problem, [int(_ENOUGH * data.trial.duration / unit_time) + 1 for data in problem.trials])
+
+
+def on_every_sample(solution: Solution, problem: Problem) -> Solution:
+    """Return the same unknowns over all samples, in units of the standard deviation of their own residuals.
+
+    Parameters
+    ----------
+    solution : Solution
+        Found on some of them.
+    problem : Problem
+        On every sample.
+    """
+    whole = replace(problem, sigma=solution.problem.sigma)
+    residual, jacobian = whole.residuals(solution.q)
+    return in_own_noise(replace(solution, problem=whole, residual=residual, jacobian=jacobian))
+
+
+def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
+    """Return the solution under weights that are no firmer than its own residuals.
+
+    Parameters
+    ----------
+    solution : Solution
+        Found under the weights `least`.
+    box : Box
+        Bounds of the parameters.
+    least : ndarray, shape (signals,)
+        Standard deviation a signal is never believed beyond, SI.
+    independent : float
+        Time in s for which a residual lasts where nothing but the structure of the model is wrong.
+
+    Returns
+    -------
+    Solution
+        The same where every residual is within `least`.
+    """
+    for _ in range(_TURNS):
+        sigma = np.maximum(
+            least, residual_levels(solution) * np.sqrt(np.maximum(1.0, correlation_times(solution) / independent))
+        )
+        if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
+            break
+        again = minimise_robustly(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)
+        solution = replace(again, evaluations=solution.evaluations + again.evaluations)
+    return solution
+
+
+def correlation_times(solution: Solution) -> np.ndarray:
+    """Return the time in s for which a residual of each signal lasts, mean of the trials, shape (signals,).
+
+    It is the sum of the autocorrelation up to its first zero.
+
+    Parameters
+    ----------
+    solution : Solution
+        At its optimum.
+    """
+    problem = solution.problem
+    times = np.zeros((len(problem.trials), len(problem.signals)))
+    for i, (data, trial) in enumerate(zip(problem.trials, problem.by_signal(solution.residual))):
+        for j, residual in enumerate(trial):
+            count = residual.size
+            power = np.abs(np.fft.rfft(residual - residual.mean(), next_fast_len(2 * count))) ** 2
+            lags = np.fft.irfft(power)[:count]
+            if lags[0] > 0:
+                zero = int(np.argmax(lags < 0)) or count
+                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(data.intervals[:-1]))
+    return np.asarray(times.mean(axis=0))

@@ -1,0 +1,48 @@
+"""One rung of the ladder of methods: what was tried, and how it went."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shipid.foundation.aliases import Plain
+from shipid.identification.methods import Method
+
+
+@dataclass(frozen=True)
+class Rung:
+    """One rung of the ladder.
+
+    Attributes
+    ----------
+    method : str
+        Its name, one of `shipid.identification.methods.METHODS`.
+    cost : float or None
+        Half the sum of squares of output error with what it found, thinned records, first weights; None where the model
+        runs away with it.
+    converged : bool
+        Whether it met its tolerances.
+    used : bool
+        Whether the result comes from it.
+    reason : str
+        How it went, and why it was climbed.
+    evaluations : int
+        Runs of all trials it took.
+    """
+
+    method: Method
+    cost: float | None
+    converged: bool
+    used: bool
+    reason: str
+    evaluations: int = 0
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values."""
+        return {
+            "method": self.method,
+            "cost": self.cost,
+            "converged": self.converged,
+            "used": self.used,
+            "reason": self.reason,
+            "evaluations": self.evaluations,
+        }

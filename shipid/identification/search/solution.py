@@ -1,0 +1,98 @@
+"""Where a search ended: the unknowns, their residuals and Jacobian, and the noise levels the residuals show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.identification.problem.losses import robust_scale, unweighted
+from shipid.identification.problem.output_error import RUNAWAY, Problem
+from shipid.identification.search.noise_levels import NoiseLevels
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where the search ended.
+
+    Attributes
+    ----------
+    problem : Problem
+        With the weights it ended with.
+    q : ndarray, shape (unknowns,)
+        The unknowns.
+    residual : ndarray, shape (M,)
+        Weighted residuals.
+    jacobian : ndarray, shape (M, unknowns)
+        Of the weighted residuals by the unknowns.
+    converged : bool
+        Whether the search met its tolerances, on finite residuals.
+    message : str
+        What the search said.
+    evaluations : int
+        Runs of all trials, over all starts.
+    covariance : ndarray or None
+        Of the unknowns, where they are not the minimum of these residuals but come from another method.
+    levels : NoiseLevels or None
+        Noise that drives the states and noise of the sensors, where the likelihood through the filter found them
+        (`shipid.identification.search.prediction_error`).
+    """
+
+    problem: Problem
+    q: np.ndarray
+    residual: np.ndarray
+    jacobian: np.ndarray
+    converged: bool
+    message: str
+    evaluations: int
+    covariance: np.ndarray | None = None
+    levels: NoiseLevels | None = None
+
+    @property
+    def finite(self) -> bool:
+        """Whether the model runs away nowhere."""
+        return bool((np.abs(self.residual) < RUNAWAY).all())
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of the squared weighted residuals."""
+        return float(0.5 * self.residual @ self.residual)
+
+    @property
+    def parameters(self) -> np.ndarray:
+        """Values of the estimated parameters, SI, shape (parameters,)."""
+        return self.q[: len(self.problem.estimated)]
+
+
+def residual_levels(solution: Solution) -> np.ndarray:
+    """Return the standard deviation of each signal's residuals, SI, with the degrees of freedom of the fit, shape (signals,).
+
+    Parameters
+    ----------
+    solution : Solution
+        A solution under any weights.
+    """
+    problem = solution.problem
+    split = unweighted(problem, solution.residual)
+    spent = problem.size / len(problem.signals)
+    levels = np.empty(len(problem.signals))
+    for j in range(len(problem.signals)):
+        together = np.concatenate([trial[j] for trial in split]) * problem.sigma[j]
+        mean = together @ together / together.size if problem.loss == "linear" else robust_scale(together) ** 2
+        levels[j] = np.sqrt(mean * together.size / max(together.size - spent, 1.0))
+        scale = max(float(np.abs(data.measured[j]).max()) for data in problem.trials)
+        levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
+    return levels
+
+
+def in_own_noise(solution: Solution) -> Solution:
+    """Return the same unknowns with residuals in units of their own standard deviation, for the uncertainty.
+
+    Parameters
+    ----------
+    solution : Solution
+        Found under weights that are not the noise levels.
+    """
+    problem = replace(solution.problem, sigma=residual_levels(solution))
+    residual, jacobian = problem.residuals(solution.q)
+    return replace(solution, problem=problem, residual=residual, jacobian=jacobian)

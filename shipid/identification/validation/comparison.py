@@ -1,0 +1,63 @@
+"""A trial beside its prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shipid.identification.validation.trial_measures import TrialMeasures
+from shipid.trials.measuring.measures import TurningCircle
+from shipid.trials.trial import Trial
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A trial beside its prediction.
+
+    Attributes
+    ----------
+    trial : Trial
+        The record.
+    predicted : mapping of str to ndarray
+        Predicted signals and track, SI, at the samples of the trial.
+    rmse : mapping of str to float
+        Root-mean-square error of each signal, SI.
+    measures : TrialMeasures
+        The manoeuvre of the trial, measured.
+    refitted : mapping of str to float
+        Errors with rudder bias and initial state refitted on this record, SI; empty for a fitted trial.
+    warm : mapping of str to float
+        Errors with rudder bias and initial state fitted to the record up to the first reversal of the rudder, and counted on
+        the rest, SI; empty for a fitted trial and where the rudder is never reversed.
+    biases : mapping of str to float
+        Bias of each input that was used, SI: the rudder, the speed before the manoeuvre, the current.
+    refitted_bias : float or None
+        Rudder bias refitted on this record.
+    overshoots, predicted_overshoots : tuple of float
+        Overshoot angles in rad, measured and predicted with the recorded rudder.
+    predicted_circle : TurningCircle or None
+        The turning circle read off the prediction with the recorded rudder; None where the trial is none, or the model runs
+        away.
+    initial : mapping of str to float
+        Initial states that were used.
+    """
+
+    trial: Trial
+    predicted: Mapping[str, np.ndarray]
+    rmse: Mapping[str, float]
+    measures: TrialMeasures
+    refitted: Mapping[str, float] = field(default_factory=dict)
+    warm: Mapping[str, float] = field(default_factory=dict)
+    biases: Mapping[str, float] = field(default_factory=dict)
+    refitted_bias: float | None = None
+    overshoots: tuple[float, ...] = ()
+    predicted_overshoots: tuple[float | None, ...] = ()
+    predicted_circle: TurningCircle | None = None
+    initial: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def bias(self) -> float:
+        """Rudder bias in rad that was used."""
+        return self.biases.get("delta", 0.0)

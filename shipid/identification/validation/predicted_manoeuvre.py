@@ -1,0 +1,104 @@
+"""The manoeuvre of a trial, measured and predicted with 95 % bands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shipid.foundation.aliases import Plain
+from shipid.foundation.statistics import plain
+
+#: Key of a turning circle's quantity, its name in `TurningCircle`, and the factor from SI.
+TURN = {
+    "advance_m": ("advance", 1.0),
+    "transfer_m": ("transfer", 1.0),
+    "tactical_diameter_m": ("tactical_diameter", 1.0),
+    "steady_rate_deg_s": ("steady_rate", float(np.rad2deg(1.0))),
+    "steady_speed_m_s": ("steady_speed", 1.0),
+}
+Band = tuple[float, float] | None
+
+
+@dataclass(frozen=True)
+class PredictedQuantity:
+    """A quantity of a turning circle, in the unit of its key.
+
+    Attributes
+    ----------
+    measured, predicted : float or None
+        None where it was not reached, or the model does not predict it.
+    band95 : tuple of float or None
+        95 % band of the prediction.
+    """
+
+    measured: float | None
+    predicted: float | None
+    band95: Band
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values."""
+        return {
+            "measured": _rounded(self.measured),
+            "predicted": _rounded(self.predicted),
+            "band95": None if self.band95 is None else [_rounded(b) for b in self.band95],
+        }
+
+
+@dataclass(frozen=True)
+class PredictedManoeuvre:
+    """The manoeuvre of a trial, measured and predicted.
+
+    Attributes
+    ----------
+    trial : str
+        Name of the trial.
+    overshoots, open_loop, closed_loop : tuple of float or None
+        Overshoots in rad, one a swing: measured, predicted with the recorded rudder, and predicted with the rudder reversed
+        at the measured headings.
+    band95, closed_loop_band95 : tuple of tuple of float or None
+        95 % bands of both predictions, in rad.
+    turn : mapping of str to PredictedQuantity
+        Quantities of a turning circle; empty where it is none.
+    """
+
+    trial: str
+    overshoots: tuple[float, ...] = ()
+    open_loop: tuple[float | None, ...] = ()
+    closed_loop: tuple[float | None, ...] = ()
+    band95: tuple[Band, ...] = ()
+    closed_loop_band95: tuple[Band, ...] = ()
+    turn: Mapping[str, PredictedQuantity] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values: angles in degrees, None where something was not reached."""
+        return {
+            "overshoots_deg": in_degrees(self.overshoots),
+            "predicted_overshoots_deg": in_degrees(self.open_loop),
+            "predicted_overshoots_closed_loop_deg": in_degrees(self.closed_loop),
+            "band95_deg": [None if b is None else in_degrees(b) for b in self.band95],
+            "closed_loop_band95_deg": [None if b is None else in_degrees(b) for b in self.closed_loop_band95],
+            **{key: value.to_dict() for key, value in self.turn.items()},
+        }
+
+
+def in_degrees(angles: tuple[float | None, ...]) -> list[float | None]:
+    """Return angles in degrees with four decimals, for JSON.
+
+    Parameters
+    ----------
+    angles : tuple of float or None
+        In rad; None or not finite where one was not reached.
+
+    Returns
+    -------
+    list of float or None
+    """
+    finite = [plain(a) for a in angles]
+    return [None if a is None else round(float(np.rad2deg(a)), 4) for a in finite]
+
+
+def _rounded(value: float | None) -> float | None:
+    value = plain(value)
+    return None if value is None else float(f"{value:.6g}")

@@ -1,0 +1,88 @@
+"""Weights for prediction: none firmer than the residuals, less where they last, and fewer samples where they repeat."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.declaration.vocabulary import FIELDS
+from shipid.identification.problem.box import box_of
+from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.trial_data import prepare
+from shipid.identification.search.least_squares import minimise
+from shipid.identification.search.prediction_weights import correlation_times, independent_samples, weigh_again
+from shipid.identification.search.solution import Solution, residual_levels
+
+SIGNALS = ("psi", "r")
+
+
+@pytest.fixture(scope="module")
+def problem(sail):
+    trial = sail("nomoto", "zeefakkel", "zigzag:20/20", seed=1, name="t")
+    data = prepare(shipid.find_model("nomoto"), trial, SIGNALS, 5.0)
+    return make_problem(
+        shipid.find_model("nomoto"), [data], SIGNALS, ("K", "tau"), {"L": 45.0}, np.array([0.02, 0.002]), ()
+    )
+
+
+def solution_of(problem, residual) -> Solution:
+    size = residual.size
+    return Solution(problem, np.zeros(problem.size), residual, np.zeros((size, problem.size)), True, "", 0)
+
+
+def test_noise_levels_spend_the_unknowns(drift, drifting):
+    """Of a linear regression: the sum of squares over the samples less the three unknowns."""
+    trial, design = drifting(np.deg2rad(0.5), 30, seed=3)
+    sailed, box = prepare(drift, trial, ("psi",), None), box_of({"gain": (0.1, -10, 10), "swing": (0.0, -1, 1)})
+    problem = make_problem(drift, [sailed], ("psi",), ("gain", "swing"), {}, np.array([0.1]), ())
+    found = minimise(problem, problem.first_guess(box.start), box, most=50, tolerance=1e-12)
+    (squares,) = np.linalg.lstsq(design, trial["psi"], rcond=None)[1]
+    assert residual_levels(found) == pytest.approx([np.sqrt(squares / (30 - 3))], rel=1e-6)
+
+
+def test_how_long_a_residual_lasts(problem):
+    """White noise lasts for one sample; a moving average of n samples for n of them."""
+    count = problem.trials[0].intervals.size
+    rng = np.random.default_rng(1)
+    n = 20
+    white = rng.standard_normal(count)
+    smooth = np.convolve(rng.standard_normal(count + n - 1), np.ones(n), "valid")
+    lasting = correlation_times(solution_of(problem, np.concatenate([smooth, white])))
+    interval = problem.trials[0].intervals[0]
+    # Of one record: a sum of autocorrelations scatters by its square root over the number of those lengths.
+    assert lasting[0] == pytest.approx(n * interval, rel=0.4)
+    assert lasting[1] == pytest.approx(interval, rel=0.4)
+
+
+def test_samples_that_repeat_each_other_are_left_out_and_their_times_kept(problem):
+    whole = problem.trials[0]
+    few = independent_samples(problem, 220 * whole.intervals[0]).trials[0]  # forty in 220 are one in five
+    assert few.intervals[0] == pytest.approx(5 * whole.intervals[0])
+    assert np.array_equal(few.measured, whole.measured[:, ::5])
+    again = few.thinned(few.intervals.size // 3)
+    assert np.array_equal(again.measured, whole.measured[:, ::15])
+    assert again.intervals[0] == pytest.approx(15 * whole.intervals[0])
+    assert independent_samples(problem, 10 * whole.intervals[0]).trials[0] is whole
+
+
+def test_a_disturbed_signal_loses_weight_and_the_others_keep_theirs(sail):
+    """Heading with a slow drift of five degrees on it: it gets the weight of that, the rate keeps the structure's."""
+    frame = sail("nomoto", "zeefakkel", "zigzag:20/20", seed=2, name="t").table.copy()
+    clean = shipid.Trial.from_frame(frame, name="clean", units={n: FIELDS[n].unit for n in frame})
+    frame["psi"] += np.deg2rad(5) * np.sin(2 * np.pi * frame["t"] / 40.0)
+    drifting = shipid.Trial.from_frame(frame, name="drifting", units={n: FIELDS[n].unit for n in frame})
+    weight = {}
+    for trial in (clean, drifting):
+        fit = shipid.identify("nomoto", [trial], ship="zeefakkel", purpose="prediction", starts=2)
+        weight[trial.name] = fit.parameters["K"]
+        assert fit.converged
+    true = shipid.find_ship("zeefakkel").values(shipid.find_model("nomoto"), speed=5.0)["K"]
+    assert weight["clean"].value == pytest.approx(true, rel=0.02)
+    # The rate still tells it; under the weights of the structure alone the heading pulls it off by several times as much.
+    assert weight["drifting"].value == pytest.approx(true, rel=0.05)
+
+
+def test_weights_within_the_structure_are_left_alone(problem):
+    small = solution_of(problem, np.full(2 * problem.trials[0].intervals.size, 0.01))
+    assert weigh_again(small, None, problem.sigma, 10.0) is small
