@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.system import generate
 from shipid.identification.problem.setting import estimated_parameters, time_constant
 from shipid.identification.problem.signals import unknown_biases, usual_signals
@@ -34,7 +35,7 @@ SPARE_DRAWS = 4
 class TimeTooShortError(ShipidError):
     """A time that no manoeuvre fits into."""
 
-    exit_code = 2
+    exit_code = ExitCode.USAGE
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,14 +1,13 @@
+"""Numbers as they are printed."""
+
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.report.figures.trials import thin
-from shipid.report.typography.numbers import NO_NUMBER, fixed, interval, number, uncertain
-from shipid.report.typography.numbers import given as as_given
-from shipid.report.typography.symbols import html_symbol
+from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, uncertain
+from shipid.foundation.numbers import given as as_given
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
 
@@ -40,30 +39,3 @@ def test_no_number_is_ever_nan_or_infinite_text(value, std):
 
 def test_given_numbers_get_no_digits():
     assert [as_given(v) for v in (15.5, 320.0, 0.0, 2.3e-7)] == ["15.5", "320", "0", "2.3 × 10⁻⁷"]
-
-
-@pytest.mark.parametrize(
-    ("latex", "shown"),
-    [
-        (r"\tau_{u}^*", "<i>τ</i><sub><i>u</i></sub><sup>*</sup>"),
-        (r"\dot r_d", "<i>r\u0307</i><sub><i>d</i></sub>"),
-        (r"a_{\mathrm{wind},\delta}", "<i>a</i><sub>wind,<i>δ</i></sub>"),
-        (r"\frac{a}{b}", "<i>&lt;name&gt;</i>"),
-        ("a_{", "<i>&lt;name&gt;</i>"),
-        ("<b>", "&lt;<i>b</i>&gt;"),
-    ],
-)
-def test_symbols_become_html_or_the_plain_name(latex, shown):
-    assert html_symbol(latex, "<name>") == shown
-
-
-@given(st.integers(1, 20_000), st.integers(0, 2**32 - 1))
-def test_thinning_keeps_ends_and_extremes(n, seed):
-    y = np.random.default_rng(seed).standard_normal(n)
-    kept = thin(y)
-    assert len(kept) <= 1000
-    assert (np.diff(kept) > 0).all()
-    assert kept[0] == 0
-    assert kept[-1] == n - 1
-    assert y[kept].min() == y.min()
-    assert y[kept].max() == y.max()

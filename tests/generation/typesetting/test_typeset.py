@@ -8,7 +8,6 @@ import pytest
 import sympy
 
 from shipid import Component, derived, find_model, generate, given, join, typeset
-from shipid.generation.typesetting import symbol_of
 
 T = 2.0
 
@@ -99,20 +98,3 @@ def test_functions_no_ship_uses() -> None:
     for a, b in [(0.3, 1.2), (-0.7, 0.4), (2.5, 1.1), (3.0, 2.0)]:
         numbers = {sympy.Symbol("a", real=True): a, sympy.Symbol("b", real=True): b}
         assert float(expression.subs(numbers)) == pytest.approx(float(function([], [a, b], [])), rel=1e-13)
-
-
-@pytest.mark.parametrize(
-    ("name", "latex"),
-    [
-        ("K", "K"),
-        ("tau", r"\tau"),
-        ("tau_u", r"\tau_{u}"),
-        ("tau1", r"\tau_{1}"),
-        ("alpha3", r"\alpha_{3}"),
-        ("helm_clock", r"\mathrm{helm}_{\mathrm{clock}}"),
-        ("Y_delta", r"Y_{\delta}"),
-        ("K_u_star", r"K_{u,\mathrm{star}}"),
-    ],
-)
-def test_symbols_made_of_names(name: str, latex: str) -> None:
-    assert symbol_of(name) == latex
