@@ -12,9 +12,9 @@ from threadpoolctl import threadpool_limits
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import display_unit, to_display
+from shipid.estimation.estimate import UNDETERMINED
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
-from shipid.identification.uncertainty.covariance import UNDETERMINED
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet

@@ -11,9 +11,9 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.units import pretty
+from shipid.estimation.estimate import Estimate
 from shipid.generation.typesetting import symbol, typeset
 from shipid.identification.fit import Fit
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.typography.numbers import fixed, given, interval, number, uncertain
 from shipid.report.typography.symbols import html_symbol
