@@ -1,4 +1,4 @@
-"""How sure the estimates are: covariance, effective samples, correlation, and what the data do not determine.
+"""Covariance of the estimates, effective samples, correlation, and parameters that the data do not determine.
 
 Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row, and waves swing
 heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
