@@ -2,7 +2,7 @@
 
 For a trial that was not fitted only the initial state may come from its first seconds; parameters and rudder bias come
 from the fitted trials. Reported apart: the same with rudder bias and initial state refitted on the whole record, which is no
-prediction but shows what knowing them would give.
+prediction: it shows the error that is left when both are known.
 """
 
 from __future__ import annotations

@@ -6,9 +6,9 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.units import pretty
+from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import fixed, given, interval, number, uncertain
 from shipid.identification.fit import Fit
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.parameter_set import PARTICULARS
 from shipid.report.page import Row, Section
 from shipid.report.typography.prose import prose
