@@ -129,6 +129,17 @@ def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior, measures: TrialMeasu
     return _errors(free, free.run(q, 0)[0], count)
 
 
+def shown_outputs(problem: Problem) -> tuple[str, ...]:
+    """Return the fitted signals, then the other signals and the track as far as the model has them.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    """
+    return tuple(dict.fromkeys((*problem.signals, *(n for n in SHOWN if n in problem.model))))
+
+
 def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures, length: float | None) -> Comparison:
     """Return one trial of a problem beside its prediction.
 
@@ -150,7 +161,7 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
     Comparison
     """
     trial = problem.trials[index].trial
-    shown = tuple(dict.fromkeys((*problem.signals, *(n for n in SHOWN if n in problem.model))))
+    shown = shown_outputs(problem)
     y, _ = problem.run(q, index, make_record(problem.model, shown))
     predicted = dict(zip(shown, y))
     overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))
