@@ -32,7 +32,13 @@ def number(value: float | None, digits: int = _DIGITS) -> str:
 
 
 def given(value: float | None) -> str:
-    """Return a number that somebody wrote down, without zeros that were not there."""
+    """Return a number that somebody wrote down, without zeros that were not there.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    """
     text = number(value, 6)
     mantissa, times, power = text.partition(" × ")
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power

@@ -31,7 +31,13 @@ class Estimating(Protocol):
         """The estimates of one of them against time."""
 
     def std_of(self, name: str) -> np.ndarray:
-        """Their standard deviations."""
+        """Return their standard deviations.
+
+        Parameters
+        ----------
+        name : str
+            Of the parameter.
+        """
 
 
 def parameters_section(run: Estimating, model: Model) -> Section | None:
