@@ -7,6 +7,7 @@ from math import pi
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown
 from shipid.trials.errors import (
     ClockError,
     LooksLikeDegreesError,
@@ -140,7 +141,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
             raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
     # 1 rad/s is a full turn in 6 s: a 3 m model reaches a fifth of it.
     if "r" in said_radians and (fast := float(np.quantile(np.abs(columns["r"]), 0.95, method="lower"))) > 1.0:
-        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {np.degrees(fast):.0f} deg/s")
+        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {shown(fast, 'r')}")
     if "psi" not in columns:
         return
     t, psi = columns["t"], columns["psi"]

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.trial import Trial
 
@@ -108,7 +109,7 @@ def plates(rudder: np.ndarray) -> list[Plate]:
         In order of time; empty where the rudder stays within 0.5 deg of midships.
     """
     size = float(np.quantile(np.abs(rudder), 0.9))
-    if size < np.radians(0.5):
+    if size < STEADY_RUDDER:
         return []
     over = np.where(rudder > size / 2, 1, np.where(rudder < -size / 2, -1, 0))
     held = np.flatnonzero(over)
