@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from math import pi
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from shipid.declaration.vocabulary import shown
 from shipid.trials.errors import (
@@ -204,8 +205,7 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     # In integral form, over blocks: differentiating a noisy rate of turn would drown the sign.
     count = min(400, len(t) - 1)
     at = np.unique(np.linspace(0, len(t) - 1, count + 1).astype(int))
-    dt = np.diff(t)
-    integral = [np.concatenate(([0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * dt))) for signal in (delta, r)]
+    integral = [cumulative_trapezoid(signal, t, initial=0.0) for signal in (delta, r)]
     design = np.column_stack([*(np.diff(part[at]) for part in integral), np.diff(t[at])])
     target = np.diff(r[at])
     if len(target) < 10 or np.ptp(delta) <= STEADY_RUDDER or np.linalg.matrix_rank(design) < 3:

@@ -118,16 +118,21 @@ def plates(rudder: np.ndarray) -> list[Plate]:
     result = []
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
-        angle = _mode(stretch[stretch >= 0.5 * stretch.max()])
+        angle = held_angle(stretch[stretch >= 0.5 * stretch.max()])
         dwell = float(np.mean(np.abs(stretch - angle) <= 0.2 * angle))
         result.append(Plate(first, last, float(over[first]) * angle, dwell))
     return result
 
 
-def _mode(values: np.ndarray) -> float:
-    """The value at which a rudder stays: the middle of the narrowest interval with a third of the samples.
+def held_angle(values: np.ndarray) -> float:
+    """Return the value at which a rudder stays: the middle of the narrowest interval with a third of the samples.
 
     A median would be drawn down by the ramps of a short plate, a maximum up by an order that overshoots.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Rudder angles [rad], in any order.
     """
     ordered = np.sort(values)
     count = max(1, -(-len(ordered) // 3))
@@ -233,7 +238,7 @@ def first_execute(
     if not calm.size:
         return None
     # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
-    neutral = _mode(before[calm[-max(5, plate.last - plate.first) :]])
+    neutral = held_angle(before[calm[-max(5, plate.last - plate.first) :]])
     y = -plate.side * rudder
     share = plate.first + 1
     if moved is None or execute == "order":
