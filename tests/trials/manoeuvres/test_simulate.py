@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from shipid import ParameterSet, Trial, find_model, find_ship, read_trial, simulate, write_trial
+from shipid import ParameterSet, Trial, find_ship, read_trial, simulate, write_trial
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
 from shipid.parts.sensors import standard_noise
@@ -16,8 +16,8 @@ from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 DEG = np.pi / 180
 
 
-def sail(manoeuvre: str, model: str = "de-keizer", ship: Any = "soesterberg", **options: Any) -> Trial:
-    return simulate(find_model(model), ship, manoeuvre, **options)
+def sail(manoeuvre: str, model: str = "de-keizer", ship: str | ParameterSet = "soesterberg", **options: Plain) -> Trial:
+    return simulate(model, ship, manoeuvre, **options)
 
 
 @pytest.mark.parametrize("side", [1, -1])
