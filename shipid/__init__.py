@@ -29,7 +29,7 @@ _HOMES = {
     "find_ship": "shipid.parameters.catalogue",
     "generate": "shipid.generation.system",
     "linearise": "shipid.generation.linearisation",
-    "typeset": "shipid.generation.typesetting",
+    "typeset": "shipid.generation.typesetting.typeset",
     "Trial": "shipid.trials.trial",
     "read_trial": "shipid.trials.logs.reading",
     "write_trial": "shipid.trials.logs.writing",

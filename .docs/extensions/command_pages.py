@@ -10,6 +10,7 @@ import click
 from markup import indented, plain, title
 
 from shipid.cli import main
+from shipid.foundation.exit_codes import table
 
 
 def _help(text: str) -> str:
@@ -44,7 +45,7 @@ def _write_page(app: Any, config: Any) -> None:
     context = click.Context(main, info_name="shipid")
     about = (
         "Every command prints its options with ``--help``. Results go to standard output, with ``--json`` for programs; "
-        "progress and messages go to standard error. Exit codes: 0 done, 2 usage, 3 bad data, 4 no convergence."
+        f"progress and messages go to standard error. Exit codes: {table()}."
     )
     commands = [_command(name, context) for name in main.list_commands(context)]
     folder = Path(app.srcdir) / "generated"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from shipid.foundation.errors import ShipidError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 
 
 class NotSteerableError(ShipidError):
@@ -16,7 +17,7 @@ class NoStraightCourseError(ShipidError):
 class UnstableDesignError(ShipidError):
     """A request that leaves the loop of this ship unstable."""
 
-    exit_code = 4
+    exit_code = ExitCode.NO_CONVERGENCE
 
 
 class DesignRequestError(UsageError):

@@ -1,7 +1,6 @@
 """The command line: thin, and it imports what a command needs when the command runs.
 
-Results go to stdout (``--json`` for machines), progress and messages to stderr. Exit codes: 0 done, 2 usage, 3 bad data,
-4 no convergence, 70 a fault of shipid itself.
+Results go to stdout (``--json`` for machines), progress and messages to stderr. Exit codes: `shipid.foundation.exit_codes`.
 """
 
 from __future__ import annotations
@@ -11,28 +10,12 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
-from typing import Any
 
 import click
 
-from shipid.cli.shared import say
-
-#: Command: the module it lives in, and its line in the help.
-_COMMANDS = {
-    "models": ("shipid.cli.catalogue", "List models and ships, one line each."),
-    "show": ("shipid.cli.catalogue", "Show a model: quantities, units, equations, sources."),
-    "simulate": ("shipid.cli.simulate", "Simulate a manoeuvre and write it as a trial."),
-    "check": ("shipid.cli.check", "Find what is wrong with a trial, and repair it."),
-    "measure": ("shipid.cli.measure", "Measure a zig-zag or a turning circle."),
-    "compare": ("shipid.cli.compare", "Rank models by how they predict what they were not fitted to."),
-    "plan": ("shipid.cli.plan", "Plan which manoeuvres tell the most within a time."),
-    "identify": ("shipid.cli.identify", "Identify a model from one trial or several."),
-    "filter": ("shipid.cli.filter", "Filter a trial, or samples as they arrive, with a Kalman filter."),
-    "tune": ("shipid.cli.tune", "Tune a gain-scheduled autopilot, with its report."),
-    "criteria": ("shipid.cli.criteria", "Evaluate a model against IMO's manoeuvring criteria."),
-}
-#: Functions that are not named as their command: `filter` is a word of Python's.
-_FUNCTIONS = {"filter": "filter_trial"}
+from shipid.cli.messages import say
+from shipid.cli.registry import COMMANDS
+from shipid.foundation.exit_codes import ExitCode
 
 
 class _LazyGroup(click.Group):
@@ -40,26 +23,29 @@ class _LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order of the work."""
-        return list(_COMMANDS)
+        return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import a command."""
-        if cmd_name not in _COMMANDS:
+        if cmd_name not in COMMANDS:
             return None
-        command: Any = getattr(importlib.import_module(_COMMANDS[cmd_name][0]), _FUNCTIONS.get(cmd_name, cmd_name))
+        module, _, function = COMMANDS[cmd_name][0].partition(":")
+        command: click.Command = getattr(importlib.import_module(module), function)
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write the commands without importing them."""
         with formatter.section("Commands"):
-            formatter.write_dl([(name, about) for name, (_, about) in _COMMANDS.items()])
+            formatter.write_dl([(name, about) for name, (_, about) in COMMANDS.items()])
 
-    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
         """Offer the nearest command for a misspelt one."""
-        if args and args[0] not in _COMMANDS and not args[0].startswith("-"):
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from shipid.foundation.errors import UnknownNameError
 
-            raise UnknownNameError("command", args[0], _COMMANDS)
+            raise UnknownNameError("command", args[0], COMMANDS)
         return super().resolve_command(ctx, args)
 
 
@@ -77,12 +63,17 @@ def main() -> None:
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line and return its exit code; errors are one paragraph on stderr, never a traceback.
+    """Run the command line; errors are one paragraph on stderr, never a traceback.
 
     Parameters
     ----------
     arguments : sequence of str, optional
         What stands behind ``shipid``; taken from the process by default.
+
+    Returns
+    -------
+    int
+        The exit code.
     """
     from shipid.foundation.errors import ShipidError
 
@@ -95,26 +86,26 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return _refuse(error)
     except (click.Abort, KeyboardInterrupt):
         say("interrupted; nothing more was written.")
-        return 130
+        return ExitCode.INTERRUPTED
     except ShipidError as error:
         say(str(error))
         return error.exit_code
     except SystemExit:  # click's answer to a closed pipe: nobody reads on
-        return 0
+        return ExitCode.DONE
     except OSError as error:
         say(f"{error.filename or 'the output'}: {error.strerror or error}.")
-        return 3
+        return ExitCode.BAD_DATA
     except MemoryError as error:
         say(f"the memory does not hold it: {error}. Ask for fewer samples: a shorter time, or a longer interval.")
-        return 3
+        return ExitCode.BAD_DATA
     except Exception as error:  # the last line of defence: a fault of ours is said in one paragraph too
         if os.environ.get("SHIPID_DEBUG"):
             raise
         say(
             f"a fault in shipid itself, {type(error).__name__}: {error}. Set SHIPID_DEBUG=1 to see where, and report it."
         )
-        return 70
-    return code if isinstance(code, int) else 0
+        return ExitCode.FAULT
+    return code if isinstance(code, int) else ExitCode.DONE
 
 
 def _refuse(error: click.ClickException) -> int:
@@ -128,7 +119,7 @@ def _refuse(error: click.ClickException) -> int:
     return error.exit_code
 
 
-def _warn(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+def _warn(message: Warning | str, category: type[Warning], *_: object, **__: object) -> None:
     """Say shipid's own notices; the warnings of the libraries below are for developers."""
     if category.__module__.startswith("shipid.") or os.environ.get("SHIPID_DEBUG"):
         say(str(message))

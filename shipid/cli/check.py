@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
-from shipid.cli.shared import format_option, json_option, print_json, say
+from shipid.cli.delivery import Delivery, delivered
+from shipid.cli.messages import say
+from shipid.cli.options import format_option, ship_option, trials_argument
+from shipid.foundation.aliases import Plain
+from shipid.foundation.exit_codes import ExitCode
 
 
 @click.command()
-@click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
+@trials_argument
 @format_option
-@click.option("--ship", metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML), for its length.")
+@ship_option()
 @click.option("--fix", is_flag=True, help="Apply the proposed repairs and write a trial.")
 @click.option("-o", "--output", metavar="FILE", help="File for --fix; it must not exist.")
-@json_option
+@delivered()
 def check(
-    trials: tuple[str, ...], format_: str | None, ship: str | None, fix: bool, output: str | None, as_json: bool
+    trials: tuple[str, ...], format_: str | None, ship: str | None, fix: bool, output: str | None, delivery: Delivery
 ) -> int:
     """Find what is wrong with a trial, what it does to an identification, and what repairs it.
 
-    Exit code 3 where something would spoil an identification, 0 where nothing would.
+    The length of the ship tells how quickly it can turn. Exit code 3 where something would spoil an identification, 0 where
+    nothing would.
     """
     from shipid.foundation.errors import MissingExtraError, MissingFileError, UsageError
     from shipid.parameters.catalogue import find_ship
@@ -34,8 +37,9 @@ def check(
     if fix and len(trials) > 1:
         raise UsageError(f"--fix repairs one trial at a time, and {len(trials)} are named.")
     known = find_ship(ship) if ship else None
-    answers: list[dict[str, Any]] = []
-    code = 0
+    answers: list[dict[str, Plain]] = []
+    texts: list[str] = []
+    code = ExitCode.DONE
     for name in trials:
         try:
             found = check_trial(name, known, format_)
@@ -44,18 +48,15 @@ def check(
                 raise
             say(str(error))
             answers.append({"trial": name, "error": str(error), "findings": [], "manoeuvres": []})
-            code = 3
+            code = ExitCode.BAD_DATA
             continue
         answers.append(found.to_dict())
-        code = max(code, 3 if found.serious else 0)
-        if not as_json:
-            click.echo(repr(found))
-    if fix and output is not None:
+        texts.append(repr(found))
+        code = ExitCode.BAD_DATA if found.serious else code
+    if output is not None:
         written, repaired = fix_trial(trials[0], output, known, format_)
         answers[0]["fixed"] = {"path": str(written), "repaired": [f.kind for f in repaired]}
-        if not as_json:
-            click.echo(f"written: {written}, {len(repaired)} repairs")
-        code = 0
-    if as_json:
-        print_json(answers[0] if len(answers) == 1 else {"trials": answers})
+        texts.append(f"written: {written}, {len(repaired)} repairs")
+        code = ExitCode.DONE
+    delivery.hand_over_parts(answers[0] if len(answers) == 1 else {"trials": answers}, "\n".join(texts))
     return code

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.shared import json_option, print_json
+from shipid.cli.delivery import Delivery, delivered
+from shipid.cli.options import model_argument, ship_option, speed_option
 
 
 @click.command()
-@click.argument("model")
-@click.option("--ship", required=True, metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
-@click.option("--speed", metavar="V", help="Test speed, as in '15 kn'; the ship's own by default.")
-@json_option
-def criteria(model: str, ship: str, speed: str | None, as_json: bool) -> None:
+@model_argument
+@ship_option(required=True)
+@speed_option("Test speed")
+@delivered()
+def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> None:
     """Evaluate a model against the manoeuvring criteria of IMO MSC.137(76).
 
     Turning circle, initial turning and overshoots to both sides beside their limits, with bands from the standard deviations
@@ -21,8 +22,4 @@ def criteria(model: str, ship: str, speed: str | None, as_json: bool) -> None:
     from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
     from shipid.parameters.catalogue import find_model, find_ship
 
-    found = manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed)
-    if as_json:
-        print_json(found.to_dict())
-    else:
-        click.echo(repr(found))
+    delivery.hand_over(manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed))

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.shared import say
+from shipid.cli.delivery import json_text
+from shipid.cli.messages import say
+
+if TYPE_CHECKING:
+    from shipid.declaration.model import Model
+    from shipid.foundation.aliases import Plain
+    from shipid.parameters.parameter_set import ParameterSet
 
 #: How often a file that has come to its end is looked at again, in s.
 _LOOK_AGAIN = 0.05
@@ -27,6 +32,16 @@ def lines_of(source: str, wait: float) -> Iterator[str]:
         A file, or ``-`` for standard input, which ends when it is closed.
     wait : float
         Seconds without a new line after which a file is taken to have ended.
+
+    Yields
+    ------
+    str
+        A line.
+
+    Raises
+    ------
+    MissingFileError
+        If there is no such file.
     """
     from shipid.foundation.errors import MissingFileError
 
@@ -53,7 +68,13 @@ def lines_of(source: str, wait: float) -> Iterator[str]:
 
 
 def follow(
-    source: str, model: Any, ship: Any, measured: Any, settings: dict[str, Any], wait: str, as_json: bool
+    source: str,
+    model: Model,
+    ship: ParameterSet | None,
+    measured: Mapping[str, str] | None,
+    settings: Mapping[str, Plain],
+    wait: str,
+    as_json: bool,
 ) -> None:
     """Filter samples as they arrive, and print an estimate for each.
 
@@ -61,12 +82,19 @@ def follow(
     ----------
     source : str
         A file, or ``-``.
-    model, ship, measured, settings
+    model : Model
+        The model.
+    ship, measured, settings
         See `shipid.estimation.kalman.ExtendedKalmanFilter`.
     wait : str
         See `lines_of`, with its unit.
     as_json : bool
         Whether an estimate is a line of JSON instead of a line of a table.
+
+    Raises
+    ------
+    EmptyFileError
+        If nothing comes before the source ends.
     """
     from shipid.declaration.units import to_si
     from shipid.estimation.kalman import ExtendedKalmanFilter
@@ -97,7 +125,7 @@ def follow(
             say(f"{source}, line {number}: refused, {estimate.refused}.")
             continue
         if as_json:
-            click.echo(json.dumps(estimate.to_dict(), allow_nan=False, ensure_ascii=False))
+            click.echo(json_text(estimate.to_dict(), indent=None))
         else:
             # With the first estimate: a record that cannot be filtered prints nothing.
             if header_line:

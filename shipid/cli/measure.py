@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import click
 
-from shipid.cli.shared import format_option, json_option, print_json, read, window_of
+from shipid.cli.delivery import Delivery, delivered
+from shipid.cli.options import TrialReader, reading
+from shipid.foundation.aliases import Plain
 
 
 @click.command()
 @click.argument("trial")
-@format_option
-@click.option("--window", metavar="A:B", help="Seconds of the trial's own clock. A trial may carry its own: FILE@A:B.")
+@reading
 @click.option("--kind", type=click.Choice(["zig-zag", "turning circle"]), help="Found out by itself by default.")
 @click.option("--length", metavar="L", help="Ship length, as in '320 m', for the ratios to it.")
-@json_option
-def measure(
-    trial: str, format_: str | None, window: str | None, kind: str | None, length: str | None, as_json: bool
-) -> None:
+@delivered()
+def measure(trial: str, read: TrialReader, kind: str | None, length: str | None, delivery: Delivery) -> None:
     """Measure a zig-zag or a turning circle in the terms of ITTC and IMO."""
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UsageError
@@ -26,13 +23,10 @@ def measure(
 
     if length is not None and not to_si(length, "m", "the ship length") > 0:
         raise UsageError(f"a ship length of {length} has no ratios to it: give one greater than zero.")
-    measured = run_measure(read(trial, format_, window_of(window)), kind, length=length)
-    if not as_json:
-        click.echo(repr(measured))
-        return
-    flat: dict[str, Any] = {"kind": measured.kind, "trial": measured.trial, "execute": measured.execute}
+    measured = run_measure(read(trial), kind, length=length)
+    flat: dict[str, Plain] = {"kind": measured.kind, "trial": measured.trial, "execute": measured.execute}
     flat |= {n: getattr(measured, n) for n in ("nominal", "first_side", "side", "track") if hasattr(measured, n)}
     for name, value, unit, _ in measured.quantities():
         key = name if unit == "1" else f"{name}_{unit.replace('/', '_')}"
         flat[key] = list(value) if isinstance(value, tuple) else value
-    print_json(flat)
+    delivery.hand_over_parts(flat, repr(measured))

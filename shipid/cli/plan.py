@@ -6,23 +6,34 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.shared import assignments, json_option, names_of, print_json, progress_on_stderr
+from shipid.cli.delivery import Delivery, delivered
+from shipid.cli.options import (
+    LEVELS,
+    estimate_option,
+    model_option,
+    names_of,
+    sampling_option,
+    seed_option,
+    ship_option,
+    speed_option,
+    values_option,
+)
 
 if TYPE_CHECKING:
     from shipid.planning.selection import Criterion
 
 
 @click.command()
-@click.option("--model", required=True, metavar="MODEL", help="A model's name, or path/to/file.py:Class.")
-@click.option("--ship", required=True, metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
+@model_option
+@ship_option(required=True)
 @click.option("--time", required=True, metavar="T", help="What there is, as in 20min, approaches included.")
-@click.option("--speed", metavar="V", help="As in '9 kn', or several to choose from, '9 kn,6 kn'.")
-@click.option("--estimate", metavar="a,b,..", help="Coefficients to estimate; the model's own choice by default.")
+@speed_option("Speed of the trials", ", or several to choose from, '9 kn,6 kn'")
+@estimate_option()
 @click.option(
     "--noise",
     default="standard",
     show_default=True,
-    help="standard, or a list of what is measured: 'psi=0.2 deg,u=0.1 m/s'.",
+    help=f"Of the sensors: standard, or a list of what is measured, {LEVELS}.",
 )
 @click.option(
     "--criterion", default="D", show_default=True, metavar="D|A", help="Determinant, or mean relative variance."
@@ -35,23 +46,21 @@ if TYPE_CHECKING:
     metavar="a,b,..",
     help="Kinds or manoeuvres: zigzag,telegraph,turn,course by default; turn:20; spiral.",
 )
-@click.option("--sampling", metavar="T", help="Sampling interval of the sensors, as in '1 s'.")
+@sampling_option
 @click.option(
     "--correlation", metavar="T", help="Autocorrelation time of the noise in waves, as in '4 s'; white by default."
 )
 @click.option("--between", metavar="T", help="Steady approach between two manoeuvres; five L/U by default.")
 @click.option("--draws", default=8, type=click.IntRange(0), show_default=True, help="Draws of the coefficients.")
-@click.option(
-    "--set", "--fix", "values", multiple=True, metavar="NAME=VALUE", help="Replace a value of the ship, with its unit."
-)
-@click.option("--seed", default=0, type=click.IntRange(0), show_default=True, help="Of draws and random telegraphs.")
-@json_option
+@values_option
+@seed_option("draws and random telegraphs")
+@delivered()
 def plan(
     model: str,
     ship: str,
     time: str,
     speed: str | None,
-    estimate: str | None,
+    estimate: list[str] | None,
     noise: str,
     criterion: Criterion,
     worst_case: bool,
@@ -60,9 +69,9 @@ def plan(
     correlation: str | None,
     between: str | None,
     draws: int,
-    values: tuple[str, ...],
+    values: dict[str, str],
     seed: int,
-    as_json: bool,
+    delivery: Delivery,
 ) -> None:
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
@@ -73,18 +82,18 @@ def plan(
     from shipid.planning.plan_trials import plan_trials
 
     found, known = find_model(model), find_ship(ship)
-    with progress_on_stderr(as_json) as tell:
+    with delivery.progress() as tell:
         result = plan_trials(
             found,
             known,
             time,
             speed=speed,
-            estimate=names_of(estimate),
+            estimate=estimate,
             noise=noise,
             criterion=criterion,
             worst_case=worst_case,
-            repertoire=names_of(repertoire),
-            values=assignments(values),
+            repertoire=None if repertoire is None else names_of(repertoire),
+            values=values,
             sampling=sampling,
             correlation=correlation,
             between=between,
@@ -92,7 +101,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    if as_json:
-        print_json(result.to_dict())
-    else:
-        click.echo(repr(result))
+    delivery.hand_over(result)

@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import click
 
-from shipid.cli.shared import assignments, overwrite_option, say
+from shipid.cli.delivery import output_file, overwrite_option
+from shipid.cli.messages import say
+from shipid.cli.options import (
+    LEVELS,
+    model_argument,
+    sampling_option,
+    seed_option,
+    ship_option,
+    speed_option,
+    values_option,
+)
 
 
 @click.command()
-@click.argument("model")
-@click.option("--ship", required=True, metavar="SHIP", help="A ship's name, or the path of a parameter set (TOML).")
+@model_argument
+@ship_option(required=True)
 @click.option("--manoeuvre", required=True, metavar="M", help="zigzag:20/20, turn:35, spiral:25, course:60, ...")
-@click.option("--speed", metavar="V", help="Speed before the manoeuvre, as in '9 kn'; the ship's own by default.")
+@speed_option("Speed before the manoeuvre")
 @click.option(
-    "--noise", default="none", show_default=True, help="none, standard, or a list: 'psi=0.2 deg,r=0.02 deg/s'."
+    "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
-@click.option(
-    "--seed", default=0, type=click.IntRange(0), show_default=True, help="Of the noise and the random telegraph."
-)
+@seed_option("the noise and the random telegraph")
 @click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
-@click.option("--sampling", metavar="T", help="Sampling interval, as in '1 s'.")
+@sampling_option
 @click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
-@click.option(
-    "--set", "--fix", "values", multiple=True, metavar="NAME=VALUE", help="Replace a value of the ship, with its unit."
-)
+@values_option
 @click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
 @overwrite_option
 def simulate(
@@ -43,7 +48,7 @@ def simulate(
     heading: str,
     current: str | None,
     wind: str | None,
-    values: tuple[str, ...],
+    values: dict[str, str],
     output: str | None,
     overwrite: bool,
 ) -> None:
@@ -56,13 +61,11 @@ def simulate(
     course:60/15        course change with at most 15 degrees of rudder
     telegraph:10        random telegraph
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
-    from shipid.foundation.errors import UsageError
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.trials.logs.writing import write_trial
     from shipid.trials.manoeuvres.simulate import simulate as run_simulation
 
-    if output is not None and Path(output).is_file() and not overwrite:
-        raise UsageError(f"{output} exists already. Choose another --output, or add --overwrite.")
+    place = None if output is None else output_file(output, overwrite)
     trial = run_simulation(
         find_model(model),
         find_ship(ship),
@@ -75,14 +78,14 @@ def simulate(
         heading=heading,
         current=_flow(current, "current"),
         wind=_flow(wind, "wind"),
-        values=assignments(values),
+        values=values,
     )
-    if output is None:
+    if place is None:
         click.echo(f"# {trial.source.comment}")
         click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
         return
-    write_trial(trial, output, overwrite=overwrite, comment=trial.source.comment)
-    say(f"{output}: {len(trial)} samples. {trial.source.comment}")
+    write_trial(trial, place, overwrite=overwrite, comment=trial.source.comment)
+    say(f"{place}: {len(trial)} samples. {trial.source.comment}")
 
 
 def _flow(text: str | None, what: str) -> tuple[float, float] | None:

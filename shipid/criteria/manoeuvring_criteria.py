@@ -1,7 +1,7 @@
 """Manoeuvring criteria: a model evaluated against IMO MSC.137(76) 5.3, with its uncertainty.
 
-A model is no trial: what it says beyond the rudder angles it was identified from is extrapolation, and a verdict of an
-Administration it never is. The words of the result say so.
+A model is no trial: beyond the rudder angles it was identified from it extrapolates, and its numbers are no statement of an
+Administration. The result says so.
 """
 
 from __future__ import annotations

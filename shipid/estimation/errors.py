@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from shipid.foundation.errors import ShipidError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 
 
 class NoiseLevelError(UsageError):
@@ -20,7 +21,7 @@ class SensorRateError(UsageError):
 class FilterDivergedError(ShipidError):
     """The estimate ran away to values that are not finite."""
 
-    exit_code = 4
+    exit_code = ExitCode.NO_CONVERGENCE
 
 
 class SavedStateError(ShipidError):

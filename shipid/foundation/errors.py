@@ -5,17 +5,19 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from shipid.foundation.exit_codes import ExitCode
+
 
 class ShipidError(Exception):
     """Base of every error a user can cause; the command line prints it and exits with ``exit_code``."""
 
-    exit_code = 3
+    exit_code = ExitCode.BAD_DATA
 
 
 class UsageError(ShipidError):
     """A name, an option or an argument that does not exist or does not fit."""
 
-    exit_code = 2
+    exit_code = ExitCode.USAGE
 
 
 class UnitError(ShipidError):

@@ -12,6 +12,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import ShipidError, UnknownNameError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.system import System, generate
 
 #: States that a steady motion may change at a constant rate: where the ship is and where it points. Others that no
@@ -22,7 +23,7 @@ COORDINATES = ("x", "y", "psi")
 class NoSteadyStateError(ShipidError):
     """No steady motion was found from the given starting point."""
 
-    exit_code = 4
+    exit_code = ExitCode.NO_CONVERGENCE
 
 
 @dataclass(frozen=True)

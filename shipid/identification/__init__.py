@@ -1,1 +1,1 @@
-"""From trials to an identified ship, with honest uncertainty."""
+"""From trials to an identified ship, with its uncertainty."""

@@ -1,4 +1,4 @@
-"""The verb: how far a fit is to be believed."""
+"""The verb that assesses a fit: weakly determined directions, residuals, prediction bands, findings on its trials."""
 
 from __future__ import annotations
 

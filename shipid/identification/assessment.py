@@ -1,4 +1,4 @@
-"""What was worked out of a fit beyond its coefficients: bands, null directions, residuals, findings on the trials."""
+"""The assessment of a fit: prediction bands, null directions, residuals, findings on its trials."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from shipid.identification.validation.trial_findings import TrialFinding
 
 @dataclass(frozen=True, eq=False)
 class Assessment:
-    """How far a fit is to be believed.
+    """The assessment of a fit, made by `shipid.assess`.
 
     Attributes
     ----------

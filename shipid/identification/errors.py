@@ -10,7 +10,7 @@ class IdentificationError(ShipidError):
 
 
 class TrialTooShortError(IdentificationError):
-    """A trial that ends before the model's slowest motion could show."""
+    """A trial shorter than the slowest time constant of the ship."""
 
 
 class NoAnswerError(IdentificationError):
@@ -22,7 +22,7 @@ class NothingToFitError(IdentificationError):
 
 
 class NotRegressableError(IdentificationError):
-    """A method by regression was asked for, and an equation reads what nobody measured."""
+    """A method by regression was asked for, and an equation reads a state that is not measured."""
 
 
 class PosteriorError(IdentificationError):

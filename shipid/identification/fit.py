@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
@@ -16,7 +17,6 @@ from shipid.identification.fit_text import coefficient_lines, comparison_lines, 
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison

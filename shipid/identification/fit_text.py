@@ -9,11 +9,11 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, to_display
+from shipid.estimation.estimate import Estimate
 from shipid.identification.methods import METHODS
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.identification.validation.comparison import Comparison
 
 

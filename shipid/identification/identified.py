@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
+from shipid.estimation.estimate import Estimate
 from shipid.identification.methods import Method
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.setting import box_around
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.covariance import Covariance
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.parameter_set import ParameterSet
 
 

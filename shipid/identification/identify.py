@@ -35,7 +35,7 @@ from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
 from shipid.identification.uncertainty.estimates import estimates_of
 from shipid.identification.uncertainty.identified_ship import identified_ship
-from shipid.identification.validation.predictions import fitted_comparisons, warm_up_samples
+from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.trial import Trial
@@ -130,9 +130,7 @@ def identify(
         check_answer(trial, shown)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
     # The trials to predict as well: what they lack is found before the search, not after it.
-    everything = [
-        prepare(setting.model, t, shown, own_speed, warm_up_samples(t, unit_time)) for t in (*trials, *validate)
-    ]
+    everything = [prepare(setting.model, t, shown, own_speed, unit_time) for t in (*trials, *validate)]
     data = everything[: len(trials)]
     check_length(setting, trials)
     # For prediction, residuals are weighted by what a low-order model can reach, and the trials share their biases.

@@ -1,4 +1,4 @@
-"""The ladder's names: purposes, methods and losses, for those who choose and for the command line, which imports no more.
+"""Names of purposes, methods and losses; the command line imports no more than this.
 
 A purpose leads to a method; a method named by the user overrides it.
 """

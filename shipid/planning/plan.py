@@ -1,4 +1,4 @@
-"""The result of planning: what to sail, and how sure the coefficients will be, beside the standard zig-zags."""
+"""The result of planning: trials, and the standard deviations they give the coefficients, beside the standard zig-zags."""
 
 from __future__ import annotations
 

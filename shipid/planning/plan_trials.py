@@ -1,4 +1,4 @@
-"""The verb: a ship and a time in, out comes the manoeuvres that determine the coefficients best."""
+"""The verb: a ship and a time in, the manoeuvres that determine the coefficients best out."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from threadpoolctl import threadpool_limits
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import display_unit, to_display
+from shipid.estimation.estimate import UNDETERMINED
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
-from shipid.identification.uncertainty.covariance import UNDETERMINED
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
@@ -92,7 +92,7 @@ def plan_trials(
     model : Model, component class or str
         What is going to be identified.
     ship : ParameterSet or str
-        What is believed of the ship: particulars, coefficients, and their standard deviations where it holds them.
+        Particulars, coefficients, and their standard deviations where the set holds them.
     time : str or float
         What there is, ``"20 min"`` or in s, steady approaches between manoeuvres included.
     speed : str, float or sequence, optional

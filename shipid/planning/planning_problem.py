@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.system import generate
 from shipid.identification.problem.setting import estimated_parameters, time_constant
 from shipid.identification.problem.signals import unknown_biases, usual_signals
@@ -34,7 +35,7 @@ SPARE_DRAWS = 4
 class TimeTooShortError(ShipidError):
     """A time that no manoeuvre fits into."""
 
-    exit_code = 2
+    exit_code = ExitCode.USAGE
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,7 +310,7 @@ def _draws(
     for name, deviation, z in zip(estimated, std, normal_draws(len(estimated), SPARE_DRAWS * count, seed).T):
         (low, high), value = scale.bounds_of(model[name]), known[name]
         drawn = value * np.exp(deviation / value * z) if low > 0 and value > 0 else value + deviation * z
-        # A value of the ship's own is believed over a declared bound.
+        # A declared bound is widened to hold the value of the ship's own set.
         columns[name] = np.clip(drawn, min(low, value), max(high, value))
     each = ({n: float(c[i]) for n, c in columns.items()} for i in range(SPARE_DRAWS * count))
     return (dict(known), *({**known, **values} for values in each))

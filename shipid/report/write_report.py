@@ -3,19 +3,35 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.autopilot.judgement.judgement import Judgement
 from shipid.foundation.errors import UsageError
-from shipid.foundation.replacing import check_place, replacing
+from shipid.foundation.replacing import check_place, write_text
+from shipid.report.page import Page
+
+if TYPE_CHECKING:
+    from shipid.criteria.criteria import Criteria
+    from shipid.estimation.records.observability import Observability
+    from shipid.estimation.records.run import FilterRun
+    from shipid.identification.fit import Fit
+    from shipid.identification.recursive.result import RecursiveIdentification
+
+    Reported: TypeAlias = (
+        Fit | FilterRun | Observability | RecursiveIdentification | Autopilot | Judgement | TuningComparison
+    )
 
 
-def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Path:
+def write_report(
+    result: Reported, path: str | Path, *, criteria: Criteria | str | None = None, overwrite: bool = True
+) -> Path:
     """Write a result as a self-contained HTML report.
 
-    The file appears under its name only when it is complete. The same result gives the same bytes.
+    The file appears under its name only when it is complete. The same result gives the same bytes. The report computes
+    nothing: what it shows is in the result, and it says what was not asked for (`shipid.assess` of a fit, `observability` of a
+    filter, `shipid.judge` of an autopilot).
 
     Parameters
     ----------
@@ -23,6 +39,8 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
         What to report.
     path : str or Path
         The file to write.
+    criteria : Criteria or str, optional
+        The manoeuvring criteria of an identified model, or why there are none: for a section of the report of a fit.
     overwrite : bool
         Whether a file of that name may be replaced.
 
@@ -42,75 +60,59 @@ def write_report(result: Any, path: str | Path, *, overwrite: bool = True) -> Pa
     """
     path = Path(path)
     check_place(path, overwrite)
-    page = render(result)
-    with replacing(path) as temporary:
-        Path(temporary).write_text(page, encoding="utf-8", newline="\n")
+    write_text(path, render(result, criteria=criteria))
     return path
 
 
-def render(result: Any) -> str:
+def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
     """Return the report of a result as HTML text.
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement or TuningComparison
-        What to report.
+    result, criteria
+        As for `write_report`.
 
     Raises
     ------
     UsageError
         If there is no report for this kind of result.
     """
+    return _page(result, criteria).html()
+
+
+def _page(result: Reported, criteria: Criteria | str | None) -> Page:
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
 
     if isinstance(result, Fit):
-        from shipid.report.views.fit import fit_view
+        from shipid.report.views.fit import fit_page
 
-        return _page("fit.html", fit_view(result))
+        return fit_page(result, criteria)
     if isinstance(result, FilterRun):
-        from shipid.report.views.filter import filter_view
+        from shipid.report.views.filter import filter_page
 
-        return _page("filter.html", filter_view(result))
+        return filter_page(result)
     if isinstance(result, Observability):
-        from shipid.report.views.filter import filter_view
+        from shipid.report.views.filter import filter_page
 
-        return _page("filter.html", filter_view(result.run, result))
+        return filter_page(result.run, result)
     if isinstance(result, RecursiveIdentification):
-        from shipid.report.views.recursive import recursive_view
+        from shipid.report.views.recursive import recursive_page
 
-        return _page("filter.html", recursive_view(result))
+        return recursive_page(result)
     if isinstance(result, Autopilot):
-        from shipid.report.views.tuning import design_view
+        from shipid.report.views.tuning import design_page
 
-        return _page("tuning.html", design_view(result))
+        return design_page(result)
     if isinstance(result, Judgement):
-        from shipid.report.views.tuning import tuning_view
+        from shipid.report.views.tuning import tuning_page
 
-        return _page("tuning.html", tuning_view(result))
+        return tuning_page(result)
     if isinstance(result, TuningComparison):
-        from shipid.report.views.tunings import comparison_view
+        from shipid.report.views.tunings import comparison_page
 
-        return _page("tunings.html", comparison_view(result))
+        return comparison_page(result)
     known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
-
-
-def _page(template: str, view: Any) -> str:
-    return str(_environment().get_template(template).render(view=view))
-
-
-def _environment() -> Any:
-    import jinja2
-
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("shipid.report", ""),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["zip"] = zip
-    return environment

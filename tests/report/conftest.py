@@ -1,11 +1,51 @@
 from __future__ import annotations
 
 import dataclasses
+import html.parser
+import re
 
 import numpy as np
 import pytest
 
 import shipid
+
+
+class Page(html.parser.HTMLParser):
+    """Text, tags and attributes of a page; void and foreign elements aside, every element has to be closed."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.attributes: list[tuple[str, str]] = []
+        self.words: list[str] = []
+        self.open: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(n, v or "") for n, v in attrs]
+        if tag not in ("meta", "br", "link"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(n, v or "") for n, v in attrs]
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag, self.getpos()
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+    @property
+    def ids(self) -> list[str]:
+        return [v for n, v in self.attributes if n == "id"]
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
 
 
 def simulate(manoeuvre: str, seed: int, name: str):
@@ -14,15 +54,28 @@ def simulate(manoeuvre: str, seed: int, name: str):
 
 
 @pytest.fixture(scope="session")
+def read_page():
+    """Read the HTML of a page."""
+    return Page
+
+
+@pytest.fixture(scope="session")
+def criteria(fit):
+    """The manoeuvring criteria of the identified model, with few draws."""
+    return shipid.manoeuvring_criteria(fit, draws=4)
+
+
+@pytest.fixture(scope="session")
 def fit():
     """A simulated ship identified from one trial, with another kept apart."""
-    return shipid.identify(
+    found = shipid.identify(
         "de-keizer",
         [simulate("zigzag:20/20", 1, "first")],
         ship="soesterberg",
         validate=[simulate("zigzag:10/10", 2, "second")],
         starts=1,
     )
+    return shipid.assess(found)
 
 
 @pytest.fixture(scope="session")

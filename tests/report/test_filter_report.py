@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import casadi
 import numpy as np
 import pytest
 
@@ -35,6 +36,19 @@ def test_the_page_stands_alone_and_holds_no_nan(run):
     words = page.lower()
     assert ">nan<" not in words and " nan " not in words and "inf " not in words
     assert page == render(run)
+
+
+def test_a_page_works_nothing_out(run, monkeypatch):
+    seen = observability(run)
+    page = render(seen)
+
+    def called(*_, **__):
+        raise AssertionError("a page evaluates a model")
+
+    monkeypatch.setattr(casadi.Function, "__call__", called)
+    monkeypatch.setattr(casadi.Function, "buffer", called)
+    assert render(seen) == page
+    assert "`" not in page and "<mfrac>" in page
 
 
 def test_what_went_wrong_is_said(run):

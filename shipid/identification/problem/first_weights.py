@@ -1,4 +1,4 @@
-"""Standard deviations by which the signals are weighted before the residuals say better."""
+"""Standard deviations by which the signals are weighted at the beginning of a search."""
 
 from __future__ import annotations
 

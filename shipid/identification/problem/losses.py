@@ -1,8 +1,8 @@
-"""Robust losses: squares near the model, less than squares far from it, so that a few wild samples decide nothing.
+"""Robust losses: the square of a small residual, less than the square of a large one, so that outliers count little.
 
-Minimised by iteratively reweighted least squares: each sample is weighted by how far out it lies, in turns with the search.
-Where a residual counts as far out is told by the residuals of its own signal, from their median size, which a minority of
-wild samples hardly moves.
+Minimised by iteratively reweighted least squares: each sample is weighted by the size of its residual, in turns with the
+search. A residual is large in comparison with the median size of the residuals of its signal, which a minority of outliers
+hardly moves.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """The prior of a trial's own unknowns: small rudder biases that trials share, and initial states as measured.
 
 A bias that is free in every trial takes up what the model cannot describe, and the coefficients are off by as much: in
-clean tank data the fitted biases of mirrored runs come out with opposite signs, which no rudder has. One scale serves all
-ships: angles in degrees, speeds in shares of the ship's own, and one independent sample in one and a half L/U.
+clean tank data the fitted biases of mirrored runs come out with opposite signs, which no rudder has. The prior of all ships is
+the same in shares of their size: angles in degrees, speeds in shares of the ship's own, and one independent sample in one and a half L/U.
 """
 
 from __future__ import annotations

@@ -162,7 +162,7 @@ def search_box(setting: Setting) -> Box:
 
 
 def box_around(model: Model, scale: Scale, values: Mapping[str, float]) -> Box:
-    """Return the declared bounds of parameters, widened to hold the given values, which are believed over a bound.
+    """Return the declared bounds of parameters, widened to hold the given values.
 
     Parameters
     ----------

@@ -11,10 +11,11 @@ from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.identification.problem.ship_scale import recorded_speed
+from shipid.trials.speed import PUT_OVER, speed_before
 from shipid.trials.trial import Trial
 
-#: Rudder movement in rad at which a manoeuvre has begun.
-_MOVED = np.deg2rad(3.0)
+#: The first seconds of a trial, in ship lengths' time L/U: what an initial state may be taken from.
+WARM_UP = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +97,21 @@ class TrialData:
         )
 
 
+def warm_up_samples(trial: Trial, unit_time: float) -> int:
+    """Return how many samples make the first seconds: a quarter of L/U, at least ten samples.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    unit_time : float
+        L/U in s.
+    """
+    return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
+
+
 def prepare(
-    model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, first: int | None = None
+    model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, unit_time: float | None = None
 ) -> TrialData:
     """Return a trial as a model reads it.
 
@@ -111,8 +125,8 @@ def prepare(
         What is fitted.
     own_speed : float or None
         Speed of the ship in m/s, for trials that do not record it.
-    first : int, optional
-        How many samples the first guess of the initial state may use; by default 2 % of the record.
+    unit_time : float, optional
+        L/U in s. The first guess of the initial state is taken from a quarter of it, by default from 2 % of the record.
 
     Returns
     -------
@@ -123,15 +137,12 @@ def prepare(
     UnstatedInputError
         If the trial lacks an input that has an influence on the signals and declares no default.
     """
-    t = trial["t"]
+    t, rudder = trial["t"], trial["delta"] if trial.has("delta") else None
+    first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
     recorded = recorded_speed(trial)
-    speed = float(np.median(recorded)) if recorded is not None else own_speed
-    first = first or max(3, int(0.02 * t.size))
-    approach, cruise_std = (own_speed, 0.0) if recorded is None else _approach_speed(trial, recorded, first)
-    # A model that takes the speed as given keeps that of the approach: the measured one would be a hidden answer. A
-    # ship that still gathers speed has no approach; its usual speed stands in.
-    gathering = approach is not None and speed is not None and approach < 0.9 * speed
-    before = speed if gathering else approach
+    measured = None if recorded is None else speed_before(t, recorded, rudder, unit_time)
+    # A model that takes the speed as given keeps that before the manoeuvre: the measured one would be a hidden answer.
+    before = own_speed if measured is None else measured.value
     needed = generate(model).inputs_behind(signals)
     given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
     for name in ("u", "cruise"):
@@ -148,31 +159,19 @@ def prepare(
         np.array([trial[s] for s in signals]),
         {n: value for n, (value, _) in start.items()},
         {n: std for n, (_, std) in start.items()},
-        cruise_std,
-        speed or 1.0,
-        not gathering and _settled(trial, min(first, 10)),
+        0.0 if measured is None else measured.std,
+        (own_speed if recorded is None else float(np.median(recorded))) or 1.0,
+        (measured is None or measured.source != "usual speed") and _settled(trial, min(first, 10)),
     )
 
 
 def _settled(trial: Trial, first: int) -> bool:
     """Whether the rudder rests near amidships and the rate of turn is small beside what the trial goes on to."""
-    still = not trial.has("delta") or float(np.abs(trial["delta"][:first]).max()) < 1.5 * _MOVED
+    still = not trial.has("delta") or float(np.abs(trial["delta"][:first]).max()) < 1.5 * PUT_OVER
     if not trial.has("r"):
         return still
     rate = trial["r"]
     return still and abs(float(np.median(rate[:first]))) < 0.15 * float(np.abs(rate).max())
-
-
-def _approach_speed(trial: Trial, speed: np.ndarray, least: int) -> tuple[float, float]:
-    """Median speed before the rudder first moves, over at least so many samples, and its standard error."""
-    count = least
-    if trial.has("delta"):
-        moved = np.abs(trial["delta"] - np.median(trial["delta"][:least])) > _MOVED
-        count = max(least, int(np.argmax(moved)) if moved.any() else 0)
-    taken = speed[:count]
-    # The noise from sample to sample, not the drift of the speed itself; a median scatters 1.25 times as a mean.
-    noise = float(np.std(np.diff(taken)) / np.sqrt(2)) if count > 2 else 0.0
-    return float(np.median(taken)), 1.25 * noise / np.sqrt(count)
 
 
 def _initial(model: Model, trial: Trial, name: str, before: float | None, first: int) -> tuple[float, float]:

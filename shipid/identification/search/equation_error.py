@@ -1,10 +1,10 @@
 """Equation error: coefficients from the equations themselves, sample by sample, without running the model.
 
-It needs no start that is near, and no model that holds together over a whole record; that is what it is for. Least squares
-takes the measured states for the true ones: their noise biases the coefficients, the more the noisier they are. Instrumental
-variables (Young 1970; Soderstrom and Stoica 1983) are free of that where the noise enters linearly: the errors are
-correlated with the regressors of a simulated ship, which knows nothing of the noise. Where an equation is not linear in its
-coefficients, the same is solved step by step.
+It needs neither a start near the solution nor a model that stays bounded over a whole record. Least squares takes the
+measured states for the true ones: their noise biases the coefficients, the more the noisier they are. Instrumental variables
+(Young 1970; Soderstrom and Stoica 1983) are free of that bias where the noise enters linearly: the errors are made
+uncorrelated with the regressors of a simulated ship, in which there is no noise. Where an equation is not linear in its
+coefficients, it is solved step by step.
 """
 
 from __future__ import annotations

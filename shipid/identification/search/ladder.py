@@ -1,4 +1,4 @@
-"""The ladder: from starts that need no start of their own, over output error, to the rescue; each rung is in the result.
+"""The ladder of methods, tried in order; every rung is kept in the result.
 
 1. Equation error, by least squares and instrumental variables, where the states are measured: one more start.
 2. Output error from several starts, on thinned records.

@@ -62,7 +62,7 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     box : Box
         Bounds of the parameters.
     least : ndarray, shape (signals,)
-        Standard deviation a signal is never believed beyond, SI.
+        Smallest standard deviation of each signal, SI.
     independent : float
         Time in s for which a residual lasts where nothing but the structure of the model is wrong.
 

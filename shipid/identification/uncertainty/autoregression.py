@@ -1,8 +1,8 @@
 """Correlation of residuals in time and between signals: a vector autoregression, and its spectrum.
 
 Waves swing heading and rate together at a frequency at which the coefficients hardly show; a model that is a little wrong is
-wrong for many samples in a row, at the very frequency of the manoeuvre. What noise does to the coefficients depends on its
-power where they show, so that no single number of effective samples tells it: the whole spectrum does. It is taken from a
+wrong for many samples in a row, at the very frequency of the manoeuvre. The effect of noise on the coefficients depends on its
+power at the frequencies at which they show: the whole spectrum is needed, not a number of effective samples. It is taken from a
 vector autoregression of the residuals (Yule-Walker), of the order that the Bayesian information criterion finds; order zero,
 white noise independent between signals, is one of them, and is found where the residuals are white.
 """

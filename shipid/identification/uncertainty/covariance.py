@@ -1,4 +1,4 @@
-"""How sure the estimates are: covariance, effective samples, correlation, and what the data do not determine.
+"""Covariance of the estimates, effective samples, correlation, and parameters that the data do not determine.
 
 Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row, and waves swing
 heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
@@ -12,12 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.estimation.estimate import UNDETERMINED
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
 
-#: A parameter whose standard deviation exceeds this part of its size is not determined by the data.
-UNDETERMINED = 0.5
 #: Times the autoregression of the residuals is corrected for the part of the noise that the unknowns took up.
 _CORRECTIONS = 2
 #: Samples of a record that are enough for its spectrum: of longer ones several in a row are taken together, which loses nothing

@@ -15,9 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.estimation.estimate import UNDETERMINED
 from shipid.foundation.aliases import Plain
 from shipid.identification.identified import Identified
-from shipid.identification.uncertainty.covariance import UNDETERMINED, covariance_of
+from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.identification.uncertainty.remedies import SIGNAL_WORDS, Remedies, percent
 
 #: Relative standard deviation from which a direction is spoken of; beyond `_OPEN` no data hold it.

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Entry, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
+from shipid.estimation.estimate import UNDETERMINED, Estimate, estimate_of
 from shipid.foundation.errors import UnitError
-from shipid.foundation.statistics import interval_95, plain
+from shipid.foundation.statistics import plain
 from shipid.generation.simulator import coefficient_vector
 from shipid.generation.system import generate
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.uncertainty.covariance import correlation_of, verdict
-from shipid.identification.uncertainty.estimate import Estimate
 
 
 def estimates_of(
@@ -53,20 +55,10 @@ def estimates_of(
 
 
 def _estimate(entry: Entry, value: float, std: float, why: str, follows: bool, scale: Scale) -> Estimate:
+    """An estimate by the verdict on it, with its other form."""
+    found = estimate_of(entry, value, std, why=why, follows=follows)
     prime, prime_unit = _other_form(entry, value, scale)
-    return Estimate(
-        entry.name,
-        entry.unit,
-        entry.quantity.meaning,
-        plain(value),
-        plain(std),
-        interval_95(value, std) if np.isfinite([value, std]).all() else None,
-        not why,
-        why,
-        follows,
-        plain(prime),
-        prime_unit,
-    )
+    return replace(found, identifiable=not why, prime=plain(prime), prime_unit=prime_unit)
 
 
 def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None, str]:
@@ -101,7 +93,7 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
         why = ""
         if not np.isfinite(value):
             why = "it does not exist for these coefficients."
-        elif not np.isfinite(std) or std > 0.5 * abs(value):
+        elif not np.isfinite(std) or std > UNDETERMINED * abs(value):
             why = "the fitted coefficients it follows from leave it open."
         result[name] = _estimate(model[name], value, std, why, True, scale)
     return result

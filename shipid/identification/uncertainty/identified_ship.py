@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from shipid.estimation.estimate import Estimate
 from shipid.identification.problem.setting import Setting
 from shipid.identification.problem.ship_scale import recorded_speeds
-from shipid.identification.uncertainty.estimate import Estimate
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.trial import Trial

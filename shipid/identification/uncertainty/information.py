@@ -1,4 +1,4 @@
-"""What a manoeuvre tells about a model before it is done: its exact information matrix.
+"""The exact information matrix of a manoeuvre about the coefficients of a model, before the trial.
 
 The manoeuvre is simulated in closed loop (helmsman, steering machine, ship). What identification will have is the rudder
 that came out of it, so the model is run once more over that rudder, with its exact sensitivities by the coefficients and by

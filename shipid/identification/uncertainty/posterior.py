@@ -36,7 +36,7 @@ QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
 _MOST_UNKNOWNS = 30
 #: Steps that are thrown away: so many times the longest autocorrelation time of a first stretch, at least so many.
 _BURNT, _LEAST_BURNT = 5, 200
-#: Steps in autocorrelation times below which neither the quantiles nor that time are to be believed.
+#: Steps in autocorrelation times below which neither the quantiles nor that time are reliable.
 _LONG = 20
 
 
@@ -78,7 +78,7 @@ class Posterior:
 
     @property
     def mixed(self) -> bool:
-        """Whether the chains are long enough to believe the quantiles."""
+        """Whether the chains are long enough for reliable quantiles."""
         return bool(len(self.draws) / self.walkers >= _LONG * self.autocorrelation.max())
 
     def to_frame(self) -> pd.DataFrame:

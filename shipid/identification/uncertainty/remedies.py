@@ -1,4 +1,4 @@
-"""What would narrow a null direction: the information of other manoeuvres, of another speed, of missing signals."""
+"""Trials that would narrow a null direction: other manoeuvres, another speed, missing signals, by their information."""
 
 from __future__ import annotations
 

@@ -19,13 +19,13 @@ from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.identified import Identified
 from shipid.identification.problem.ship_scale import scale_of
-from shipid.identification.problem.signals import SHOWN, is_predicted
+from shipid.identification.problem.signals import is_predicted
 from shipid.identification.problem.trial_data import TrialData, prepare
 from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.closed_loop import helmsman_of, zigzag_simulator
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
-from shipid.identification.validation.predictions import warm_up_samples
+from shipid.identification.validation.predictions import shown_outputs
 from shipid.identification.validation.trial_measures import measured_circle
 from shipid.trials.measuring.measures import TurningCircle, ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
@@ -88,8 +88,8 @@ def _runs(identified: Identified, comparison: Comparison, draws: Draws, index: i
     problem, q, model = identified.problem, identified.solution.q, identified.model
     trial, inputs, biases = comparison.trial, identified.model.inputs, comparison.biases
     if index is None:
-        count = warm_up_samples(trial, scale_of(identified.ship, [trial]).unit_time)
-        data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), count)
+        unit_time = scale_of(identified.ship, [trial]).unit_time
+        data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), unit_time)
     else:
         data = problem.trials[index]
     start = {**data.start, **comparison.initial}
@@ -112,11 +112,13 @@ def _runs(identified: Identified, comparison: Comparison, draws: Draws, index: i
 
 
 def _over(
-    identified: Identified, runs: _Runs, outputs: tuple[str, ...], read: Callable[[np.ndarray], _Read]
+    identified: Identified, runs: _Runs, read: Callable[[dict[str, np.ndarray]], _Read]
 ) -> tuple[_Read, list[_Read]]:
-    """Run the record for the prediction and each draw, and read each result."""
-    record, data = make_record(identified.model, outputs), runs.data
-    point, *drawn = (read(record(x0, data.inputs, data.intervals, p, bias)[0]) for x0, p, bias in runs)
+    """Run the record for the prediction and each draw, and read each result from its columns."""
+    outputs, data = shown_outputs(identified.problem), runs.data
+    record = make_record(identified.model, outputs)
+    results = (record(x0, data.inputs, data.intervals, p, bias)[0] for x0, p, bias in runs)
+    point, *drawn = (read(dict(zip(outputs, y))) for y in results)
     return point, drawn
 
 
@@ -127,12 +129,12 @@ def _with_swings(
     executes = [e for e in measured.executes or () if e is not None]
     side = 1 if measured.first_side == "starboard" else -1
 
-    def read(y: np.ndarray) -> tuple[float | None, ...]:
-        if not np.isfinite(y).all():
+    def read(run: dict[str, np.ndarray]) -> tuple[float | None, ...]:
+        if not np.isfinite(run["psi"]).all():
             return (None,) * count
-        return _filled(overshoots_of(trial["t"], y[0], executes, side=side), count)
+        return _filled(overshoots_of(trial["t"], run["psi"], executes, side=side), count)
 
-    point, drawn = _over(identified, runs, ("psi",), read)
+    point, drawn = _over(identified, runs, read)
     found = replace(found, open_loop=point, band95=_bands(point, drawn))
     helmsman = helmsman_of(trial, measured)
     if helmsman is None:
@@ -160,19 +162,18 @@ def _circle(identified: Identified, runs: _Runs, measured: TurningCircle) -> dic
     trial, model = runs.data.trial, identified.model
     every = max(1, len(trial) // _ENOUGH)
     kept = {n: trial[n][::every] for n in ("t", "delta", "delta_order") if trial.has(n)}
-    outputs = tuple(n for n in SHOWN if n in model)
     speed = "u" in model and is_predicted(model, "u")
 
-    def read(y: np.ndarray) -> dict[str, float | None]:
-        if not np.isfinite(y).all():
+    def read(run: dict[str, np.ndarray]) -> dict[str, float | None]:
+        if not all(np.isfinite(column).all() for column in run.values()):
             return {}
-        signals = {n: row[::every] for n, row in zip(outputs, y) if n in FIELDS}
+        signals = {n: column[::every] for n, column in run.items() if n in FIELDS}
         found = measured_circle(Trial(trial.name, pd.DataFrame({**kept, **signals})), None, measured.execute)
         if found is None:
             return {}
         return {k: getattr(found, name) for k, (name, _) in TURN.items() if speed or name != "steady_speed"}
 
-    point, drawn = _over(identified, runs, outputs, read)
+    point, drawn = _over(identified, runs, read)
     result = {}
     for key, (name, factor) in TURN.items():
         own, foreseen = getattr(measured, name), point.get(key)

@@ -16,8 +16,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.foundation.aliases import CasadiFunction
-from shipid.generation.compiling import compile_function
+from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.trials.measuring import rudder as helm
@@ -114,16 +113,16 @@ class ZigzagSimulator:
         Who steers.
     t : ndarray, shape (N,)
         The clock of the simulation.
-    controls : ndarray, shape (controls, N)
+    controls : ndarray, shape (N, controls)
         Inputs now and at the next sample, recorded rudder, interval, and whether the helmsman steers.
-    run : CasadiFunction
-        The step over the whole clock.
+    loop : Loop
+        Ship, rudder and helmsman over the whole clock.
     """
 
     helmsman: Helmsman
     t: np.ndarray
     controls: np.ndarray
-    run: CasadiFunction
+    loop: Loop
 
     def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> tuple[float | None, ...]:
         """Return the overshoots in rad, one a reversal; None where one is not reached.
@@ -144,8 +143,8 @@ class ZigzagSimulator:
         angles = np.full(MOST + 1, h.angles[-1])
         angles[: count + 1] = h.angles
         given = np.concatenate([p, bias, limits, angles, [h.rate]])
-        z0 = np.concatenate([x0, [self.controls[-3, 0], 0.0]])
-        psi, reversals = self.run(z0, self.controls, given)[1].full()
+        z0 = np.concatenate([x0, [self.controls[0, -3], 0.0]])
+        psi, reversals = self.loop(z0, self.controls, given)[1].T
         if not np.isfinite(psi).all():
             return (None,) * count
         done = int(reversals.max())
@@ -187,22 +186,12 @@ def zigzag_simulator(
     recorded = rows[model.inputs.index("delta")]
     controls = np.vstack([rows, np.hstack([rows[:, 1:], rows[:, -1:]]), recorded, np.full(clock.size, step), clock])
     controls[-1] = clock >= helmsman.begin
-    run = _steered(model).mapaccum(clock.size)
-    return ZigzagSimulator(helmsman, clock, controls, _over_record(run, clock.size, _steered(model)))
-
-
-def _over_record(run: CasadiFunction, count: int, step: CasadiFunction) -> CasadiFunction:
-    z0, controls, given = (
-        ca.MX.sym("z0", step.size1_in(0)),
-        ca.MX.sym("c", step.size1_in(1), count),
-        ca.MX.sym("p", step.size1_in(2)),
-    )
-    return ca.Function("zigzag", [z0, controls, given], list(run(z0, controls, ca.repmat(given, 1, count))))
+    return ZigzagSimulator(helmsman, clock, np.ascontiguousarray(controls.T), _steered(model))
 
 
 @functools.lru_cache(maxsize=32)
-def _steered(model: Model) -> CasadiFunction:
-    """One step of ship, rudder and helmsman: ``(z, controls, given) -> (z_next, heading and reversals)``."""
+def _steered(model: Model) -> Loop:
+    """Ship, rudder and helmsman: ``(z, controls, given) -> (z_next, heading and reversals)`` at every sample."""
     system = generate(model)
     step = make_step(system, hold="linear")
     rudder, reversals = ca.SX.sym("rudder"), ca.SX.sym("reversals")
@@ -223,7 +212,7 @@ def _steered(model: Model) -> CasadiFunction:
     heading = ca.Function("heading", [system.x, system.u, system.p], [system.expression(["psi"])])
     psi, psi_next = (heading(x, u + bias, system.p) for x, u in ((system.x, first), (x_next, second)))
     reverse = ca.logic_and(engaged > 0, ca.sign(held) * psi_next >= limit)
-    return compile_function(
+    return make_loop(
         ca.Function(
             "steered",
             [
@@ -232,8 +221,8 @@ def _steered(model: Model) -> CasadiFunction:
                 ca.vertcat(system.p, bias, limits, angles, rate),
             ],
             [
-                ca.vertcat(x_next, following, reversals + ca.if_else(reverse, 1.0, 0.0)),
-                ca.vertcat(psi, reversals),
+                ca.densify(ca.vertcat(x_next, following, reversals + ca.if_else(reverse, 1.0, 0.0))),
+                ca.densify(ca.vertcat(psi, reversals)),
             ],
         )
     )

@@ -2,7 +2,7 @@
 
 For a trial that was not fitted only the initial state may come from its first seconds; parameters and rudder bias come
 from the fitted trials. Reported apart: the same with rudder bias and initial state refitted on the whole record, which is no
-prediction but shows what knowing them would give.
+prediction: it shows the error that is left when both are known.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import Prior, prior_of
 from shipid.identification.problem.ship_scale import scale_of
 from shipid.identification.problem.signals import SHOWN
-from shipid.identification.problem.trial_data import prepare
+from shipid.identification.problem.trial_data import prepare, warm_up_samples
 from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
@@ -30,8 +30,6 @@ from shipid.trials.measuring.measures import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 
-#: The first seconds of a trial, in ship lengths' time L/U: what an initial state may be taken from.
-WARM_UP = 0.25
 _NONE = np.zeros(0)
 
 
@@ -72,25 +70,12 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
     return tuple(_predict(identified, t) for t in trials)
 
 
-def warm_up_samples(trial: Trial, unit_time: float) -> int:
-    """Return how many samples make the first seconds: a quarter of L/U, at least ten samples.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    unit_time : float
-        L/U in s.
-    """
-    return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
-
-
 def _problem_of(
-    identified: Identified, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], first: int
+    identified: Identified, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], unit_time: float
 ) -> Problem:
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
     known = identified.problem
-    data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), first)
+    data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), unit_time)
     return make_problem(known.model, [data], known.signals, (), identified.values, known.sigma, biases, offset)
 
 
@@ -111,7 +96,7 @@ def _predict(identified: Identified, trial: Trial) -> Comparison:
     biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
     measures = measures_of(trial, length)
-    ahead = _problem_of(identified, trial, (), mean_biases(identified), count)
+    ahead = _problem_of(identified, trial, (), mean_biases(identified), unit_time)
     # What the first seconds do not show of the state stays near its first guess.
     prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
     head = replace(ahead, trials=(ahead.trials[0].head(count),), prior=prior)
@@ -119,7 +104,7 @@ def _predict(identified: Identified, trial: Trial) -> Comparison:
     predicted = compare(ahead, start, 0, measures, length)
     if "delta" not in biases:
         return predicted
-    free = _problem_of(identified, trial, biases, {}, count)
+    free = _problem_of(identified, trial, biases, {}, unit_time)
     q0 = free.first_guess(_NONE)
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
     again = minimise(free, q0, EMPTY, most=50).q
@@ -144,6 +129,17 @@ def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior, measures: TrialMeasu
     return _errors(free, free.run(q, 0)[0], count)
 
 
+def shown_outputs(problem: Problem) -> tuple[str, ...]:
+    """Return the fitted signals, then the other signals and the track as far as the model has them.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    """
+    return tuple(dict.fromkeys((*problem.signals, *(n for n in SHOWN if n in problem.model))))
+
+
 def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures, length: float | None) -> Comparison:
     """Return one trial of a problem beside its prediction.
 
@@ -165,7 +161,7 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
     Comparison
     """
     trial = problem.trials[index].trial
-    shown = tuple(dict.fromkeys((*problem.signals, *(n for n in SHOWN if n in problem.model))))
+    shown = shown_outputs(problem)
     y, _ = problem.run(q, index, make_record(problem.model, shown))
     predicted = dict(zip(shown, y))
     overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))

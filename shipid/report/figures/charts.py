@@ -1,20 +1,23 @@
-"""Charts of an autopilot: panels over one axis with limits, and Nyquist curves; inline SVG like the figures of a fit."""
+"""Charts of an autopilot: panels over one axis with limits, and Nyquist curves."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from markupsafe import Markup
 
-from shipid.report.figures.trials import _WIDTH, _legend, _range, _svg, thin
+from shipid.foundation.aliases import Plain
+from shipid.report.figures.svg import MUTED, WIDTH, axis_range, legend, svg, thin
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _PANEL = 1.35
-_MUTED = "#7d8590"
 #: Lines that stand for one thing each, in order; readable on light and dark paper.
-_COLOURS = ("#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", _MUTED)
+_COLOURS = ("#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", MUTED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +60,14 @@ class Axes:
     lines: Sequence[Line]
 
 
-def _look(line: Line) -> dict[str, Any]:
+def _look(line: Line) -> dict[str, Plain]:
     colour = _COLOURS[line.colour % len(_COLOURS)]
     return {
         "line": {"color": colour, "linewidth": 1.4},
         "points": {"color": colour, "linewidth": 1.2, "marker": "o", "markersize": 3.2},
         "dashed": {"color": colour, "linewidth": 1.2, "linestyle": (0, (4, 1.6))},
         "limit": {"color": "#c0392b", "linewidth": 1.1, "linestyle": (0, (2, 2))},
-        "faint": {"color": _MUTED, "linewidth": 0.5, "alpha": 0.6},
+        "faint": {"color": MUTED, "linewidth": 0.5, "alpha": 0.6},
     }[line.look]
 
 
@@ -83,7 +86,7 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
         What a screen reader says.
     """
 
-    def draw(figure: Any) -> None:
+    def draw(figure: Figure) -> None:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for ax, panel in zip(axes, panels):
             for line in panel.lines:
@@ -98,14 +101,14 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
             ax.margins(x=0.02)
             ax.locator_params(axis="y", nbins=5)
         axes[-1].set_xlabel(across)
-        _legend(figure, axes)
+        legend(figure, axes)
 
-    return _svg(draw, (_WIDTH, 0.75 + _PANEL * len(panels)), key, title)
+    return svg(draw, (WIDTH, 0.75 + _PANEL * len(panels)), key, title)
 
 
 def _limits(y: np.ndarray) -> tuple[float, float]:
     """The range of an axis; what hardly changes is shown as what it is, and not magnified."""
-    low, high = _range([y])
+    low, high = axis_range([y])
     least = 0.2 * max(abs(low), abs(high))
     short = max(0.0, least - (high - low)) / 2
     return low - short, high + short
@@ -126,13 +129,13 @@ def nyquist(lines: Sequence[Line], disk: float, key: str, title: str) -> Markup:
     left, right = -2.2, 1.2
     low, high = -2.0, 1.0
 
-    def draw(figure: Any) -> None:
+    def draw(figure: Figure) -> None:
         ax = figure.subplots()
         turn = np.linspace(0, 2 * np.pi, 181)
         ends = -(2 + disk) / (2 - disk), -(2 - disk) / (2 + disk)
         centre, radius = 0.5 * sum(ends), 0.5 * (ends[1] - ends[0])
-        ax.plot(np.cos(turn), np.sin(turn), color=_MUTED, linewidth=0.7)
-        limit = {"color": "#c0392b", "linewidth": 1.1, "linestyle": (0, (2, 2))}
+        ax.plot(np.cos(turn), np.sin(turn), color=MUTED, linewidth=0.7)
+        limit: dict[str, Plain] = {"color": "#c0392b", "linewidth": 1.1, "linestyle": (0, (2, 2))}
         ax.plot(centre + radius * np.cos(turn), radius * np.sin(turn), label="limit", **limit)
         ax.plot([-1], [0], "+", color="#c0392b", markersize=7, label="_")
         for line in lines:
@@ -144,6 +147,6 @@ def nyquist(lines: Sequence[Line], disk: float, key: str, title: str) -> Markup:
         ax.set_xlabel("real part")
         ax.set_ylabel("imaginary part")
         ax.locator_params(nbins=6)
-        _legend(figure, [ax])
+        legend(figure, [ax])
 
-    return _svg(draw, (_WIDTH, 0.95 + 3.6 * (high - low) / (right - left)), key, title)
+    return svg(draw, (WIDTH, 0.95 + 3.6 * (high - low) / (right - left)), key, title)

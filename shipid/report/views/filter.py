@@ -1,106 +1,63 @@
-"""A filtered record as the page shows it: words first, then parameters, innovations, signals."""
+"""A filtered record as a page: words first, then parameters, signals, innovations, noise levels, equations."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from importlib import metadata
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from markupsafe import Markup
+from scipy.special import chdtri
 
-import shipid
-from shipid.declaration.model import Entry
-from shipid.declaration.units import factor, pretty
-from shipid.estimation.estimate import Estimate
+from shipid.declaration.units import pretty
 from shipid.estimation.records.observability import Observability
-from shipid.estimation.records.run import FilterRun, Innovations
-from shipid.generation.typesetting import symbol, typeset
+from shipid.estimation.records.run import FilterRun
+from shipid.foundation.numbers import fixed, uncertain
 from shipid.report.figures.trials import Curve, Panel, histories
-from shipid.report.typography.numbers import fixed, interval, number, uncertain
-from shipid.report.typography.symbols import html_symbol
-from shipid.report.views.trial import LABELS
+from shipid.report.page import Page, Row, Section
+from shipid.report.typography.quantities import shown
+from shipid.report.views.equations import equations_section
+from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.parameters import parameters_section
+from shipid.report.views.words import versions_now
 
-_Z95 = 1.959963984540054
-#: Probability below which innovations are called coloured.
-_COLOURED = 0.01
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
 _NOT_ASKED = "Whether the sensors show every state was not worked out; ask ExtendedKalmanFilter.observability."
 
-
-@dataclass(frozen=True, eq=False)
-class FilterView:
-    """Everything the template of a filtered record reads; see the template for where it stands."""
-
-    title: str
-    answer: list[str]
-    warnings: list[str]
-    cautions: list[str]
-    parameters: list[dict[str, Any]]
-    parameter_figure: Markup | None
-    innovations: list[dict[str, Any]]
-    innovation_figure: Markup
-    consistency_figure: Markup | None
-    signal_figure: Markup | None
-    states: list[dict[str, Any]]
-    sensors: list[dict[str, str]]
-    sources: list[dict[str, str]]
-    equations: list[dict[str, str]]
-    model_name: str
-    record: str
-    versions: dict[str, str]
+#: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
+SECTIONS: list[Callable[[FilterRun], Section | None]] = [
+    lambda run: parameters_section(run, run.design.base),
+    lambda run: _signals(run),
+    lambda run: _innovations(run),
+    lambda run: _noise(run),
+    lambda run: equations_section(run.design.base),
+]
 
 
-def filter_view(run: FilterRun, shown: Observability | None = None) -> FilterView:
+def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
     """Return what the page says of a filtered record.
 
     Parameters
     ----------
     run : FilterRun
         The run.
-    shown : Observability, optional
+    seen : Observability, optional
         What the record shows of the state, where that was worked out.
     """
-    design = run.design
-    return FilterView(
-        title=f"{design.base.name} on {run.record}",
-        answer=_answer(run),
-        warnings=[] if shown is None else list(shown.messages),
-        cautions=_cautions(run) if shown is not None else [*_cautions(run), _NOT_ASKED],
-        parameters=[parameter_row(run.parameters[n], run.design.base[n]) for n in run.parameters],
-        parameter_figure=parameter_figure(
-            run.t, {n: (run[n], run.std_of(n), design.base[n].unit) for n in run.parameters}
-        ),
-        innovations=[_innovation(run, n, i) for n, i in run.innovations.items()],
-        innovation_figure=_innovation_figure(run),
-        consistency_figure=_consistency_figure(run),
-        signal_figure=_signal_figure(run),
-        states=[_state(run, n) for n in run.states if n not in design.parameters.values()],
-        sensors=[_sensor(run, n, level) for n, level in zip(design.measured, design.r)],
-        sources=[_source(run, s) for s in design.sources],
-        equations=[
-            {"plain": e.plain, "source": e.source, "where": f"{e.component}.{e.method}"} for e in typeset(design.base)
-        ],
-        model_name=design.base.name,
-        record=f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s",
-        versions={"shipid": shipid.__version__, **{n: metadata.version(n) for n in ("casadi", "numpy", "scipy")}},
+    return Page(
+        f"{run.design.base.name} on {run.record}",
+        [("", _answer(run))],
+        [s for section in SECTIONS if (s := section(run)) is not None],
+        () if seen is None else seen.messages,
+        _cautions(run) if seen is not None else [*_cautions(run), _NOT_ASKED],
+        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
-
-
-def shown_size(unit: str) -> tuple[float, str]:
-    """Return the size in SI of the unit a reader expects, degrees for angles, and how it is printed."""
-    wanted = unit.replace("rad", "deg") if "rad" in unit and "/rad" not in unit else unit
-    return factor(wanted, unit), pretty(wanted)
 
 
 def _answer(run: FilterRun) -> list[str]:
     kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
     said = [f"The {kind} of model {run.design.base.name} went through {run.t.size} samples of {run.record}."]
-    for name, p in run.parameters.items():
-        said.append(f"{name} ended at {uncertain(p.value, p.std)} {pretty(p.unit)}.")
-    return said
+    return said + [f"{n} ended at {uncertain(p.value, p.std)} {pretty(p.unit)}." for n, p in run.parameters.items()]
 
 
 def _cautions(run: FilterRun) -> list[str]:
@@ -111,12 +68,15 @@ def _cautions(run: FilterRun) -> list[str]:
         if i.limited:
             said.append(f"{i.limited} samples of {name} were outside the sensor's range and were left out.")
         if i.nis_mean is not None and i.nis_band is not None and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]:
-            more = i.nis_mean > 1
-            said.append(
-                f"The innovations of {name} are {'larger' if more else 'smaller'} than the filter expects "
-                f"({i.nis_mean:.2f} times in square): {'its standard deviations are too small' if more else 'its noise levels are too large'}."
+            size, cause = (
+                ("larger", "its standard deviations are too small")
+                if i.nis_mean > 1
+                else ("smaller", "its noise levels are too large")
             )
-        if i.white_p is not None and i.white_p < _COLOURED:
+            said.append(
+                f"The innovations of {name} are {size} than the filter expects ({i.nis_mean:.2f} times in square): {cause}."
+            )
+        if i.white_p is not None and i.white_p < COLOURED:
             said.append(
                 f"The innovations of {name} are not white (p {i.white_p:.1g}): the model leaves something in them, and the "
                 "standard deviations count it as noise."
@@ -126,102 +86,54 @@ def _cautions(run: FilterRun) -> list[str]:
     return said
 
 
-def parameter_row(p: Estimate, entry: Entry) -> dict[str, Any]:
-    """Return a row of the table of parameters.
-
-    Parameters
-    ----------
-    p : Estimate
-        The estimate.
-    entry : Entry
-        The parameter in its model.
-    """
-    return {
-        "symbol": html_symbol(symbol(entry), p.name),
-        "name": p.name,
-        "value": uncertain(p.value, p.std),
-        "unit": pretty(p.unit),
-        "interval": interval(p.ci95, p.std),
-        "determined": p.identifiable,
-        "meaning": p.meaning,
-    }
+def _signals(run: FilterRun) -> Section:
+    rows = []
+    for name in (n for n in run.states if n not in run.design.parameters.values()):
+        how = shown(run.design.model, name)
+        value = uncertain(float(run[name][-1]) * how.factor, float(run.std_of(name)[-1]) * how.factor)
+        rows.append(
+            {"name": name, "value": value, "unit": how.unit, "meaning": run.design.model[name].quantity.meaning}
+        )
+    return Section("Filtered signals", "filter/signals.html", {"states": rows, "figure": _signal_figure(run)})
 
 
-def _state(run: FilterRun, name: str) -> dict[str, Any]:
-    size, shown = shown_size(run.design.model[name].unit)
-    return {
-        "name": name,
-        "value": uncertain(float(run[name][-1]) / size, float(run.std_of(name)[-1]) / size),
-        "unit": shown,
-        "meaning": run.design.model[name].quantity.meaning,
-    }
+def _signal_figure(run: FilterRun) -> Markup | None:
+    panels, arranged = [], run.arranged
+    for j, name in enumerate(run.design.measured):
+        measures = run.design.model[name].quantity.measures or name
+        if measures not in run.states:
+            continue
+        how, there = shown(run.design.model, measures), arranged.there[:, j]
+        curves = [
+            Curve("measured", arranged.t[there], arranged.z[there, j] * how.factor),
+            Curve("estimate", run.t, run[measures] * how.factor),
+        ]
+        panels.append(Panel(how.label, how.unit, curves))
+    return histories(panels, "signals", "Measured and filtered signals") if panels else None
 
 
-def _sensor(run: FilterRun, name: str, level: float) -> dict[str, str]:
-    size, shown = shown_size(run.design.model[name].unit)
-    return {"name": name, "level": number(level / size, 3), "unit": shown}
-
-
-def _source(run: FilterRun, source: Any) -> dict[str, str]:
-    size, shown = shown_size(run.design.model[source.name].unit)
-    root = "" if not source.density else "/√s" if source.place == "state" else "·√s"
-    return {
-        "name": source.name,
-        "level": number(source.level / size, 3),
-        "unit": f"{shown}{root}",
-        "kind": "per root second" if source.density else "per sample",
-        "origin": "default of the toolbox" if source.assumed else "given or declared",
-    }
-
-
-def _innovation(run: FilterRun, name: str, i: Innovations) -> dict[str, Any]:
-    size, shown = shown_size(run.design.model[name].unit)
-    rms = float(np.sqrt(np.mean(i.values[i.taken] ** 2))) / size if i.taken.any() else None
-    return {
-        "label": LABELS.get(name, name),
-        "samples": str(i.t.size),
-        "rejected": str(i.rejected + i.limited),
-        "rms": "–" if rms is None else number(rms, 3),
-        "unit": shown,
-        "nis": "–" if i.nis_mean is None else fixed(i.nis_mean, 3),
-        "band": "–" if i.nis_band is None else f"{i.nis_band[0]:.3f} to {i.nis_band[1]:.3f}",
-        "p": "–" if i.white_p is None else f"{i.white_p:.2g}",
-        "white": None if i.white_p is None else i.white_p >= _COLOURED,
-    }
-
-
-def parameter_figure(t: np.ndarray, courses: Mapping[str, tuple[np.ndarray, np.ndarray, str]]) -> Markup | None:
-    """Return the histories of estimates with their bands.
-
-    Parameters
-    ----------
-    t : ndarray, shape (N,)
-        Times in s.
-    courses : mapping of str to tuple
-        By parameter: estimates, standard deviations and their unit.
-    """
-    panels = []
-    for name, (value, std, unit) in courses.items():
-        curves = [Curve("estimate", t, value)]
-        curves += [Curve("95 % band", t, value + s * _Z95 * std) for s in (-1, 1)]
-        panels.append(Panel(name, pretty(unit), curves))
-    return histories(panels, "parameters", "Histories of the estimated parameters") if panels else None
-
-
-def _innovation_figure(run: FilterRun) -> Markup:
-    panels = []
+def _innovations(run: FilterRun) -> Section:
+    rows, panels = [], []
     for name, i in run.innovations.items():
-        size, shown = shown_size(run.design.model[name].unit)
-        bound = _Z95 * np.sqrt(i.variances) / size
-        curves = [Curve("innovation", i.t, i.values / size)]
-        curves += [Curve("95 % bounds", i.t, s * bound) for s in (-1, 1)]
-        panels.append(Panel(f"Innovation, {LABELS.get(name, name).lower()}", shown, curves))
-    return histories(panels, "innovations", "Innovations with their 95 percent bounds")
+        how = shown(run.design.model, name)
+        rows.append(
+            innovation_row(
+                how,
+                i.values[i.taken],
+                i.white_p,
+                samples=str(i.t.size),
+                rejected=str(i.rejected + i.limited),
+                nis="" if i.nis_mean is None else fixed(i.nis_mean, 3),
+                band="" if i.nis_band is None else f"{i.nis_band[0]:.3f} to {i.nis_band[1]:.3f}",
+            )
+        )
+        panels.append(innovation_panel(how, i.t, i.values, i.variances))
+    figure = histories(panels, "innovations", "Innovations with their 95 percent bounds")
+    view = {"rows": rows, "figure": figure, "consistency": _consistency_figure(run)}
+    return Section("Innovations", "filter/innovations.html", view)
 
 
-def _consistency_figure(run: FilterRun) -> Markup:
-    from scipy.special import chdtri
-
+def _consistency_figure(run: FilterRun) -> Markup | None:
     panels = []
     for name, i in run.innovations.items():
         squares = i.normalised**2
@@ -230,24 +142,30 @@ def _consistency_figure(run: FilterRun) -> Markup:
             continue
         sums = np.concatenate([[0.0], np.cumsum(squares)])
         mean, t = (sums[width:] - sums[:-width]) / width, i.t[i.taken][width - 1 :]
-        low, high = (float(chdtri(width, p)) / width for p in (0.975, 0.025))
         curves = [Curve("estimate", t, mean)]
-        curves += [Curve("95 % bounds", t, np.full(t.size, b)) for b in (low, high)]
-        panels.append(Panel(f"NIS, {LABELS.get(name, name).lower()}, mean of {width} samples", "1", curves))
-    return histories(panels, "nis", "Normalised innovations squared") if panels else Markup("")
+        curves += [Curve("95 % bounds", t, np.full(t.size, chdtri(width, p) / width)) for p in (0.975, 0.025)]
+        label = shown(run.design.model, name).label.lower()
+        panels.append(Panel(f"NIS, {label}, mean of {width} samples", "1", curves))
+    return histories(panels, "nis", "Normalised innovations squared") if panels else None
 
 
-def _signal_figure(run: FilterRun) -> Markup | None:
-    panels, arranged = [], run.arranged
-    for j, name in enumerate(run.design.measured):
-        shows = run.design.model[name].quantity.measures or name
-        if shows not in run.states:
-            continue
-        size, shown = shown_size(run.design.model[shows].unit)
-        there = arranged.there[:, j]
-        curves = [
-            Curve("measured", arranged.t[there], arranged.z[there, j] / size),
-            Curve("estimate", run.t, run[shows] / size),
-        ]
-        panels.append(Panel(LABELS.get(shows, shows), shown, curves))
-    return histories(panels, "signals", "Measured and filtered signals") if panels else None
+def _noise(run: FilterRun) -> Section:
+    design = run.design
+    sensors: list[Row] = []
+    for name, level in zip(design.measured, design.r):
+        how = shown(design.model, name)
+        sensors.append({"name": name, "level": how.number(level), "unit": how.unit})
+    sources: list[Row] = []
+    for source in design.sources:
+        how = shown(design.model, source.name)
+        root = "" if not source.density else "/√s" if source.place == "state" else "·√s"
+        sources.append(
+            {
+                "name": source.name,
+                "level": how.number(source.level),
+                "unit": f"{how.unit}{root}",
+                "kind": "per root second" if source.density else "per sample",
+                "origin": "default of the toolbox" if source.assumed else "given or declared",
+            }
+        )
+    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": sources})

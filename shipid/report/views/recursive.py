@@ -1,24 +1,32 @@
-"""Recursive identification as the page shows it: the page of a filtered record, with one measured state."""
+"""Recursive identification as a page: that of a filtered record, with one measured state."""
 
 from __future__ import annotations
 
-from importlib import metadata
+from collections.abc import Callable
 
 import numpy as np
 
-import shipid
-from shipid.generation.typesetting import typeset
+from shipid.foundation.numbers import fixed, uncertain
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, histories
-from shipid.report.typography.numbers import fixed, number, uncertain
-from shipid.report.views.filter import FilterView, parameter_figure, parameter_row, shown_size
-from shipid.report.views.trial import LABELS
+from shipid.report.page import Page, Section
+from shipid.report.typography.quantities import shown
+from shipid.report.views.equations import equations_section
+from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.parameters import parameters_section
+from shipid.report.views.words import sentence, versions_now
 
-_Z95 = 1.959963984540054
-_COLOURED = 0.01
+#: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
+SECTIONS: list[Callable[[RecursiveIdentification], Section | None]] = [
+    lambda run: parameters_section(run, run.design.model),
+    lambda run: _signals(run),
+    lambda run: _innovations(run),
+    lambda run: _noise(run),
+    lambda run: equations_section(run.design.model),
+]
 
 
-def recursive_view(run: RecursiveIdentification) -> FilterView:
+def recursive_page(run: RecursiveIdentification) -> Page:
     """Return what the page says of recursive identification.
 
     Parameters
@@ -26,69 +34,41 @@ def recursive_view(run: RecursiveIdentification) -> FilterView:
     run : RecursiveIdentification
         The run.
     """
-    design, model, output = run.design, run.design.model, run.design.output
-    size, unit = shown_size(model[output].unit)
-    label = LABELS.get(output, output)
-    taken = np.isfinite(run.innovations)
-    e, bound = run.innovations[taken] / size, _Z95 * np.sqrt(run.innovation_variances[taken]) / size
-    t = run.t[taken]
-    white = run.white_p
-    answer = [f"{design.method.line[:1].upper()}{design.method.line[1:]}; {run.t.size} samples of {run.record}."]
+    design, white = run.design, run.white_p
+    answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
     answer += [f"{n} ended at {uncertain(p.value, p.std)}." for n, p in run.parameters.items()]
-    measured = run.arranged.z[run.arranged.shown, 0] / size
-    there = run.arranged.there[run.arranged.shown, 0]
-    return FilterView(
-        title=f"{model.name} on {run.record}, by {design.method.name}",
-        answer=answer,
-        warnings=[f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
-        cautions=[]
-        if white is None or white >= _COLOURED
-        else [f"The innovations are not white (p {white:.1g}): the model leaves something in them."],
-        parameters=[parameter_row(p, model[n]) for n, p in run.parameters.items()],
-        parameter_figure=parameter_figure(run.t, {n: (run[n], run.std_of(n), model[n].unit) for n in run.parameters}),
-        innovations=[
-            {
-                "label": label,
-                "samples": str(t.size),
-                "rejected": "0",
-                "rms": number(float(np.sqrt(np.mean(e**2))), 3) if e.size else "–",
-                "unit": unit,
-                "nis": "–" if run.nis_mean is None else fixed(run.nis_mean, 3),
-                "band": "–",
-                "p": "–" if white is None else f"{white:.2g}",
-                "white": None if white is None else white >= _COLOURED,
-            }
-        ],
-        innovation_figure=histories(
-            [
-                Panel(
-                    f"Innovation, {label.lower()}",
-                    unit,
-                    [Curve("innovation", t, e), *(Curve("95 % bounds", t, s * bound) for s in (-1, 1))],
-                )
-            ],
-            "innovations",
-            "Innovations with their 95 percent bounds",
-        ),
-        consistency_figure=None,
-        signal_figure=histories(
-            [
-                Panel(
-                    label,
-                    unit,
-                    [Curve("measured", run.t[there], measured[there]), Curve("estimate", run.t, run.y / size)],
-                )
-            ],
-            "signals",
-            "Measured signal, and as the recursion remembers it",
-        ),
-        states=[],
-        sensors=[{"name": design.sensor, "level": number(run.noise_level / size, 3), "unit": unit}],
-        sources=[],
-        equations=[
-            {"plain": e.plain, "source": e.source, "where": f"{e.component}.{e.method}"} for e in typeset(model)
-        ],
-        model_name=model.name,
-        record=f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s",
-        versions={"shipid": shipid.__version__, **{n: metadata.version(n) for n in ("casadi", "numpy", "scipy")}},
+    coloured = white is not None and white < COLOURED
+    return Page(
+        f"{design.model.name} on {run.record}, by {design.method.name}",
+        [("", answer)],
+        [s for section in SECTIONS if (s := section(run)) is not None],
+        [f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
+        [f"The innovations are not white (p {white:.1g}): the model leaves something in them."] if coloured else [],
+        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
+
+
+def _signals(run: RecursiveIdentification) -> Section:
+    how = shown(run.design.model, run.design.output)
+    measured = run.arranged.z[run.arranged.shown, 0] * how.factor
+    there = run.arranged.there[run.arranged.shown, 0]
+    curves = [Curve("measured", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
+    title = "Measured signal, and as the recursion remembers it"
+    figure = histories([Panel(how.label, how.unit, curves)], "signals", title)
+    return Section("Filtered signals", "filter/signals.html", {"states": [], "figure": figure})
+
+
+def _innovations(run: RecursiveIdentification) -> Section:
+    how, taken = shown(run.design.model, run.design.output), np.isfinite(run.innovations)
+    values, variances = run.innovations[taken], run.innovation_variances[taken]
+    nis = "" if run.nis_mean is None else fixed(run.nis_mean, 3)
+    row = innovation_row(how, values, run.white_p, samples=str(values.size), rejected="0", nis=nis, band="")
+    panel = innovation_panel(how, run.t[taken], values, variances)
+    figure = histories([panel], "innovations", "Innovations with their 95 percent bounds")
+    return Section("Innovations", "filter/innovations.html", {"rows": [row], "figure": figure, "consistency": None})
+
+
+def _noise(run: RecursiveIdentification) -> Section:
+    how = shown(run.design.model, run.design.output)
+    sensor = {"name": run.design.sensor, "level": how.number(run.noise_level), "unit": how.unit}
+    return Section("Noise levels", "filter/noise.html", {"sensors": [sensor], "sources": []})

@@ -1,14 +1,14 @@
-"""How the coefficients were searched for, as the page shows it: method, rungs, the doctor's findings, the posterior."""
+"""How the coefficients were searched for, as the page shows it: noise and method, the doctor's findings, the posterior."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 
 from shipid.declaration.units import pretty
+from shipid.foundation.numbers import fixed, given, number
 from shipid.identification.fit import Fit
-from shipid.report.typography.numbers import fixed, given, number
+from shipid.report.page import Row, Section
+from shipid.report.typography.quantities import shown
 
 _OUTPUT_ERROR = (
     "Output error: the model is run over the recorded rudder from an initial state of its own in each trial, and the "
@@ -24,73 +24,53 @@ _LOSS = {
 }
 
 
-def method_view(fit: Fit) -> list[str]:
-    """Return the method in sentences.
+def noise_section(fit: Fit) -> Section:
+    """Return the section of the noise of the signals, and of the method.
 
     Parameters
     ----------
     fit : Fit
         The result.
     """
-    chi = fit.chi_square
-    used = next((r.method for r in fit.ladder if r.used), "output-error")
-    regressed = used in ("equation-error", "instrumental-variables")
-    lines = [f"Method: {fit.method}.", _EQUATION_ERROR if regressed else _OUTPUT_ERROR]
-    if fit.loss in _LOSS:
-        lines.append(_LOSS[fit.loss])
-    return [
-        *lines,
-        f"The trials were run {fit.evaluations} times.",
-        f"Mean squared weighted residual per degree of freedom: {number(chi, 3)} (1 where the noise levels are right)."
-        if np.isfinite(chi)
-        else "The weighted residual is not finite: the model ran away.",
-        f"The search said: {fit.message}",
-    ]
-
-
-def ladder_view(fit: Fit) -> list[dict[str, Any]]:
-    """Return one row for each method that was tried.
-
-    Parameters
-    ----------
-    fit : Fit
-        The result.
-    """
-    return [
+    ladder = [
         {
             "method": r.method,
             "cost": "runs away" if r.cost is None else number(r.cost, 4),
-            "converged": r.converged,
-            "used": r.used,
+            "converged": "yes" if r.converged else "no",
+            "used": "yes" if r.used else "no",
             "reason": r.reason,
         }
         for r in fit.ladder
     ]
+    view = {"signals": _signals(fit), "method": _method(fit), "ladder": ladder}
+    return Section("Noise and method", "fit/noise.html", view)
 
 
-def findings_view(fit: Fit) -> list[dict[str, str]]:
-    """Return one row for each thing the trials' doctor is sure of.
+def check_section(fit: Fit) -> Section | None:
+    """Return the section of what the trials' doctor found; None where it was not asked.
 
     Parameters
     ----------
     fit : Fit
         The result.
     """
-    return [
+    if fit.assessment is None or fit.assessment.findings is None:
+        return None
+    rows = [
         {
             "trial": c.trial,
-            "kind": c.finding.kind,
-            "channel": c.finding.channel,
+            "kind": f"{c.finding.kind} ({c.finding.channel})",
             "message": c.finding.message,
             "effect": c.finding.effect,
             "repair": c.finding.repair,
         }
-        for c in (fit.assessment and fit.assessment.findings) or ()
+        for c in fit.assessment.findings
     ]
+    return Section("Check of the trials", "fit/check.html", {"findings": rows}, short="Check")
 
 
-def posterior_view(fit: Fit) -> dict[str, Any] | None:
-    """Return the sampled posterior, or None where there is none.
+def posterior_section(fit: Fit) -> Section | None:
+    """Return the section of the sampled posterior; None where it was not sampled.
 
     Parameters
     ----------
@@ -109,8 +89,48 @@ def posterior_view(fit: Fit) -> dict[str, Any] | None:
                 "unit": pretty(p.units[k]),
                 "median": given(float(f"{p.quantiles[2, k]:.5g}")),
                 "interval": f"{p.quantiles[0, k]:.5g} to {p.quantiles[-1, k]:.5g}",
-                "ratio": "–" if ratio is None else fixed(ratio, 2),
+                "ratio": "" if ratio is None else fixed(ratio, 2),
                 "independent": f"{p.independent[k]:.0f}",
             }
         )
-    return {"rows": rows, "draws": len(p.draws), "walkers": p.walkers, "mixed": p.mixed}
+    view = {"rows": rows, "draws": len(p.draws), "walkers": p.walkers, "mixed": p.mixed}
+    return Section("Sampled posterior", "fit/posterior.html", view)
+
+
+def _signals(fit: Fit) -> list[Row]:
+    residuals = fit.assessment.residuals if fit.assessment else {}
+    rows: list[Row] = []
+    for name, level in fit.noise.items():
+        how, found = shown(fit.model, name), residuals.get(name)
+        row: Row = {"label": how.label, "level": how.number(level), "unit": how.unit}
+        if found is None:
+            rows.append({**row, "effective": "none", "time": "", "p": "", "white": None, "chi": ""})
+            continue
+        rows.append(
+            {
+                **row,
+                "effective": f"{found.effective:.0f} of {found.samples}",
+                "time": number(found.autocorrelation_time_s, 2),
+                "p": "below 0.0001" if found.p_value < 1e-4 else fixed(found.p_value, 4),
+                "white": found.white,
+                "chi": number(found.chi_square, 3),
+            }
+        )
+    return rows
+
+
+def _method(fit: Fit) -> list[str]:
+    chi = fit.chi_square
+    used = next((r.method for r in fit.ladder if r.used), "output-error")
+    regressed = used in ("equation-error", "instrumental-variables")
+    lines = [f"Method: {fit.method}.", _EQUATION_ERROR if regressed else _OUTPUT_ERROR]
+    if fit.loss in _LOSS:
+        lines.append(_LOSS[fit.loss])
+    return [
+        *lines,
+        f"The trials were run {fit.evaluations} times.",
+        f"Mean squared weighted residual per degree of freedom: {number(chi, 3)} (1 where the noise levels are right)."
+        if np.isfinite(chi)
+        else "The weighted residual is not finite: the model ran away.",
+        f"The search said: {fit.message}",
+    ]

@@ -1,16 +1,19 @@
-"""Two tunings side by side as the page shows them."""
+"""Two tunings side by side as a page."""
 
 from __future__ import annotations
 
+from markupsafe import Markup
+
 import shipid
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
-from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import number
 from shipid.report.figures.tuning import comparison_figures
-from shipid.report.typography.numbers import number
+from shipid.report.page import Page, Row, Section
 from shipid.report.views.tuning import answer
+from shipid.report.views.words import sentence
 
 
-def comparison_view(found: TuningComparison) -> dict[str, Plain]:
+def comparison_page(found: TuningComparison) -> Page:
     """Return what the page says of two tunings side by side.
 
     Parameters
@@ -18,22 +21,21 @@ def comparison_view(found: TuningComparison) -> dict[str, Plain]:
     found : TuningComparison
         The comparison.
     """
-    return {
-        "title": f"Two tunings: {found.names[0]} and {found.names[1]}",
-        "names": found.names,
-        "answers": [answer(j) for j in found.judged],
-        "rows": [
-            {
-                "what": r.what[:1].upper() + r.what[1:],
-                "unit": r.unit,
-                "cells": [
-                    {"text": "none" if v is None else number(v, 4), "better": r.better == k}
-                    for k, v in enumerate(r.values)
-                ],
-            }
-            for r in found.rows
-        ],
-        "warnings": found.warnings,
-        "figures": comparison_figures(found),
-        "version": shipid.__version__,
-    }
+    return Page(
+        f"Two tunings: {found.names[0]} and {found.names[1]}",
+        [(name, answer(judged)) for name, judged in zip(found.names, found.judged)],
+        [_rows(found), Section("Figures", "tuning/figures.html", comparison_figures(found))],
+        cautions=[sentence(w) for w in found.warnings],
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
+def _rows(found: TuningComparison) -> Section:
+    rows: list[Row] = []
+    for r in found.rows:
+        texts = ["none" if v is None else number(v, 4) for v in r.values]
+        if r.better is not None:
+            texts[r.better] = Markup('<span class="yes">{}</span>').format(texts[r.better])
+        rows.append({"what": sentence(r.what), "unit": r.unit, "first": texts[0], "second": texts[1]})
+    columns = [(name, key, "n") for name, key in zip(found.names, ("first", "second"))]
+    return Section("Side by side", "tuning/rows.html", {"columns": columns, "rows": rows})

@@ -14,6 +14,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
+from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
@@ -39,7 +40,7 @@ Flow = tuple["str | float", "str | float"]
 class SimulationDivergedError(ShipidError):
     """The model ran away to values that are not finite."""
 
-    exit_code = 4
+    exit_code = ExitCode.NO_CONVERGENCE
 
 
 def simulate(

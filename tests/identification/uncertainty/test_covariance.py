@@ -82,8 +82,8 @@ def test_verdicts():
 def test_without_data_the_uncertainty_is_that_of_the_belief(drift, drifting, strength):
     """The rudder rests amidships and shows no gain; how many samples outvote the belief does not make it surer."""
     trial, _ = drifting(np.deg2rad(0.5), 100, seed=1, rudder=0.0)
-    sailed, sigma = prepare(drift, trial, ("psi",), None), np.array([np.deg2rad(0.5)])
-    problem = make_problem(drift, [sailed], ("psi",), ("gain", "swing"), {}, sigma, ())
+    data, sigma = prepare(drift, trial, ("psi",), None), np.array([np.deg2rad(0.5)])
+    problem = make_problem(drift, [data], ("psi",), ("gain", "swing"), {}, sigma, ())
     prior = Prior({}, {}, {}, {}, parameters={"gain": (0.1, 0.02)}, strength=strength)
     box = box_of({"gain": (0.3, -10, 10), "swing": (0.0, -1, 1)})
     found = minimise(replace(problem, prior=prior), problem.first_guess(box.start), box, most=50)
@@ -111,10 +111,10 @@ def test_weights_three_times_too_small_make_nothing_surer(drift, drifting):
 
 def test_the_first_guess_of_a_state_is_a_regression_on_the_first_samples(drift, drifting):
     trial, _ = drifting(np.deg2rad(0.5), 100, seed=2)
-    sailed = prepare(drift, trial, ("psi",), None, first=25)
+    data = prepare(drift, trial, ("psi",), None, unit_time=100.0)  # a quarter of L/U, at one sample a second
     line = linregress(trial["t"][:25], trial["psi"][:25])
-    assert sailed.start["psi"] == pytest.approx(line.intercept, rel=1e-9)
-    assert sailed.start_std["psi"] == pytest.approx(line.intercept_stderr, rel=1e-9)
+    assert data.start["psi"] == pytest.approx(line.intercept, rel=1e-9)
+    assert data.start_std["psi"] == pytest.approx(line.intercept_stderr, rel=1e-9)
 
 
 class Steered(Component):
@@ -156,26 +156,26 @@ def steered():
     """The model, and a trial whose first two thirds are its approach: the ship gathers speed, with noise on it."""
     model, t = shipid.join("steered", Steered), np.arange(600.0)
 
-    def sailed(seed: int, noise: float = 0.1):
+    def prepared(seed: int, noise: float = 0.1):
         speed = 5.0 + 5e-4 * t + noise * np.random.default_rng(seed).standard_normal(t.size)
         delta = np.where(t < 400, 0.0, np.deg2rad(20))
         table = {"t [s]": t, "psi [rad]": 1e-3 * t, "r [rad/s]": 1e-3 + 0 * t, "u [m/s]": speed, "delta [rad]": delta}
         return prepare(model, shipid.Trial.from_frame(pd.DataFrame(table), name=f"t{seed}"), ("psi", "r", "u"), None)
 
-    return model, sailed
+    return model, prepared
 
 
-def test_the_speed_of_the_approach_is_as_sure_as_a_median(steered):
-    """The variance of a median is pi/2 of that of a mean; that the ship gathers speed does not count as noise."""
-    _, sailed = steered
-    found = [sailed(seed).cruise_std for seed in range(20)]
-    assert np.mean(found) == pytest.approx(np.sqrt(np.pi / 2) * 0.1 / np.sqrt(400), rel=0.03)
+def test_the_speed_before_the_manoeuvre_is_as_sure_as_a_mean(steered):
+    """The mean of 400 samples; that the ship gathers speed does not count as noise."""
+    _, prepared = steered
+    found = [prepared(seed).cruise_std for seed in range(20)]
+    assert np.mean(found) == pytest.approx(0.1 / np.sqrt(400), rel=0.03)
 
 
 def test_beliefs_scale_with_the_ship(steered):
     """A ship six times as long at twice the speed, in times three times as long: the same beliefs in the prime system."""
-    model, sailed = steered
-    one = sailed(1)
+    model, prepared = steered
+    one = prepared(1)
     other = replace(one, speed=2 * one.speed, intervals=3 * one.intervals)
     names, biases = ("psi", "r", "u"), ("delta", "cruise")
     first, second = (
@@ -194,8 +194,8 @@ def test_beliefs_scale_with_the_ship(steered):
 
 def test_beliefs_cost_what_normal_densities_say(steered):
     """Rudder biases of three trials share a mean; the second trial begins in the middle of a manoeuvre."""
-    model, sailed = steered
-    trials = [sailed(seed) for seed in range(3)]
+    model, prepared = steered
+    trials = [prepared(seed) for seed in range(3)]
     trials = [
         replace(s, start_std=dict(zip(model.states, 1e-3 * (1 + i + np.arange(4.0)))), settled=i != 1)
         for i, s in enumerate(trials)

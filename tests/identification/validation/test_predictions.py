@@ -11,7 +11,7 @@ import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
-from shipid.identification.validation.predictions import warm_up_samples
+from shipid.identification.problem.trial_data import warm_up_samples
 from shipid.trials.measuring.measure import measure
 
 DATA = Path(__file__).resolve().parents[4] / "shared" / "data"

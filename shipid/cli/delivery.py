@@ -1,0 +1,239 @@
+"""How a command hands over its result: printed as text or JSON, and written to a folder, whole or not at all.
+
+The options ``--out``, ``--open``, ``--overwrite`` and ``--json`` stand here only. The folder is looked at before the work
+is done, and filled after it.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol, TypeAlias, TypeVar
+
+import click
+
+from shipid.cli.messages import progress, say
+from shipid.foundation.aliases import Plain
+
+#: What writes a file to the path it is given.
+Writer: TypeAlias = Callable[[Path], object]
+#: A function that becomes a command.
+Command = TypeVar("Command", bound=Callable[..., object])
+#: The files of a result that every command names alike.
+RESULT, REPORT = "result.json", "report.html"
+
+json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+overwrite_option = click.option("--overwrite", is_flag=True, help="Replace files that exist.")
+_open_option = click.option("--open", "open_report", is_flag=True, help="Open the report in the browser; with --out.")
+
+
+class Decorator(Protocol):
+    """What gives a command options."""
+
+    def __call__(self, function: Command, /) -> Command:
+        """Return the command with them.
+
+        Parameters
+        ----------
+        function : callable
+            The command.
+        """
+
+
+class Result(Protocol):
+    """A result that prints itself and tells its numbers."""
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return the result as JSON can hold it."""
+
+
+@dataclass(frozen=True)
+class Delivery:
+    """Where the result of a command goes.
+
+    Attributes
+    ----------
+    as_json : bool
+        Whether it is printed as JSON instead of text.
+    folder : Path or None
+        The folder of ``--out``.
+    files : tuple of str
+        Names of the files that are written into the folder.
+    open_report : bool
+        Whether the report is opened in the browser.
+    """
+
+    as_json: bool
+    folder: Path | None = None
+    files: tuple[str, ...] = ()
+    open_report: bool = False
+
+    def progress(self) -> AbstractContextManager[Callable[[str], None]]:
+        """Return a context manager that shows what is being done; silent where JSON is asked for."""
+        return progress(self.as_json)
+
+    def hand_over(self, result: Result, writers: Mapping[str, Writer] | None = None) -> None:
+        """Write the files of a result, print it, and open its report.
+
+        Parameters
+        ----------
+        result : Result
+            Its ``repr`` is the text, its ``to_dict`` the JSON.
+        writers : mapping of str to callable, optional
+            What writes the files beside ``result.json``, by name; called only where there is a folder.
+        """
+        self.hand_over_parts(result.to_dict(), repr(result), writers)
+
+    def hand_over_parts(self, data: Plain, text: str, writers: Mapping[str, Writer] | None = None) -> None:
+        """Hand over a result that is not one object: see `hand_over`.
+
+        Parameters
+        ----------
+        data : dict or list
+            What is printed and written as JSON.
+        text : str
+            What is printed otherwise.
+        writers : mapping of str to callable, optional
+            See `hand_over`.
+        """
+        if self.folder is not None:
+            all_writers = {RESULT: _json_writer(data), **(writers or {})}
+            assert set(all_writers) == set(self.files), "the files written are those that were looked for"
+            with self.progress() as tell:
+                tell("writing the report")
+                _fill(self.folder, {name: all_writers[name] for name in self.files})
+        if self.as_json:
+            click.echo(json_text(data))
+        else:
+            click.echo(text)
+            if self.folder is not None:
+                click.echo(f"written: {', '.join(str(self.folder / n) for n in self.files)}")
+        if self.open_report and self.folder is not None:
+            _open(self.folder / REPORT)
+
+
+def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -> Decorator:
+    """Return a decorator that gives a command the options of its result; the command gets a `Delivery` as `delivery`.
+
+    Parameters
+    ----------
+    *files : str
+        What the command writes into a folder; without any, the only option is ``--json``.
+    instead : mapping of str to sequence of str, optional
+        By the name of an option: what the command writes where that option is given.
+
+    Raises
+    ------
+    UsageError
+        When the command runs: if ``--open`` is given without ``--out``, or the folder cannot be used.
+    """
+    *others, last = files or ("",)
+    listed = f"{', '.join(others)} and {last}" if others else last
+    out_option = click.option("--out", metavar="DIR", help=f"Folder for {listed}.")
+    options = [json_option]
+    if files:
+        options += [overwrite_option, *([_open_option] if REPORT in files else []), out_option]
+
+    def decorate(function: Command) -> Command:
+        @functools.wraps(function)
+        def command(
+            *arguments: object,
+            as_json: bool,
+            out: str | None = None,
+            open_report: bool = False,
+            overwrite: bool = False,
+            **values: object,
+        ) -> object:
+            expected = next((f for option, f in (instead or {}).items() if values.get(option)), files)
+            if open_report and out is None:
+                raise click.UsageError("--open opens the report of --out DIR, which is not given.")
+            delivery = Delivery(as_json, _result_folder(out, expected, overwrite), tuple(expected), open_report)
+            return function(*arguments, delivery=delivery, **values)
+
+        decorated: Command = functools.reduce(lambda made, option: option(made), options, command)  # type: ignore[assignment]
+        return decorated
+
+    return decorate
+
+
+def json_text(value: Plain, *, indent: int | None = 1) -> str:
+    """Return a result as JSON, which holds no NaN and no infinity.
+
+    Parameters
+    ----------
+    value : dict or list
+        The result.
+    indent : int or None
+        Spaces a level; None for one line.
+    """
+    return json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False)
+
+
+def output_file(path: str, overwrite: bool) -> Path:
+    """Return the file of ``--output``, refused before the work is done where it cannot be written.
+
+    Parameters
+    ----------
+    path : str
+        The option.
+    overwrite : bool
+        Whether it may exist.
+
+    Raises
+    ------
+    UsageError
+        If it exists and may not be replaced.
+    MissingFileError
+        If it is a folder, or its folder does not exist.
+    """
+    from shipid.foundation.errors import UsageError
+    from shipid.foundation.replacing import check_place
+
+    if Path(path).is_file() and not overwrite:
+        raise UsageError(f"{path} exists already. Choose another --output, or add --overwrite.")
+    check_place(Path(path), overwrite)
+    return Path(path)
+
+
+def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Path | None:
+    from shipid.foundation.errors import UsageError
+
+    if out is None:
+        return None
+    folder = Path(out)
+    there = [n for n in files if (folder / n).exists()]
+    if there and not overwrite:
+        raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
+    nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+    if not nearest.is_dir():
+        raise UsageError(f"{nearest} is a file; --out wants a folder.")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise UsageError(f"{nearest} cannot be written to. Choose another --out, or ask for its permissions.")
+    return folder
+
+
+def _fill(folder: Path, writers: Mapping[str, Writer]) -> None:
+    """Write files beside their places first, so that an interruption leaves no half of them."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=folder, prefix=".shipid-") as scratch:
+        for name, write in writers.items():
+            write(Path(scratch) / name)
+        for name in writers:
+            (Path(scratch) / name).replace(folder / name)
+
+
+def _json_writer(data: Plain) -> Writer:
+    return lambda path: path.write_text(json_text(data) + "\n", encoding="utf-8")
+
+
+def _open(report: Path) -> None:
+    import webbrowser
+
+    if not webbrowser.open(report.resolve().as_uri()):
+        say(f"there is no browser here to open {report} with.")

@@ -1,0 +1,55 @@
+"""What a command says on standard error: messages, and progress where somebody is looking."""
+
+from __future__ import annotations
+
+import os
+import sys
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import click
+
+
+def watched() -> bool:
+    """Return whether standard error is a terminal; it may also be closed."""
+    return sys.stderr is not None and sys.stderr.isatty()
+
+
+def say(message: str) -> None:
+    """Print one paragraph on standard error.
+
+    Parameters
+    ----------
+    message : str
+        Sentences.
+    """
+    width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
+    filled = textwrap.fill(
+        f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
+    )
+    click.echo(filled, err=True)
+
+
+@contextmanager
+def progress(quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Show what is being done, on standard error, where it is a terminal.
+
+    Parameters
+    ----------
+    quiet : bool
+        Whether nothing is shown.
+
+    Yields
+    ------
+    callable
+        Called with what is being done.
+    """
+    if quiet or not watched():
+        yield lambda _: None
+        return
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    with console.status("reading") as status:
+        yield lambda text: status.update(text)

@@ -1,0 +1,291 @@
+"""Options that several commands have, each with one help text, and the reading of their values."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+import click
+
+from shipid.cli.delivery import Command, Decorator
+from shipid.cli.messages import say
+
+if TYPE_CHECKING:
+    from shipid.trials.trial import Trial
+
+#: A part of a trial: first and last second; None for the record's own end.
+Window: TypeAlias = "tuple[float | None, float | None]"
+
+_MODEL = "A model's name, or path/to/file.py:Class."
+_SHIP = "A ship's name, or the path of a parameter set (TOML)"
+#: How levels are written, for the help of options that take them.
+LEVELS = "'psi=0.2 deg,r=0.02 deg/s'"
+
+
+def names_of(text: str) -> list[str]:
+    """Return the names of a list separated by commas.
+
+    Parameters
+    ----------
+    text : str
+        As in ``K,tau``.
+
+    Raises
+    ------
+    UsageError
+        If there is nothing between two commas.
+    """
+    from shipid.foundation.errors import UsageError
+
+    names = [n.strip() for n in text.split(",")]
+    if not all(names):
+        raise UsageError(f"'{text}' is not a list of names separated by commas, as in K,tau.")
+    return names
+
+
+def assignments(texts: Sequence[str]) -> dict[str, str]:
+    """Return values of the form NAME=VALUE UNIT by name.
+
+    Parameters
+    ----------
+    texts : sequence of str
+        As in ``["n3=0.4 s^2/deg^2"]``.
+
+    Raises
+    ------
+    UsageError
+        If one has another form, or a name stands twice.
+    """
+    from shipid.foundation.errors import UsageError
+
+    result: dict[str, str] = {}
+    for text in texts:
+        name, sign, value = (part.strip() for part in text.partition("="))
+        if not sign or not name or not value:
+            raise UsageError(f"'{text}' does not say NAME=VALUE with a unit, as in n3='0.4 s^2/deg^2'.")
+        if name in result:
+            raise UsageError(f"'{name}' is given twice, {result[name]} and {value}; choose one.")
+        result[name] = value
+    return result
+
+
+def levels_of(text: str) -> dict[str, str]:
+    """Return a list of assignments separated by commas, by name.
+
+    Parameters
+    ----------
+    text : str
+        As in ``psi=0.2 deg,r=0.02 deg/s``.
+    """
+    return assignments(text.split(","))
+
+
+def window_of(text: str) -> Window:
+    """Return a window A:B in seconds; an end left out is the record's own.
+
+    Parameters
+    ----------
+    text : str
+        As in ``1622:1712``.
+
+    Raises
+    ------
+    UsageError
+        If it has another form.
+    """
+    from shipid.foundation.errors import UsageError
+
+    try:
+        first, second = (float(part) if part.strip() else None for part in text.split(":"))
+        return first, second
+    except ValueError:
+        raise UsageError(f"the window '{text}' is not A:B in seconds of the trial's clock, as in 1622:1712.") from None
+
+
+def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.Parameter, str | None], object]:
+    """Return click's callback for an option whose value is read by a function, None where it is not given."""
+    return lambda _context, _parameter, text: None if text is None else reader(text)
+
+
+model_argument = click.argument("model")
+model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL)
+trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
+format_option = click.option(
+    "--format", "format_", metavar="FILE", help="Trial format file (TOML), for headers without units."
+)
+_window_option = click.option(
+    "--window",
+    metavar="A:B",
+    callback=_read_by(window_of),
+    help="Seconds of the trial's clock; a trial may carry its own: FILE@A:B.",
+)
+validate_option = click.option(
+    "--validate", multiple=True, metavar="TRIAL...", help="Trials to predict that are not fitted."
+)
+values_option = click.option(
+    "--set",
+    "--fix",
+    "values",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=lambda _context, _parameter, texts: assignments(texts),
+    help="Replace a value of the ship, with its unit.",
+)
+sampling_option = click.option("--sampling", metavar="T", help="Sampling interval, as in '1 s'.")
+starts_option = click.option(
+    "--starts", default=5, show_default=True, type=click.IntRange(1), help="Number of starting points."
+)
+
+
+def ship_option(*, required: bool = False, several: str = "") -> Decorator:
+    """Return ``--ship``.
+
+    Parameters
+    ----------
+    required : bool
+        Whether it has to be given.
+    several : str
+        What it means to give it several times, where that is possible; the command gets `ships`.
+    """
+    if several:
+        return click.option("--ship", "ships", multiple=True, metavar="SHIP", help=f"{_SHIP}; several times {several}.")
+    return click.option("--ship", required=required, metavar="SHIP", help=f"{_SHIP}.")
+
+
+def speed_option(what: str, more: str = "") -> Decorator:
+    """Return ``--speed``.
+
+    Parameters
+    ----------
+    what : str
+        Which speed it is.
+    more : str
+        What else may be written.
+    """
+    words = f"{what}, as in '9 kn'{more}; the ship's own by default."
+    return click.option("--speed", metavar="V", help=words)
+
+
+def estimate_option(more: str = "") -> Decorator:
+    """Return ``--estimate``.
+
+    Parameters
+    ----------
+    more : str
+        What else may be written.
+    """
+    words = f"Parameters to estimate; the model's own choice by default{more}."
+    return click.option("--estimate", metavar="a,b,..", callback=_read_by(names_of), help=words)
+
+
+def levels_option(name: str, words: str, variable: str | None = None) -> Decorator:
+    """Return an option whose value is a list of levels with their units.
+
+    Parameters
+    ----------
+    name : str
+        As in ``--noise``.
+    words : str
+        Its help.
+    variable : str, optional
+        What the command calls it; the name by default.
+    """
+    names = (name,) if variable is None else (name, variable)
+    return click.option(*names, metavar="LIST", callback=_read_by(levels_of), help=words)
+
+
+def seed_option(of: str) -> Decorator:
+    """Return ``--seed``.
+
+    Parameters
+    ----------
+    of : str
+        What is drawn at random.
+    """
+    return click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help=f"Of {of}.")
+
+
+class TrialReader:
+    """Reads the trials of a command, with its ``--format`` and ``--window``.
+
+    Parameters
+    ----------
+    format_ : str or None
+        Trial format file.
+    window : tuple of float or None
+        Part of every trial without a window of its own.
+    """
+
+    def __init__(self, format_: str | None, window: Window | None) -> None:
+        self.format, self.window = format_, window
+
+    def __call__(self, name: str) -> Trial:
+        """Return a trial, and pass on what its reading warned of.
+
+        Parameters
+        ----------
+        name : str
+            A file, with or without its own window: ``FILE@A:B``.
+        """
+        from shipid.trials.logs.reading import read_trial
+
+        trial = read_trial(name, format=self.format, window=self.window)
+        for note in trial.source.notes:
+            if note.startswith("WARNING"):
+                say(f"trial {trial.name}: {note}")
+        return trial
+
+
+def reading(function: Command) -> Command:
+    """Return a command with ``--format`` and ``--window``; it gets a `TrialReader` as `read`.
+
+    Parameters
+    ----------
+    function : callable
+        The command.
+    """
+
+    @functools.wraps(function)
+    def command(*arguments: object, format_: str | None, window: Window | None, **values: object) -> object:
+        return function(*arguments, read=TrialReader(format_, window), **values)
+
+    decorated: Command = format_option(_window_option(command))  # type: ignore[assignment]
+    return decorated
+
+
+class Variadic(click.Command):
+    """A command whose option ``--validate`` takes every following word up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Repeat the option before each of its values, which is the form click knows.
+
+        Parameters
+        ----------
+        ctx : click.Context
+            The call.
+        args : list of str
+            Words of the command line.
+
+        Returns
+        -------
+        list of str
+            What click leaves of them.
+
+        Raises
+        ------
+        UsageError
+            Click's own: if no trial follows the option.
+        """
+        spread: list[str] = []
+        taking = bare = False
+        for arg in args:
+            if arg == "--validate":
+                taking = bare = True
+                continue
+            taking = taking and not (arg.startswith("-") and arg != "-")
+            spread += ["--validate", arg] if taking else [arg]
+            bare = bare and not taking
+        if bare and not ctx.resilient_parsing:
+            raise click.UsageError("--validate names no trial.", ctx)
+        return super().parse_args(ctx, spread)

@@ -1,0 +1,18 @@
+"""The commands: where each of them lives, and its line in the help. A new command is a file of its own and a line here."""
+
+from __future__ import annotations
+
+#: Command: the function, as module:name, and its line in the help; in the order of the work.
+COMMANDS = {
+    "models": ("shipid.cli.catalogue:models", "List models and ships, one line each."),
+    "show": ("shipid.cli.catalogue:show", "Show a model: quantities, units, equations, sources."),
+    "simulate": ("shipid.cli.simulate:simulate", "Simulate a manoeuvre and write it as a trial."),
+    "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
+    "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),
+    "compare": ("shipid.cli.compare:compare", "Rank models by how they predict what they were not fitted to."),
+    "plan": ("shipid.cli.plan:plan", "Plan which manoeuvres tell the most within a time."),
+    "identify": ("shipid.cli.identify:identify", "Identify a model from one trial or several."),
+    "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
+    "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
+    "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
+}

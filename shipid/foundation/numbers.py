@@ -1,0 +1,129 @@
+"""Numbers as they are printed: two digits of the standard deviation decide, and NaN never reaches a page."""
+
+from __future__ import annotations
+
+from math import floor, isfinite, log10
+
+#: What stands in place of a number that is none.
+NO_NUMBER = "no number"
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_DIGITS = 4
+#: Beyond these powers a double is no measured number: 0 below, none above.
+_LARGEST = 1e290
+_MOST_DIGITS = 7
+
+
+def number(value: float | None, digits: int = _DIGITS) -> str:
+    """Return a number with so many significant digits, in words where it is none.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Significant digits.
+    """
+    if value is None or not _is_number(value):
+        return NO_NUMBER
+    if abs(value) < 1 / _LARGEST:
+        return "0"
+    power = _power(abs(value))
+    return _join(_fixed(value, power, digits - 1 - floor(log10(abs(value)))), power)
+
+
+def given(value: float | None) -> str:
+    """Return a number that somebody wrote down, without zeros that were not there.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    """
+    text = number(value, 6)
+    mantissa, times, power = text.partition(" × ")
+    return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
+
+
+def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
+    """Return a number with so many decimals.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    decimals : int
+        Decimals.
+    sign : bool
+        Whether a plus sign is written.
+    """
+    if value is None or not isfinite(value):
+        return NO_NUMBER
+    text = f"{value:{'+' if sign else ''}.{decimals}f}"
+    if float(text) == 0:
+        text = text.lstrip("+-")
+    return text.replace("-", "−")
+
+
+def uncertain(value: float | None, std: float | None) -> str:
+    """Return ``1.594 ± 0.0060``: the standard deviation with two digits, the value to the same place.
+
+    Parameters
+    ----------
+    value, std : float or None
+        The value and its standard deviation.
+    """
+    if value is None or not _is_number(value):
+        return NO_NUMBER
+    if std is None or not _is_number(std) or std < 1 / _LARGEST:
+        return number(value)
+    power, place = _place(value, std)
+    if place is None:
+        return f"{number(value, _MOST_DIGITS)} ± {number(std, 2)}"
+    both = f"{_fixed(value, power, place)} ± {_fixed(std, power, place)}"
+    return f"({both}) × 10{str(power).translate(_SUPERSCRIPT)}" if power else both
+
+
+def interval(ends: tuple[float, float] | None, std: float | None) -> str:
+    """Return ``1.582 to 1.606``, to the place the standard deviation decides.
+
+    Parameters
+    ----------
+    ends : tuple of float or None
+        Both ends.
+    std : float or None
+        The standard deviation.
+    """
+    if ends is None or std is None or not all(_is_number(e) for e in (*ends, std)) or std < 1 / _LARGEST:
+        return "none"
+    power, place = _place(0.5 * (ends[0] + ends[1]), std)
+    if place is None:
+        return " to ".join(number(e, _MOST_DIGITS) for e in ends)
+    low, high = (_fixed(e, power, place) for e in ends)
+    return f"({low} to {high}) × 10{str(power).translate(_SUPERSCRIPT)}" if power else f"{low} to {high}"
+
+
+def _is_number(value: float) -> bool:
+    return isfinite(value) and abs(value) <= _LARGEST
+
+
+def _power(size: float) -> int:
+    exponent = floor(log10(size)) if size > 0 else 0
+    return 0 if -3 <= exponent < 5 else exponent
+
+
+def _place(value: float, std: float) -> tuple[int, int | None]:
+    """Power of ten to take out and the last decimal place; no place where the value would get too many digits."""
+    power = _power(max(abs(value), std))
+    place = 1 - floor(log10(float(f"{std:.1e}")))
+    if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
+        return power, None
+    return power, place
+
+
+def _fixed(value: float, power: int, place: int) -> str:
+    scaled = round(value, place) / 10.0**power
+    return fixed(scaled, max(0, place + power))
+
+
+def _join(mantissa: str, power: int) -> str:
+    return f"{mantissa} × 10{str(power).translate(_SUPERSCRIPT)}" if power else mantissa

@@ -1,0 +1,168 @@
+"""A figure drawn by matplotlib as inline SVG: small, the same bytes for the same data, readable on light and dark paper."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from markupsafe import Markup, escape
+
+from shipid.foundation.aliases import Plain
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Panels
+    from matplotlib.figure import Figure
+
+#: Most points of one curve.
+MOST_POINTS = 1000
+#: Width in inches: text of 9 pt stays readable when a phone shrinks it to 330 px.
+WIDTH = 4.7
+#: What is beside the point, on light and dark paper.
+MUTED = "#7d8590"
+#: Margins of a figure and the gap between its panels, in inches.
+_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.1, 0.5, 0.45, 0.27
+_SETTINGS = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "shipid",
+    "text.parse_math": False,
+    "text.usetex": False,
+    "font.size": 9.0,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": MUTED,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "axes.unicode_minus": True,
+    "axes.formatter.useoffset": False,
+    "legend.frameon": False,
+}
+
+
+def thin(y: np.ndarray, most: int = MOST_POINTS) -> np.ndarray:
+    """Return the indices of at most `most` samples that keep the first, the last and every extreme.
+
+    The record is cut into stretches of equal length; the lowest and the highest sample of each are kept.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n,)
+        The samples.
+    most : int
+        Most indices; at least 4.
+
+    Returns
+    -------
+    ndarray of int
+    """
+    n = len(y)
+    if n <= most:
+        return np.arange(n)
+    width = int(np.ceil(n / ((most - 2) // 2)))
+    rows = int(np.ceil(n / width))
+    padded = np.pad(y, (0, rows * width - n), mode="edge").reshape(rows, width)
+    begin = width * np.arange(rows)
+    low, high = begin + padded.argmin(axis=1), begin + padded.argmax(axis=1)
+    return np.unique(np.clip(np.concatenate([[0, n - 1], low, high]), 0, n - 1))
+
+
+def axis_range(values: Sequence[np.ndarray]) -> tuple[float, float]:
+    """Return the range of an axis: everything, but no more than one and a half spans beyond the first line.
+
+    Parameters
+    ----------
+    values : sequence of ndarray
+        The lines.
+    """
+    lows, highs = zip(*((float(v.min()), float(v.max())) for v in values if len(v)))
+    span = max(highs[0] - lows[0], 1e-9 * max(1.0, abs(highs[0])))
+    low = max(min(lows), lows[0] - 1.5 * span)
+    high = min(max(highs), highs[0] + 1.5 * span)
+    pad = 0.05 * max(high - low, 1e-9)
+    return low - pad, high + pad
+
+
+def legend(figure: Figure, axes: Iterable[Panels]) -> None:
+    """Put one legend above the panels, where there is more than one kind of line.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    axes : iterable of Axes
+        Its panels.
+    """
+    handles = {label: h for ax in axes for h, label in zip(*ax.get_legend_handles_labels())}
+    if len(handles) > 1:
+        figure.legend(
+            handles.values(),
+            handles.keys(),
+            loc="upper left",
+            bbox_to_anchor=(0.0, 1.0),
+            borderaxespad=0.1,
+            ncols=4,
+            columnspacing=1.2,
+            handlelength=2.4,
+        )
+
+
+def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
+    """Return a figure as inline SVG.
+
+    Parameters
+    ----------
+    draw : callable
+        Draws into the figure it is given.
+    size : tuple of float
+        Width and height in inches.
+    key : str
+        Put before every id, so that several figures can stand in one page.
+    title : str
+        What a screen reader says.
+    """
+    from matplotlib import rc_context, rcParamsDefault
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
+    with rc_context(settings | _SETTINGS):
+        figure = Figure(figsize=size)
+        FigureCanvasSVG(figure)
+        draw(figure)
+        # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
+        rows = len(figure.axes)
+        panel = (size[1] - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
+        figure.subplots_adjust(
+            left=_LEFT / size[0],
+            right=1 - _RIGHT / size[0],
+            bottom=_BOTTOM / size[1],
+            top=1 - _TOP / size[1],
+            hspace=_GAP / panel,
+        )
+        buffer = io.StringIO()
+        figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+    return _inline(buffer.getvalue(), key, title)
+
+
+_HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)
+_METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
+_NAME = re.compile(r"(\sid=\"|url\(#|href=\"#)")
+_LONG = re.compile(r"(-?\d+\.\d\d)\d+")
+_FONT = re.compile(r"font: ([\d.]+px)[^;\"]*|font-family:[^;\"]*;?")
+
+
+def _inline(svg: str, key: str, title: str) -> Markup:
+    """Make a whole SVG file fit for the inside of a page: no head, no names of its own, few digits."""
+    head = _HEAD.match(svg)
+    assert head is not None
+    body = _METADATA.sub("", svg[head.end() :])
+    body = _NAME.sub(rf"\g<1>{key}-", body.replace("xlink:href", "href"))
+    body = _LONG.sub(r"\1", body).replace("#000000", "currentColor").replace("\nL ", "L").replace("\n", " ")
+    body = _FONT.sub(lambda m: f"font-size: {m.group(1)}" if m.group(1) else "", body)
+    label = escape(title)
+    start = f'<svg {head.group(1)} role="img" aria-label="{label}"><title>{label}</title>'
+    return Markup(start + re.sub(r"\s{2,}", " ", body))

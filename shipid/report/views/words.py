@@ -1,0 +1,51 @@
+"""Counts and lists in words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import metadata
+
+import shipid
+
+_NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
+
+
+def count(n: int, what: str) -> str:
+    """Return ``two trials``.
+
+    Parameters
+    ----------
+    n : int
+        How many.
+    what : str
+        Of what, in the singular.
+    """
+    return f"{_NUMBERS[n] if n < len(_NUMBERS) else n} {what}{'' if n == 1 else 's'}"
+
+
+def listed(items: Sequence[str]) -> str:
+    """Return ``a, b and c``.
+
+    Parameters
+    ----------
+    items : sequence of str
+        At least one.
+    """
+    return items[0] if len(items) == 1 else f"{', '.join(items[:-1])} and {items[-1]}"
+
+
+def sentence(text: str) -> str:
+    """Return a text with its first letter in upper case.
+
+    Parameters
+    ----------
+    text : str
+        Words.
+    """
+    return text[:1].upper() + text[1:]
+
+
+def versions_now() -> str:
+    """Return the versions of shipid and of the libraries that compute for it: ``shipid 0.1.0, casadi 3.7.0, ...``."""
+    found = {"shipid": shipid.__version__, **{n: metadata.version(n) for n in ("casadi", "numpy", "scipy")}}
+    return ", ".join(f"{name} {version}" for name, version in found.items()) + "."

@@ -1,0 +1,41 @@
+"""Numbers as they are printed."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, uncertain
+from shipid.foundation.numbers import given as as_given
+
+FLOATS = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@pytest.mark.parametrize(
+    ("value", "std", "shown"),
+    [
+        (1.5937, 0.00602, "1.5937 ± 0.0060"),
+        (-0.0247, 0.0215, "−0.025 ± 0.021"),
+        (0.00012345, 2e-6, "(1.234 ± 0.020) × 10⁻⁴"),
+        (56789.0, 1234.0, "56800 ± 1200"),
+        (0.9996, 0.0996, "1.00 ± 0.10"),
+        (3e-9, 2.0, "0.0 ± 2.0"),
+        (1.0, None, "1.000"),
+        (None, 1.0, NO_NUMBER),
+        (float("nan"), 1.0, NO_NUMBER),
+    ],
+)
+def test_two_digits_of_the_standard_deviation_decide(value, std, shown):
+    assert uncertain(value, std) == shown
+
+
+@given(FLOATS, FLOATS)
+def test_no_number_is_ever_nan_or_infinite_text(value, std):
+    for text in (number(value), fixed(value, 2), uncertain(value, std), interval((value, value), std), as_given(value)):
+        assert "nan" not in text
+        assert "inf" not in text
+
+
+def test_given_numbers_get_no_digits():
+    assert [as_given(v) for v in (15.5, 320.0, 0.0, 2.3e-7)] == ["15.5", "320", "0", "2.3 × 10⁻⁷"]

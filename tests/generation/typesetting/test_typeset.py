@@ -1,0 +1,100 @@
+"""What is printed is what is computed."""
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+import sympy
+
+from shipid import Component, derived, find_model, generate, given, join, typeset
+
+T = 2.0
+
+
+def test_every_equation_is_printed(one: Any) -> None:
+    model = one.model
+    printed = typeset(model)
+    assert [p.target for p in printed] == [n for n, e in model.entries.items() if e.equation is not None]
+    for p in printed:
+        assert p.source == model[p.target].equation.source
+        assert p.component == model[p.target].owner.__name__
+        left = {"rate": f"d{p.target}/dt", "next": f"{p.target}(k+1)"}.get(p.kind, p.target)
+        assert p.plain.startswith(f"{left} = ")
+        assert p.latex.count("{") == p.latex.count("}")
+        assert p.latex.count(r"\left") == p.latex.count(r"\right")
+
+
+def test_nomotos_yaw_equation() -> None:
+    yaw = next(p for p in typeset(find_model("nomoto")) if p.target == "r")
+    assert yaw.plain == "dr/dt = r_disturbance + (K*delta - r)/tau"
+    assert yaw.latex == r"\dot{r} = \dot r_d + \frac{K \delta - r}{\tau}"
+    assert (yaw.kind, yaw.component, yaw.method) == ("rate", "Nomoto", "yaw")
+
+
+def read(text: str, names: list[str]) -> Any:
+    """Read a printed right side with nothing known but the names of the quantities."""
+    symbols = {n: sympy.Symbol(n, real=True) for n in names}
+    return sympy.sympify(text.partition(" = ")[2], locals=symbols)
+
+
+def test_the_print_evaluates_to_the_generated_function(one: Any, plain: Any, rng: Any) -> None:
+    """The plain text, read back by SymPy and evaluated, against CasADi's function at random points, to 1e-10.
+
+    A quantity stands in print as its symbol, so it is given the value it has. What is left is the rounding of an
+    expression that SymPy has reordered; a difference of large terms multiplies it.
+    """
+    system = generate(one.model)
+    names = [*one.model.entries, "T_s"]
+    moves = dict(zip(system.states, ca.vertsplit(system.rates))) | {
+        system.states[i]: e for i, e in system.nexts.items()
+    }
+    equations = [p for p in typeset(one.model) if p.kind != "instead"]
+    wanted = ca.vertcat(*(moves.get(p.target, system.values[p.target]) for p in equations))
+    everything = ca.Function(
+        "all", [system.x, system.u, system.p, system.T], [wanted, system.expression(one.model.derived)]
+    )
+    expressions = [read(p.plain, names) for p in equations]
+    for _ in range(3):
+        point = one.random(rng)
+        at = [system.vector(n, point) for n in (system.states, system.inputs, system.coefficients)]
+        generated, quantities = (np.asarray(v).ravel() for v in everything(*at, T))
+        known = point | {"T_s": T} | dict(zip(one.model.derived, quantities))
+        for printed, expression, value in zip(equations, expressions, generated):
+            numbers = {s: sympy.Float(float(known[s.name]), 30) for s in expression.free_symbols}
+            if not np.isfinite(value):
+                assert printed.target in ("tau1", "tau2")  # of complex poles
+                continue
+            # The points and weights of the cross-flow are printed to six digits.
+            rounding = 1e-5 if one.model.name.startswith("cross-flow") else 1e-10
+            assert float(expression.evalf(25, subs=numbers)) == pytest.approx(value, rel=rounding), printed.plain
+
+
+def test_published_coefficients_are_printed_as_the_model_defines_them() -> None:
+    instead = {p.target: p.plain for p in typeset(find_model("norrbin")) if p.kind == "instead"}
+    assert instead == {"a": "a = K*b1", "b1": "b1 = 1/tau", "b3": "b3 = b1*n3"}
+
+
+class Everything(Component):
+    """Functions an equation may use and no installed model does."""
+
+    a = given("1", "a number")
+    b = given("1", "another number")
+    shown = derived("1", "all of them together")
+
+    @shown.equals
+    def formula(self) -> Any:
+        """Made up."""
+        bounded = np.clip(self.a, -0.5, 0.5) + np.tanh(self.b) * np.square(self.a)
+        chosen = np.where(np.logical_or(self.a < self.b, self.b >= 2.0), np.hypot(self.a, self.b), np.exp(-self.b))
+        return bounded + chosen + np.arctan2(self.a, self.b) - np.log(self.b) * np.sign(self.a)
+
+
+def test_functions_no_ship_uses() -> None:
+    model = join("everything", Everything)
+    [equation] = typeset(model)
+    function = generate(model).function(["shown"])
+    expression = read(equation.plain, ["a", "b"])
+    for a, b in [(0.3, 1.2), (-0.7, 0.4), (2.5, 1.1), (3.0, 2.0)]:
+        numbers = {sympy.Symbol("a", real=True): a, sympy.Symbol("b", real=True): b}
+        assert float(expression.subs(numbers)) == pytest.approx(float(function([], [a, b], [])), rel=1e-13)
