@@ -84,8 +84,7 @@ class Trial:
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.table:
             raise UnknownColumnError(f"trial '{self.name}' has no column '{name}'. {nearest(name, self.table.columns)}")
-        column: np.ndarray = self.table[name].to_numpy()
-        return column
+        return np.asarray(self.table[name].to_numpy())
 
     def __len__(self) -> int:
         return len(self.table)
