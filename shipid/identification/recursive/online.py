@@ -181,7 +181,7 @@ class OnlineIdentifier:
             If no sample has come yet.
         """
         if self._stepper is None:
-            raise UsageError("a recursion that has taken no sample has no state to save.")
+            raise UsageError("a recursion without a sample has no state to save.")
         state = self._reader.state | {"carried": [float(v).hex() for v in self._stepper.z]}
         write_state(Path(path), self.design.fingerprint, self.design.model.name, state)
 

@@ -147,7 +147,7 @@ def test_a_saved_recursion_goes_on_as_if_nothing_had_happened(trial, tmp_path):
     second = on_ship("instrumental-variables", forgetting=0.999).restore(path)
     for s in samples[70:]:
         assert second.update(s).to_dict() == through.update(s).to_dict()
-    with pytest.raises(UsageError, match="has taken no sample"):
+    with pytest.raises(UsageError, match="without a sample"):
         made.start().save(path)
 
 
@@ -161,7 +161,7 @@ def test_a_saved_state_of_another_recursion_is_refused(trial, tmp_path):
     with pytest.raises(SavedStateError, match="was saved by another recursion"):
         on_ship("rls", forgetting=0.99).restore(path)
     path.write_text('{"t": 1')
-    with pytest.raises(SavedStateError, match="is no saved state"):
+    with pytest.raises(SavedStateError, match="is not the saved state"):
         on_ship("rls").restore(path)
     with pytest.raises(SavedStateError, match="cannot be read"):
         on_ship("rls").restore(tmp_path / "nothing.json")
