@@ -39,7 +39,7 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     comparisons : sequence of Comparison
         The trials beside their predictions.
     role : {"fitted", "predicted"}
-        What the fit did with them.
+        Whether they were fitted or predicted.
     """
     lines = []
     for c in comparisons:
@@ -128,7 +128,7 @@ def _value_text(e: Estimate) -> str:
     if not e.std:
         return f"{e.value:.6g}{unit}"
     decimals = 1 - int(np.floor(np.log10(e.std)))
-    # Past six decimals or six figures before the point, powers of ten read better.
+    # Beyond six decimals or six figures before the point, powers of ten are easier to read.
     if 0 <= decimals <= 6 and abs(e.value) < 1e6:
         return f"{e.value:.{decimals}f} ± {e.std:.{decimals}f}{unit}"
     figures = max(1, int(np.floor(np.log10(max(abs(e.value), e.std)))) + decimals + 1)
@@ -136,5 +136,5 @@ def _value_text(e: Estimate) -> str:
 
 
 def _error_text(signal: str, error: float) -> str:
-    """An error of a signal in the unit people read it in."""
+    """An error of a signal in its display unit."""
     return f"{signal} {shown(error, signal, digits=3)}" if np.isfinite(error) else f"{signal} runs away"
