@@ -73,9 +73,7 @@ def test_a_parameter_that_starts_at_zero_and_may_be_anything(setup: Any) -> None
     base = kalman.design.base
     entry = replace(base["b"], quantity=replace(base["b"].quantity, low=None, high=None))
     free = replace(base, entries={**base.entries, "b": entry})
-    with pytest.raises(
-        NoiseLevelError, match=r"'b' starts at zero and has no standard deviation: give initial=\{'b'"
-    ):
+    with pytest.raises(NoiseLevelError, match=r"'b' starts at zero and has no standard deviation: give initial=\{'b'"):
         ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"])
     given = ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"], initial={"b": "0.05 rad"})
     assert (

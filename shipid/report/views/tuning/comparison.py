@@ -25,7 +25,7 @@ def comparison_page(found: TuningComparison) -> Page:
         f"Two tunings: {found.names[0]} and {found.names[1]}",
         [(name, answer(judged)) for name, judged in zip(found.names, found.judged)],
         [_rows(found), Section("Figures", "tuning/figures.html", comparison_figures(found))],
-        cautions=[sentence(w) for w in found.warnings],
+        cautions=[w if w.startswith(found.names) else sentence(w) for w in found.warnings],
         footer=f"shipid {shipid.__version__}",
     )
 
