@@ -102,7 +102,7 @@ def test_model_that_runs_away(refused):
         (2, ["--fix", "psi=1 rad"], ("'psi'", "state", "cannot be fixed")),
         (2, ["--fix", "delta=1 rad"], ("'delta'", "input", "cannot be fixed")),
         (2, ["--fix", "K=1 1/s", "--fix", "K=2 1/s"], ("'K'", "twice")),
-        (2, ["--fix", "K=0.5 1/s", "--fix", "tau=30 s"], ("nothing is left to estimate",)),
+        (2, ["--fix", "K=0.5 1/s", "--fix", "tau=30 s"], ("has no parameter left to estimate",)),
         (2, ["--fix", "K=0.5 1/s", "--estimate", "K"], ("'K'", "fixed as well")),
         (2, ["--noise", "psi=0.2 deg"], ("none for r",)),
         (2, ["--noise", "psi=0 deg,r=0.02 deg/s"], ("positive",)),

@@ -255,7 +255,7 @@ def test_method_loss_check_and_posterior(call, zigzag, fitted):
         (["--loss", "cubic"], "'cubic' is not one of"),
         (["--posterior", "0"], "0 is not in the range"),
         (["--posterior", "20"], "ask for 1600"),
-        (["--method", "equation-error", "--loss", "huber"], "knows squares only"),
+        (["--method", "equation-error", "--loss", "huber"], "uses squares only"),
         (["--method", "equation-error", "--posterior", "4000"], "needs the likelihood of output error"),
     ],
 )

@@ -219,7 +219,7 @@ def test_methods_losses_and_their_names(sail):
         shipid.identify("norrbin", [trial], ship="zeefakkel", method="magic")
     with pytest.raises(UnknownNameError, match="loss"):
         shipid.identify("norrbin", [trial], ship="zeefakkel", loss="cubic")
-    with pytest.raises(UsageError, match="method equation-error knows squares only"):
+    with pytest.raises(UsageError, match="method equation-error uses squares only"):
         shipid.identify("norrbin", [trial], ship="zeefakkel", method="equation-error", loss="huber")
 
 
