@@ -181,9 +181,7 @@ def planning_problem(
     seconds = _si(time, "s", "the time")
     length = ship.particular("L", "m")
     if length is None or length <= 0:
-        raise ParameterSetError(
-            f"ship {ship.name} has no length L greater than zero, which sets the time scale of a plan."
-        )
+        raise ParameterSetError(f"ship {ship.name} has no length L greater than zero, which sets the times of a plan.")
     own = [_si(s, "m/s", "the speed") for s in _listed(speed)]
     first = own[0] if own else ship.particular("speed", "m/s")
     if first is None:

@@ -169,7 +169,7 @@ def test_no_ship_and_no_numbers():
         shipid.design_autopilot("de-keizer", [])
     with pytest.raises(ParameterSetError, match="needs K"):
         shipid.design_autopilot("nomoto", ParameterSet("empty", sections=ship(**GOOD).sections), speeds=[5.0])
-    with pytest.raises(ParameterSetError, match="no speed of its own: give the speeds of the schedule"):
+    with pytest.raises(ParameterSetError, match="no speed of its own: give the speeds"):
         shipid.design_autopilot(yaw, ship(L=100.0))
     with pytest.raises(ParameterSetError, match="the speed of ship test is -1"):
         shipid.design_autopilot(yaw, ship(**GOOD | {"speed": -1.0}))

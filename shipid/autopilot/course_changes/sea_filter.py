@@ -19,9 +19,7 @@ class SeaFiltered(Measured):
     """Feedback through a notch: heading and rate of turn with the waves removed."""
 
     sea_frequency = constant("rad/s", "frequency of encounter the filter is set to", default="0.6 rad/s")
-    sea_depth = constant(
-        "1", "setting of the filter: 0 for a calm sea, no filtering; 1 for the full notch", default=1.0
-    )
+    sea_depth = constant("1", "setting of the filter: 0 in a calm sea, no filter; 1 the full notch", default=1.0)
     sea_width = constant("1", "damping ratio of the notch", default=WIDTH)
     psi_swing = state("rad*s^2", "heading by the waves, twice integrated", nominal=0.01)
     psi_band = state("rad*s", "heading in the band of the waves, integrated", nominal=0.01)

@@ -28,7 +28,7 @@ from shipid.parts.steering_machine import SteeringMachine
 
 DESIGNS: tuple[Design, ...] = get_args(Design)
 MODES: tuple[Mode, ...] = get_args(Mode)
-#: The third pole, that of the integral, over the natural frequency: slow against the course change, fast against changes of weather;
+#: The third pole, that of the integral, over the natural frequency: slow against the course change, fast against the weather;
 #: and the weight of the rudder squared against the heading error squared.
 INTEGRAL, RUDDER_WEIGHT = 0.15, 1.0
 #: How far a pole between two speeds of the schedule may lie from the requested one, over its size.

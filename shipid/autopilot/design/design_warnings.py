@@ -73,7 +73,7 @@ def _about_ship(problem: GainDesign, schedule: Schedule) -> list[str]:
             )
         if (schedule.gains["Kd"][condition] * schedule.gains["Kp"][condition] < 0).any():
             found.append(
-                f"negative rate gain: the request is slower than ship {ship.name} itself, so the law acts in the direction of the turn. Take "
+                f"negative rate gain: the request is slower than ship {ship.name} itself, so the rate gain drives the turn. Take "
                 "a higher natural frequency or damping."
             )
         if (schedule.gains["Kp"][condition] < 0).any():

@@ -2,7 +2,7 @@
 
 Waves disturb heading and rate together at a frequency to which the coefficients are insensitive; the error of a slightly
 wrong model lasts for many samples, at the frequency of the manoeuvre. The effect of noise on the coefficients depends on its
-power at the frequencies to which they are sensitive: the whole spectrum is needed, not a number of effective samples. It comes from a
+power at the frequencies to which they are sensitive: the whole spectrum is needed, not only effective samples. It comes from a
 vector autoregression of the residuals (Yule-Walker), of the order that the Bayesian information criterion finds; order zero,
 white noise independent between signals, is one of them, and is found where the residuals are white.
 """
