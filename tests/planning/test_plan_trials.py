@@ -296,7 +296,7 @@ def test_a_short_time_is_compared_with_one_zigzag():
         (UnknownNameError, {"criterion": "E"}, ("criterion", "D")),
         (UnknownNameError, {"repertoire": ["zigzg"]}, ("zigzag",)),
         (UnknownNameError, {"estimate": ["b4"]}, ("'b4'", "b3")),
-        (UsageError, {"estimate": []}, ("nothing to estimate",)),
+        (UsageError, {"estimate": []}, ("no parameter of model",)),
         (UsageError, {"repertoire": []}, ("repertoire is empty",)),
         (UsageError, {"repertoire": ["turn:35"]}, ("can be sailed", "30 deg")),
         (UsageError, {"noise": "none"}, ("without noise",)),

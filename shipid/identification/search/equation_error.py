@@ -147,7 +147,9 @@ def instrumental_variables(first: EquationErrorResult, box: Box) -> EquationErro
         before = result.theta
         result = _uncorrelated(result, simulated)
         if not np.isfinite(result.theta).all():
-            return replace(first, converged=False, message="the instruments hold no information.")
+            return replace(
+                first, converged=False, message="the instruments hold no information about the coefficients."
+            )
         moved = float(np.max(np.abs(result.theta - before) / (np.abs(result.theta) + np.abs(before) + 1e-12)))
         if moved < _SETTLED:
             break
