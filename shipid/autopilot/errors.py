@@ -1,4 +1,4 @@
-"""Errors of the autopilot: one class a cause."""
+"""Errors of the autopilot: one class for each cause."""
 
 from __future__ import annotations
 
@@ -25,4 +25,4 @@ class DesignRequestError(UsageError):
 
 
 class ScheduleError(ShipidError):
-    """A schedule file with an entry that is wrong, or whose gains do not hold the ship."""
+    """A schedule file with an entry that is wrong, or whose gains do not stabilise the ship."""

@@ -66,9 +66,9 @@ class Criterion:
     Attributes
     ----------
     key, meaning, unit : str
-        What it is.
+        Name, meaning and unit of the quantity.
     limit : float or None
-        None for what the standard does not limit.
+        None where the standard has no limit.
     limit_text : str
         The limit as the standard writes it.
     starboard, port : CriterionSide
@@ -108,7 +108,7 @@ class Criteria:
         ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width; None
         where the model has no spiral.
     notes : tuple of str
-        What the reader has to know.
+        Notes for the reader.
     """
 
     model: str

@@ -1,6 +1,6 @@
 """Manoeuvring criteria: a model evaluated against IMO MSC.137(76) 5.3, with its uncertainty.
 
-A model is no trial: beyond the rudder angles it was identified from it extrapolates, and its numbers are no statement of an
+A simulation is no trial: beyond the rudder angles of its trials a model extrapolates, and its numbers are no statement of an
 Administration. The result says so.
 """
 
@@ -104,7 +104,7 @@ def manoeuvring_criteria(
     )
     notes += _beyond(fit, velocity, rudder) if fit else []
     if "u" not in model or model["u"].quantity.kind == "given":
-        notes.append("The model keeps its speed in a turn: its distances are those of a ship that loses none.")
+        notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:
         notes.append("The largest rudder angle of the ship is unknown; 35 deg is assumed.")
     if rate is None:
@@ -136,7 +136,7 @@ def _sets(
 ) -> tuple[list[dict[str, float]], str]:
     """Parameter sets behind the bands, and where they come from in words."""
     if count <= 0:
-        return [], "No bands were asked for."
+        return [], "No bands were requested."
     if fit is not None:
         drawn = draws_of(fit.identified, count)
         sets = [{**known, **dict(zip(drawn.names, row.tolist()))} for row in drawn.values]
@@ -169,7 +169,7 @@ def _rows(
             band = band_of(value, [d.values[key] for d in drawn])
             words = "" if value is not None else _why(key, point)
             if value is not None and band is None and drawn:
-                words = "no band: more than one draw in twenty does not get there"
+                words = "no band: more than one draw in twenty does not reach it"
             scaled = None if band is None else (band[0] * scale, band[1] * scale)
             found.append(CriterionSide(None if value is None else value * scale, scaled, words))
         if "by L/V" in text and limit is not None:
@@ -198,7 +198,7 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, P
 
 
 def _scope(length: float, speed: float, model: Model) -> list[str]:
-    """What the standard is for, and what of it the model cannot tell."""
+    """The scope of the standard, and the conditions that the model cannot check."""
     notes = [
         f"Simulated by model {model.name} and {WORDING}; that is no statement of an Administration. The standard applies to "
         "ships of 100 m and longer, in deep water, calm, at full load and even keel."
@@ -207,20 +207,20 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
         notes.append(f"This ship is {length:g} m long: the limits are shown for comparison only.")
     notes.append(
         f"The test speed of the standard is at least 90 % of the speed at 85 % of the engine's output; here it is "
-        f"{speed:.4g} m/s, and whether that is so the model does not know."
+        f"{speed:.4g} m/s, and the model has no engine to check it."
     )
     return notes
 
 
 def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
-    """Where the criteria go beyond the trials of a fit, and what those leave open."""
+    """Where the criteria go beyond the trials of a fit, and the coefficients that the trials do not determine."""
     notes = []
     largest = max((float(np.abs(c.trial["delta"]).max()) for c in fit.fitted if c.trial.has("delta")), default=0.0)
     beyond = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
     if beyond:
         notes.append(
-            f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: what is said for "
-            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg is extrapolation, and the bands do not hold it."
+            f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: the values for "
+            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg are extrapolated, and the bands do not include that error."
         )
     speeds = recorded_speeds([c.trial for c in fit.fitted])
     if speeds and not 0.7 * min(speeds) <= speed <= 1.3 * max(speeds):
@@ -229,7 +229,7 @@ def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
         )
     if fit.unidentifiable:
         notes.append(
-            f"The trials do not determine {', '.join(fit.unidentifiable)}: what depends on them has a wide band, or none."
+            f"The trials do not determine {', '.join(fit.unidentifiable)}: quantities that depend on them have a wide band, or none."
         )
     if not fit.converged:
         notes.append("The search did not converge: these are the numbers of an unfinished fit.")

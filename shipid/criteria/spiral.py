@@ -20,7 +20,7 @@ from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
 from shipid.generation.system import generate
 
-#: Largest rate of turn that is looked at, and the step to it, as r L/U.
+#: Largest rate of turn that is tried, and the step to it, as r L/U.
 _FARTHEST, _STEP = 1.2, 0.004
 _ITERATIONS = 8
 
@@ -88,7 +88,7 @@ def spiral_of(
         return None
     rates = np.arange(0.0, _FARTHEST, _STEP) * speed / length
     known = {"u": speed, "cruise": speed}
-    # The rudder is what is looked for: its value here is replaced.
+    # The rudder is the unknown: its value here is replaced.
     inputs = input_rows(model, {**known, "delta": 0.0}, 1, needed=system.inputs_behind(["r"]))[:, 0]
     at_rest = dict(zip(model.states, initial_state(model, known)))
     start = [*(at_rest[n] for n in behind), 0.0]

@@ -19,7 +19,7 @@ from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre, plan
 
 #: Clock and length of a manoeuvre, in L/U, after an approach of one.
 _STEP, _LENGTH = 0.01, 25.0
-#: Rate of turn, as r L/V, that no ship has: the model has run away.
+#: Rate of turn, as r L/V, beyond that of any ship: the model has run away.
 _FASTEST = 30.0
 _SHOWN = ("psi", "x", "y", "delta_order")
 KINDS = ("turn", "10/10", "20/20")

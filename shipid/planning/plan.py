@@ -100,17 +100,17 @@ class Plan:
     Attributes
     ----------
     model : Model
-        What is going to be identified.
+        The model to identify.
     ship : str
         The ship.
     time : float
-        What there was, in s.
+        The time available, in s.
     criterion : {"D", "A"}
         Determinant, or mean relative variance.
     worst_case : bool
         Whether the worst draw of the coefficients counted, or the average.
     legs : tuple of Leg
-        What to sail, in order. Information does not depend on the order: it is the fastest first, and from gentle to hard.
+        The manoeuvres, in order. Information does not depend on the order: it is the fastest first, and from gentle to hard.
     standard : tuple of Leg
         The zig-zags it is compared with; empty where the model runs away in them.
     parameters : mapping of str to Forecast
@@ -118,7 +118,7 @@ class Plan:
     covariance : ndarray, shape (estimated, estimated)
         Predicted, SI; infinite variances where nothing determines a coefficient.
     det_ratio : float or None
-        Determinant of the information over that of the standard. A direction the standard leaves open counts with a
+        Determinant of the information over that of the standard. A direction that the standard does not determine counts with a
         standard deviation of a thousand times the size of the coefficients.
     det_gain : float or None
         The same for each coefficient: its n-th root for n that can be determined.
@@ -131,9 +131,9 @@ class Plan:
     sampling, independent : float
         Sampling interval, and time between two independent samples, in s.
     draws, candidates : int
-        How many were looked at.
+        Number of draws and of candidates.
     warnings : tuple of str
-        What was left out, and what stays undetermined.
+        Manoeuvres left out, and coefficients that stay undetermined.
     """
 
     model: Model

@@ -1,4 +1,4 @@
-"""The verb: a ship and a time in, the manoeuvres that determine the coefficients best out."""
+"""Planning: from a ship and a time to the manoeuvres that determine the coefficients best."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choos
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
-#: Candidates by kind of manoeuvre, as `shipid simulate` takes them; spirals take long and are sailed when asked for.
+#: Candidates by kind of manoeuvre, as `shipid simulate` takes them; spirals take long and are only used on request.
 REPERTOIRE: dict[str, tuple[str, ...]] = {
     "zigzag": (
         *("zigzag:5/5", "zigzag:10/5", "zigzag:10/10", "zigzag:10/20", "zigzag:15/15", "zigzag:20/10"),
@@ -36,11 +36,11 @@ REPERTOIRE: dict[str, tuple[str, ...]] = {
     "spiral": ("spiral:10", "spiral:20", "spiral:30"),
     "reversed-spiral": ("reversed-spiral:0.3", "reversed-spiral:0.6"),
 }
-#: What is sailed unless something else is asked for.
+#: The default repertoire.
 USUAL = ("zigzag", "telegraph", "turn", "course")
-#: What a plan is compared with.
+#: The standard that a plan is compared with.
 STANDARD = ("zigzag:10/10", "zigzag:20/20")
-#: Steady turn by which it is found out whether the model has one, in L/U.
+#: Length of the turn that shows whether the model has a steady one, in L/U.
 _STEADY = 100.0
 _TELEGRAPHS = 2
 Progress = Callable[[str], None]
@@ -85,16 +85,16 @@ def plan_trials(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Plan:
-    """Plan the trials that tell the most about a ship's coefficients within a time.
+    """Plan the trials that give the most information on a ship's coefficients within a time.
 
     Parameters
     ----------
     model : Model, component class or str
-        What is going to be identified.
+        The model to identify.
     ship : ParameterSet or str
         Particulars, coefficients, and their standard deviations where the set holds them.
     time : str or float
-        What there is, ``"20 min"`` or in s, steady approaches between manoeuvres included.
+        The time available, ``"20 min"`` or in s, steady approaches between manoeuvres included.
     speed : str, float or sequence, optional
         Speed of the approach, or several to choose from, with units or in m/s. By default the ship's own, and three
         quarters of it where the coefficients are those of every speed.
@@ -122,7 +122,7 @@ def plan_trials(
     spread : float
         Relative standard deviation of a coefficient for which neither the ship nor the declaration holds one.
     draws : int
-        How many draws of the coefficients the plan has to be good for, beside the values themselves; draws under which
+        Number of draws of the coefficients for which the plan is made, beside the values themselves; draws under which
         the standard zig-zags cannot be sailed are drawn anew.
     seed : int
         Of the draws and the random telegraph.
@@ -253,7 +253,7 @@ def _over_draws(problem: PlanningProblem, candidate: CandidateManoeuvre, duratio
 
 
 def _with_comparable_draws(problem: PlanningProblem, count: int, warnings: list[str]) -> PlanningProblem:
-    """Keep so many draws under which the standard zig-zags can be sailed and followed: the others compare nothing."""
+    """Keep so many draws under which the standard zig-zags can be sailed and followed: the others give no comparison."""
     own, *drawn = problem.draws
     candidates, share = _standard_candidates(problem)
 
@@ -264,8 +264,8 @@ def _with_comparable_draws(problem: PlanningProblem, count: int, warnings: list[
         drawn = list(itertools.islice((d for d in drawn if comparable(d)), count))
         if len(drawn) < count:
             warnings.append(
-                f"under {len(drawn)} of {len(problem.draws) - 1} draws the standard zig-zags can be sailed; the plan is good "
-                f"for those, where {count} were asked for."
+                f"under {len(drawn)} of {len(problem.draws) - 1} draws the standard zig-zags can be sailed; the plan is made "
+                f"for those, and {count} were requested."
             )
     return replace(problem, draws=(own, *drawn[:count]))
 
@@ -288,8 +288,8 @@ def _standard(problem: PlanningProblem, rows: _Rows, warnings: list[str]) -> lis
     for candidate, matrices in zip(candidates, found):
         if matrices is None:
             warnings.append(
-                f"the model runs away in the standard {candidate.manoeuvre}, or is too unstable to be followed through it, so there "
-                "is nothing to compare the plan with."
+                f"the model runs away in the standard {candidate.manoeuvre}, or is too unstable to be followed through it; the "
+                "plan is not compared with it."
             )
             return []
     return [i for candidate, m in zip(candidates, found) if m is not None for i in rows.add(candidate, [share], m)]
@@ -335,7 +335,7 @@ def _result(
     for j, name in enumerate(experiment.estimated):
         if not possible[j]:
             warnings.append(
-                f"{name} stays undetermined whatever is sailed of this repertoire, with {_words(experiment.signals)}."
+                f"{name} stays undetermined by every manoeuvre of this repertoire, with {_words(experiment.signals)}."
             )
         elif std[j] > UNDETERMINED * problem.size[j]:
             share = std[j] / problem.size[j]

@@ -1,4 +1,4 @@
-"""A planning problem in numbers: what is to be estimated, the prior of the coefficients, and the time there is."""
+"""A planning problem in numbers: the coefficients to estimate, their prior, and the time available."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class PlanningProblem:
     Attributes
     ----------
     experiment : Experiment
-        What is to be estimated, from which signals.
+        The coefficients to estimate, and the signals.
     ship : ParameterSet
         The ship.
     known : dict of str to float
@@ -57,9 +57,9 @@ class PlanningProblem:
     speeds : tuple of float
         Speeds of the approach in m/s.
     time : float
-        What there is, in s.
+        The time available, in s.
     between : float or None
-        Steady approach between two manoeuvres in s, if it was asked for.
+        Steady approach between two manoeuvres in s, if it was given.
     sampling : float
         Sampling interval of the sensors in s.
     """
@@ -85,7 +85,7 @@ class PlanningProblem:
         return _BETWEEN * self.experiment.length / speed if self.between is None else self.between
 
     def shortest(self, speed: float) -> float:
-        """Return the shortest manoeuvre in s: eight L/U, and no shorter than a time constant, which identification asks for.
+        """Return the shortest manoeuvre in s: eight L/U, and no shorter than a time constant, which identification requires.
 
         Parameters
         ----------
@@ -118,7 +118,7 @@ class PlanningProblem:
         return sorted({self.rounded(float(d), speed) for d in raw})
 
     def rounded(self, duration: float, speed: float) -> float:
-        """Return a length in round seconds, down, so that what fits the time still does.
+        """Return a length rounded down to round seconds, so that it still fits the time.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ def planning_problem(
     draws: int,
     seed: int,
 ) -> PlanningProblem:
-    """Check what is asked for, and put it into numbers.
+    """Check the request, and return it in numbers.
 
     Parameters
     ----------
@@ -175,13 +175,13 @@ def planning_problem(
         If the time is too short for any manoeuvre.
     """
     if "delta" not in model.inputs:
-        raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
+        raise UsageError(f"model {model.name} reads no rudder angle 'delta', so it cannot be steered.")
     if not 0 < spread < np.inf or draws < 0:
         raise UsageError(f"a spread of {spread:g} with {draws} draws is no prior: give a spread greater than zero.")
     seconds = _si(time, "s", "the time")
     length = ship.particular("L", "m")
     if length is None or length <= 0:
-        raise ParameterSetError(f"ship {ship.name} has no length L greater than zero, which sets the pace of a plan.")
+        raise ParameterSetError(f"ship {ship.name} has no length L greater than zero, which sets the times of a plan.")
     own = [_si(s, "m/s", "the speed") for s in _listed(speed)]
     first = own[0] if own else ship.particular("speed", "m/s")
     if first is None:
@@ -263,13 +263,13 @@ def _holds_at_every_speed(model: Model, ship: ParameterSet) -> bool:
 
 
 def _signals(model: Model, noise: str | Mapping[str, str | float]) -> tuple[tuple[str, ...], np.ndarray]:
-    """What is measured and predicted, chosen as identification does, and its noise."""
+    """The signals that are measured and predicted, chosen as in identification, and their noise."""
     levels = {n: d for n, d in parse_noise(noise).items() if d > 0}
     found = usual_signals(model, levels)
     if not found:
         raise UsageError(
-            f"no signal that model {model.name} predicts has noise, and without noise nothing limits what a trial tells. "
-            "Give the noise of what is measured, as in --noise 'psi=0.2 deg,r=0.02 deg/s'."
+            f"no signal that model {model.name} predicts has noise, and without noise every trial determines all coefficients exactly. "
+            "Give the noise of the sensors, as in --noise 'psi=0.2 deg,r=0.02 deg/s'."
         )
     return found, np.array([levels[n] for n in found])
 

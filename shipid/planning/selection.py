@@ -17,7 +17,7 @@ from shipid.foundation.errors import UnknownNameError
 Criterion = Literal["D", "A"]
 CRITERIA: tuple[Criterion, ...] = get_args(Criterion)
 #: Information that is there before any trial, in units of the size of each coefficient: a standard deviation of a
-#: thousand times its size. It keeps criteria finite where a choice leaves a direction open.
+#: thousand times its size. It keeps criteria finite where a choice does not determine a direction.
 BEFOREHAND = 1e-6
 _BETTER = 1e-9
 
@@ -35,7 +35,7 @@ class CandidateTable:
     run : ndarray of int, shape (candidates,)
         Candidates of one run are its lengths.
     time : float
-        What there is, in s.
+        The time available, in s.
     criterion : {"D", "A"}
         Determinant, or mean relative variance.
     worst : bool
@@ -140,7 +140,7 @@ def choose(table: CandidateTable, beginnings: list[list[int]], most: int = 6) ->
     table : CandidateTable
         Candidates.
     beginnings : list of list of int
-        Choices to begin with as well; what is returned is no worse than any of them.
+        Choices to begin with as well; the result is no worse than any of them.
     most : int
         Largest number of equal shares of the time that greedy choices begin with.
     """
@@ -157,7 +157,7 @@ def choose(table: CandidateTable, beginnings: list[list[int]], most: int = 6) ->
 
 
 def _greedy(table: CandidateTable, chosen: list[int], longest: float, by_time: bool = False) -> list[int]:
-    """Add what brings the most (for its time, if so asked), while anything fits."""
+    """Add the candidate with the largest gain (or gain for its time), while one fits."""
     chosen = list(chosen)
     have = table.information[chosen].sum(axis=0)
     while True:
@@ -174,7 +174,7 @@ def _greedy(table: CandidateTable, chosen: list[int], longest: float, by_time: b
 
 
 def _exchange(table: CandidateTable, chosen: list[int]) -> list[int]:
-    """Exchange one manoeuvre, or the time of two, while that brings anything; then fill what time is left."""
+    """Exchange one manoeuvre, or the time of two, while the criterion grows; then fill the time that is left."""
     value = table.of(chosen)
     for _ in range(50):
         before = value

@@ -16,7 +16,7 @@ CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
     ({"measured": {"heading": "1 deg"}}, NotMeasurableError, r"no quantity of model yaw to measure called 'heading'"),
     ({"measured": {"delta": "1 deg"}}, NotMeasurableError, r"to measure called 'delta'.*It is given there"),
     ({"measured": {"psi": None}}, NoiseLevelError, r"sensor of 'psi' has no noise level.*as in psi='0\.2 deg'"),
-    ({"measured": {"psi": "0 deg"}}, NoiseLevelError, r"noise of the sensor of 'psi' is 0 deg; a noise level is greater"),
+    ({"measured": {"psi": "0 deg"}}, NoiseLevelError, r"noise of the sensor of 'psi' is 0 deg; a noise level must be greater"),
     ({"measured": {"psi": "-1 deg"}}, NoiseLevelError, r"is -1 deg; a noise level must be greater than zero"),
     ({"measured": {"psi": 0.2}}, UnitError, r"bare number 0\.2.*where the unit rad is needed"),
     ({"measured": {"psi": "0.2 m"}}, UnitError, r"needs the unit rad, and m does not fit it"),

@@ -256,7 +256,7 @@ def test_a_coefficient_nothing_shows_is_said():
         "de-keizer", "soesterberg", noise="psi=0.2 deg,r=0.02 deg/s,u=0.1 m/s", repertoire=["zigzag"], draws=0
     )
     assert found.parameters["gamma"].std is None and found.parameters["gamma"].ratio is None
-    assert any(w.startswith("gamma stays undetermined whatever") for w in found.warnings)
+    assert any(w.startswith("gamma stays undetermined by every manoeuvre") for w in found.warnings)
     assert found.det_gain > 1
     assert "any" in repr(found)
 
@@ -296,7 +296,7 @@ def test_a_short_time_is_compared_with_one_zigzag():
         (UnknownNameError, {"criterion": "E"}, ("criterion", "D")),
         (UnknownNameError, {"repertoire": ["zigzg"]}, ("zigzag",)),
         (UnknownNameError, {"estimate": ["b4"]}, ("'b4'", "b3")),
-        (UsageError, {"estimate": []}, ("nothing to estimate",)),
+        (UsageError, {"estimate": []}, ("no parameter of model",)),
         (UsageError, {"repertoire": []}, ("repertoire is empty",)),
         (UsageError, {"repertoire": ["turn:35"]}, ("can be sailed", "30 deg")),
         (UsageError, {"noise": "none"}, ("without noise",)),
@@ -328,7 +328,7 @@ def test_a_ship_without_length_or_speed():
 def test_without_the_standard_nothing_is_compared():
     found = planned("de-keizer", "soesterberg", values={"K": "5 1"}, repertoire=["zigzag:5/5"], draws=1)
     assert found.standard == () and found.det_gain is None and found.to_dict()["gain_over_standard"]["det"] is None
-    assert any("nothing to compare" in w for w in found.warnings)
+    assert any("not compared with it" in w for w in found.warnings)
     assert "no standard" in repr(found)
     json.dumps(found.to_dict(), allow_nan=False)
 

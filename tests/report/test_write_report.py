@@ -124,7 +124,7 @@ def test_directions_and_whiteness_are_said_in_words(fit, text, read_page):
         starts=1,
     )
     words = read_page(render(shipid.assess(blind, bands=False))).text
-    assert "gamma does not show in one 20/20 zig-zag" in words
+    assert "gamma has no effect in one 20/20 zig-zag" in words
 
 
 def test_text_from_files_is_escaped(fit, read_page):

@@ -1,4 +1,4 @@
-"""What course changes measured: of many runs as arrays in SI, and of one as a reader expects it."""
+"""Measures of course changes: of many runs as arrays in SI, and of one run in display units."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class CourseChange:
     speed, change_deg : float
         Speed before it in m/s, and the change; 0 where a course is kept.
     weather : str
-        "calm", or what acts.
+        "calm", or the weather.
     overshoot_deg, settling_s : float or None
         None where the run diverged, or the heading does not settle.
     rms_error_deg, mean_error_deg, rms_rudder_deg : float or None
@@ -55,7 +55,7 @@ class CourseChange:
 
 @dataclass(frozen=True, eq=False)
 class CourseChanges:
-    """What many runs measured; SI, one entry a run, not a number where a run diverged.
+    """Measures of many runs; SI, one entry a run, not a number where a run diverged.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class CourseChanges:
     reversals : ndarray
         Of the rudder, by more than half a degree, a minute.
     travel : ndarray
-        Distance the rudder ran, in rad a second.
+        Rudder travel in rad per second.
     cross_track : ndarray
         Width of the track across the new course once the heading is reached, the drift of the current taken out, in m.
     duration : ndarray
@@ -100,14 +100,14 @@ class CourseChanges:
         return CourseChanges(**{f.name: np.atleast_1d(getattr(self, f.name)[index]) for f in fields(self)})
 
     def one(self, index: int, weather: str, sea_filter: bool = False) -> CourseChange:
-        """Return one run as a reader expects it.
+        """Return one run in display units.
 
         Parameters
         ----------
         index : int
             Of the run.
         weather : str
-            "calm", or what acts; in weather no heading settles, and no settling time is given.
+            "calm", or the weather; in weather no heading settles, and no settling time is given.
         sea_filter : bool
             Whether heading and rate went through the sea filter.
         """

@@ -1,4 +1,4 @@
-"""What is measured of a course change: a component whose states end as overshoot, settling time and rudder activity.
+"""Measures of a course change: a component whose last states are overshoot, settling time and rudder activity.
 
 Measured inside the model, a thousand runs need no more memory than one. The same component measures a recorded run.
 """
@@ -41,7 +41,7 @@ class CourseMeasures(Component):
     sum_error = state("rad*s", "sum of the heading error")
     sum_error_square = state("rad^2*s", "sum of the heading error squared")
     sum_rudder_square = state("rad^2*s", "sum of the rudder angle squared")
-    travel = state("rad", "distance the rudder has run")
+    travel = state("rad", "rudder travel")
     delta_before = state("rad", "rudder angle one sample earlier")
     delta_extreme = state("rad", "rudder angle farthest to the side it moves to")
     moving = state("1", "side the rudder moves to", start=1.0)
@@ -69,7 +69,7 @@ class CourseMeasures(Component):
         Parameters
         ----------
         total, rate : Expression
-            The sum so far, and what is summed.
+            The sum so far, and the term that is added.
         """
         return total + np.where(self.counts(), rate, 0.0 * rate) * self.T_s
 
@@ -126,7 +126,7 @@ class CourseMeasures(Component):
 
     @moving.next
     def side(self) -> Expression:
-        """Turned round by a reversal."""
+        """The other side after a reversal."""
         return np.where(self.turned(), -self.moving, self.moving)
 
     @reversals.next
@@ -136,7 +136,7 @@ class CourseMeasures(Component):
 
     @reached.next
     def arrive(self) -> Expression:
-        """Once within the band, for good."""
+        """1 from the first sample within the band on."""
         return np.where(np.abs(self.error()) <= self.settling_band, 1.0, self.reached)
 
     @off_most.next
@@ -178,7 +178,7 @@ def sides_of(changes: np.ndarray) -> np.ndarray:
 def read_measures(
     end: Mapping[str, np.ndarray], speeds: np.ndarray, changes: np.ndarray, duration: np.ndarray, begin: np.ndarray
 ) -> CourseChanges:
-    """Return what the states of `CourseMeasures` say at the end of some runs.
+    """Return the measures of some runs from the last states of `CourseMeasures`.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ def read_measures(
 
 
 def measure_history(history: Mapping[str, np.ndarray], speed: float, change: float) -> CourseChanges:
-    """Return what a recorded course change measures, by the same component.
+    """Return the measures of a recorded course change, by the same component.
 
     Parameters
     ----------

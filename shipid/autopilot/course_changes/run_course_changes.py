@@ -34,7 +34,7 @@ def clock_of(pilot: Autopilot, model: Model, speeds: np.ndarray, lengths: float 
     pilot : Autopilot
         The design.
     model : Model
-        Its closed loop, with what is joined to it.
+        Its closed loop, with the components joined to it.
     speeds : ndarray, shape (runs,)
         In m/s.
     lengths : float
@@ -156,7 +156,7 @@ def run_course_changes(
 
 
 def ordering(pilot: Autopilot) -> tuple[type[Component], ...]:
-    """Return what has to be joined to the loop of an autopilot so that it takes ``psi_order``.
+    """Return the component to join to the loop of an autopilot so that it takes ``psi_order``.
 
     Parameters
     ----------
@@ -180,7 +180,7 @@ def ordered_rate(pilot: Autopilot, speeds: np.ndarray) -> dict[str, np.ndarray]:
 
 
 def sea_frequency(pilot: Autopilot, weather: Weather, speeds: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Return what the sea filter is set to: the frequency of encounter, but well above that of the heading, in rad/s.
+    """Return the frequency of the sea filter: that of encounter, but well above that of the heading, in rad/s.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""A wave filter that needs no model of the ship: a notch at the frequency of encounter.
+"""A wave filter without a model of the ship: a notch at the frequency of encounter.
 
-It takes the place of `Measured`. A Kalman filter, which has a model of the ship, takes out more of the waves.
+It replaces `Measured`. A Kalman filter, which has a model of the ship, removes more of the waves.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ ABOVE = 4.0
 
 
 class SeaFiltered(Measured):
-    """Feedback through a notch: heading and rate of turn with the waves taken out."""
+    """Feedback through a notch: heading and rate of turn with the waves removed."""
 
     sea_frequency = constant("rad/s", "frequency of encounter the filter is set to", default="0.6 rad/s")
-    sea_depth = constant("1", "setting of the filter: 0 for a calm sea, lets everything pass; 1 takes all", default=1.0)
+    sea_depth = constant("1", "setting of the filter: 0 in a calm sea, no filter; 1 the full notch", default=1.0)
     sea_width = constant("1", "damping ratio of the notch", default=WIDTH)
     psi_swing = state("rad*s^2", "heading by the waves, twice integrated", nominal=0.01)
     psi_band = state("rad*s", "heading in the band of the waves, integrated", nominal=0.01)
@@ -32,7 +32,7 @@ class SeaFiltered(Measured):
         Parameters
         ----------
         shown, swing, moving : Expression
-            What is filtered, and the two states of the filter.
+            The filtered signal, and the two states of the filter.
         """
         return shown - 2 * self.sea_width * self.sea_frequency * moving - self.sea_frequency**2 * swing
 

@@ -1,4 +1,4 @@
-"""A course change under an autopilot that holds a rate of turn: the rate is ordered until the heading is due."""
+"""A course change under an autopilot that holds a rate of turn: the rate is ordered until its integral is the change."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ RADIUS = 8.0
 
 
 class TurnOrder(Component):
-    """A rate of turn ordered until its integral is the course change; the last sample takes what is left."""
+    """A rate of turn ordered until its integral is the course change; the last sample takes the rest."""
 
     psi_order = given("rad", "heading at the end of the turn", latex=r"\psi_r")
     T_s = given("s", "sampling interval")
@@ -23,7 +23,7 @@ class TurnOrder(Component):
 
     @r_order.equals
     def rate(self) -> Expression:
-        """At most the rate of the turn, to the side of what is left of it."""
+        """At most the rate of the turn, to the side of the rest of the change."""
         left = (self.psi_order - self.psi_ramp) / self.T_s
         return np.minimum(np.maximum(left, -self.turn_rate), self.turn_rate)
 

@@ -1,7 +1,7 @@
-"""The weather an autopilot is judged in: one wind, one sea, one current, in proportion to the ship.
+"""The weather of the judgement: one wind, one sea, one current, in proportion to the ship.
 
-A ship of 100 m and longer meets a fresh wind and a sea that yaws it; a smaller one meets them smaller by Froude's law, as a ship
-model does. It is a standard for comparison and no forecast: every autopilot meets the same.
+A ship of 100 m and longer has a fresh wind and a sea that yaws it; for a smaller one they are scaled by Froude's law, as for a ship
+model. It is a standard for comparison and no forecast: it is the same for every autopilot.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from shipid.parts.wind import Wind
 
 #: From this length on, in m, the weather is that of the sea.
 _FULL = 100.0
-#: What a model may read of wind, waves and current, in calm.
+#: Inputs of wind, waves and current that a model may read, in calm.
 CALM: Mapping[str, float] = MappingProxyType({
     "wind_speed": 0.0, "wind_direction": 0.0, "wave_direction": 0.0, "current_north": 0.0, "current_east": 0.0,
     "r_disturbance": 0.0, "u_disturbance": 0.0,
@@ -54,7 +54,7 @@ class Weather:
     damping: float = 0.15
 
     def components(self, model: Model) -> tuple[type[Component], ...]:
-        """Return what is joined to the loop of a model: what it reads of wind, waves and current.
+        """Return the components to join to the loop of a model: those of wind, waves and current that it reads.
 
         Parameters
         ----------
@@ -143,7 +143,7 @@ def standard_weather(length: float, speed: float) -> Weather:
     length : float
         In m.
     speed : float
-        The ship's own, in m/s; the wind is at most half as fast again, as a slow ship lies to a stronger one.
+        The ship's own, in m/s; the wind is at most 1.5 times that, since a slow ship cannot hold a course in a stronger one.
     """
     share = float(np.sqrt(min(length, _FULL) / _FULL))
     return Weather(min(12.0 * share, 1.5 * speed), 0.6 / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed))

@@ -1,4 +1,4 @@
-"""The result of a design: gains against speed, the poles they give, and what they were asked for."""
+"""The result of a design: gains against speed, the poles they give, and the request."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Mode = Literal["course", "rate"]
 class Autopilot:
     """A gain-scheduled autopilot; made by `design_autopilot`, or read with `read_schedule`.
 
-    It is data. What is worked out from it: its closed loop and python-control systems
+    It is data. Computed from it are its closed loop and python-control systems
     (`shipid.autopilot.design.closed_loop`), its judgement (`shipid.judge`), its file (`shipid.write_schedule`).
 
     Attributes
@@ -43,9 +43,9 @@ class Autopilot:
     design : {"pole", "lqr", "pid"}
         How the gains were found.
     mode : {"course", "rate"}
-        What it holds.
+        Whether it holds a course or a rate of turn.
     request : mapping of str to float
-        What was asked for, SI: ``omega_n`` [rad/s] at the service speed, ``damping``, ``integral``, ``rudder_weight``.
+        The request, SI: ``omega_n`` [rad/s] at the service speed, ``damping``, ``integral``, ``rudder_weight``.
     service_speed : float
         In m/s.
     rudder_limit : float
@@ -57,7 +57,7 @@ class Autopilot:
     poles : tuple of tuple of ndarray
         Poles of the loop in rad/s at each speed of the schedule, for each load condition; the steering machine left out.
     warnings : tuple of str
-        What its user has to know.
+        Notes for its user.
     """
 
     model: Model
@@ -95,7 +95,7 @@ class Autopilot:
 
     @property
     def length(self) -> float:
-        """Length of the ship in m; the distance it covers in a second at its service speed where the set does not say."""
+        """Length of the ship in m; the distance it covers in a second at its service speed where the set has no length."""
         return self.ship.particular("L", "m") or self.service_speed
 
     def pace(self, speed: float) -> float:

@@ -54,7 +54,7 @@ def closed_loop(pilot: Autopilot, *parts: type[Component], measured: type[Compon
     *parts : type[Component]
         More components to join: wind, waves, measures.
     measured : type[Component]
-        What states ``psi_seen``, ``r_seen`` and ``speed_seen``: a filter may take the place of the instruments.
+        The component that states ``psi_seen``, ``r_seen`` and ``speed_seen``: the instruments, or a filter.
     """
     name = f"{pilot.model.name}-autopilot"
     return join(name, pilot.model, pilot.actuator, measured, control_law(pilot), pilot.schedule.component, *parts)
@@ -158,7 +158,7 @@ def schedule_poles(
 
 
 def with_schedule(pilot: Autopilot, schedule: Schedule) -> Autopilot:
-    """Return an autopilot with other gains, its poles worked out anew.
+    """Return an autopilot with other gains, its poles computed anew.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ def with_schedule(pilot: Autopilot, schedule: Schedule) -> Autopilot:
 
 
 def heading_frequency(pilot: Autopilot, speed: float) -> float:
-    """Return the natural frequency of the heading in rad/s: the one asked for, or that of the two slowest poles.
+    """Return the natural frequency of the heading in rad/s: the one requested, or that of the two slowest poles.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Control laws as components: the feedback an autopilot has, and the rudder it orders.
 
 A law reads ``psi_seen`` and ``r_seen`` and states ``delta_order``. `Measured` states the feedback from the ship's own motion,
-with the waves where a wave model is joined; a filter that states the same two takes its place.
+with the waves where a wave model is joined; a filter that states the same two can replace it.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class CourseController(Component):
     gain_Kp = given("1", "rudder per heading error, scheduled", latex="K_p")
     gain_Kd = given("s", "rudder per rate of turn, scheduled", latex="K_d")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")
-    rudder_wanted = derived("rad", "rudder the law asks for before the limit")
+    rudder_wanted = derived("rad", "rudder of the law before the limit")
     delta_order = derived("rad", "rudder angle that is ordered, positive turns to starboard", latex=r"\delta_r")
 
     @rudder_wanted.equals
@@ -66,7 +66,7 @@ class CourseController(Component):
 
 
 class IntegralCourseController(CourseController):
-    """The same with an integral for a steady moment, which stops while the rudder cannot follow."""
+    """The same with an integral for a steady moment, which stops while the rudder is saturated."""
 
     gain_Ki = given("1/s", "rudder per heading error and second, scheduled", latex="K_i")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
@@ -76,8 +76,8 @@ class IntegralCourseController(CourseController):
     def integrate(self) -> Expression:
         """Conditional integration (Astrom and Hagglund 2006, "Advanced PID control", section 3.5).
 
-        The integral stands still while the law asks for more than the limit and while the rudder, for its rate, lags behind
-        the order by half the limit; and it grows no faster than for an error of a fifth of the proportional band. More is the
+        The integral stops while the law exceeds the limit and while the rudder, for its rate, lags behind
+        the order by half the limit; and it grows no faster than for an error of a fifth of the proportional band. A larger one is the
         error of a course change, and no measure of a steady moment.
         """
         inside = np.abs(self.rudder_wanted) < self.rudder_limit
@@ -93,7 +93,7 @@ class IntegralCourseController(CourseController):
 
 
 class RateController(Component):
-    """A rate of turn held, as a helmsman orders it: proportional and integral feedback within the rudder limit.
+    """Control of the rate of turn: proportional and integral feedback within the rudder limit.
 
     The integral of the rate of turn is a heading, so that the gains are those of the course controller: ``gain_Kd`` of the
     error of the rate, ``gain_Kp`` of its integral.
@@ -105,12 +105,12 @@ class RateController(Component):
     gain_Kd = given("s", "rudder per rate error, scheduled", latex="K_d")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")
     rate_integral = state("rad", "integral of the rate error", nominal="1 deg")
-    rudder_wanted = derived("rad", "rudder the law asks for before the limit")
+    rudder_wanted = derived("rad", "rudder of the law before the limit")
     delta_order = derived("rad", "rudder angle that is ordered, positive turns to starboard", latex=r"\delta_r")
 
     @rate_integral.rate
     def integrate(self) -> Expression:
-        """The integral stands still while the law asks for more than the limit."""
+        """The integral stops while the law exceeds the limit."""
         error = self.r_order - self.r_seen
         return np.where(np.abs(self.rudder_wanted) < self.rudder_limit, error, 0.0 * error)
 

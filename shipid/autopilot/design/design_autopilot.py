@@ -1,4 +1,4 @@
-"""The verb: a ship in, a gain-scheduled autopilot out."""
+"""The design: from a ship to a gain-scheduled autopilot."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from shipid.parts.steering_machine import SteeringMachine
 
 DESIGNS: tuple[Design, ...] = get_args(Design)
 MODES: tuple[Mode, ...] = get_args(Mode)
-#: The third pole, that of the integral, over the natural frequency: slow beside the course change, quick beside the weather;
+#: The third pole, that of the integral, over the natural frequency: slow against the course change, fast against the weather;
 #: and the weight of the rudder squared against the heading error squared.
 INTEGRAL, RUDDER_WEIGHT = 0.15, 1.0
-#: How far a pole between two speeds of the schedule may lie from the one asked for there, over its size.
+#: How far a pole between two speeds of the schedule may lie from the requested one, over its size.
 TOLERANCE = 0.05
-#: Where between two speeds the poles are compared with those asked for.
+#: Where between two speeds the poles are compared with those requested.
 _BETWEEN = (0.25, 0.5, 0.75)
-#: Assumed where a ship does not say: 35 deg, and the 65 deg in 28 s of SOLAS II-1/29.
+#: Assumed where a ship states none: 35 deg, and the 65 deg in 28 s of SOLAS II-1/29.
 _LIMITS = {"delta_max": np.deg2rad(35.0), "delta_rate": np.deg2rad(65.0 / 28.0)}
 
 
@@ -56,7 +56,7 @@ def design_autopilot(
     """Design a gain-scheduled autopilot from a declared ship, linearised exactly at each speed.
 
     The gains of heading and rate of turn are found at each speed, and more speeds are taken in until the poles of the loop
-    stay within 5 % of those asked for at every speed between.
+    stay within 5 % of those requested at every speed between.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def design_autopilot(
         The ship; several are load conditions of one ship, between which the schedule is linear.
     actuator : component class, str or None
         The steering machine, by default `shipid.parts.steering_machine.SteeringMachine`; None for a rudder that is where it is ordered.
-        The gains are those of the ship alone, as published; the judgement holds the machine.
+        The gains are those of the ship alone, as published; the judgement includes the machine.
     speeds : str or sequence of float, optional
         ``"4:12:1 m/s"``, ``"8,12,16 kn"``, or numbers in m/s (text without a unit counts in m/s); by default 0.5 to 1.2 of
         the ship's own speed, by tenths of it.
@@ -77,7 +77,7 @@ def design_autopilot(
         and heading.
     omega_n : str or float, optional
         Natural frequency of the heading in rad/s at the ship's own speed, or with a unit; it follows u/L. By default the one
-        at which the rudder goes as many degrees as the heading is off, or that of the ship itself where that is faster.
+        at which the rudder angle equals the heading error, or that of the ship itself where that is faster.
     damping : float, optional
         Damping ratio of the heading; 0.9 by default.
     integral : float
@@ -107,9 +107,7 @@ def design_autopilot(
     if mode not in MODES:
         raise UnknownNameError("mode", mode, MODES)
     if mode == "rate" and design == "pid":
-        raise DesignRequestError(
-            "the mode rate has an integral of its own, and takes no design pid. Ask for pole or lqr."
-        )
+        raise DesignRequestError("the mode rate has an integral of its own, and takes no design pid. Take pole or lqr.")
     whole = model_of(model)
     check_steerable(whole)
     given = list(ship) if isinstance(ship, Sequence) and not isinstance(ship, str) else [ship]
@@ -128,15 +126,15 @@ def design_autopilot(
         )
     if limit > limits["delta_max"]:
         limit = limits["delta_max"]
-        warnings.append(f"rudder limit: the rudder itself stops at {angle(limit, 3)}, which is taken.")
+        warnings.append(f"rudder limit: the rudder itself stops at {angle(limit, 3)}, which is used.")
     request = read_request(whole, ships, service, design, omega_n, damping, integral, rudder_weight)
     problem = GainDesign(whole, ships, design, request, service)
     schedule = _refined(problem, grid)
     warnings += design_warnings(problem, schedule, limit, limits)
     if mode == "rate":
         warnings.append(
-            "rate of turn: the heading is not fed back, so that a rate gyro that reads wrong lets it drift; the course changes of "
-            "the judgement have a gyro that reads right."
+            "rate of turn: the heading is not fed back, so that it drifts with the bias of the rate gyro; the course changes of "
+            "the judgement have a gyro without bias."
         )
     poles = schedule_poles(whole, ships, schedule)
     return Autopilot(
@@ -145,7 +143,7 @@ def design_autopilot(
 
 
 def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:
-    """The schedule, with speeds added until the poles between them are those asked for."""
+    """The schedule, with speeds added until the poles between them are those requested."""
     known: dict[float, list[Gains]] = {}
     while True:
         fresh = np.array([v for v in grid if v not in known])
@@ -165,7 +163,7 @@ def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:
         if len(grid) + len(coarse) > MOST_SPEEDS:
             raise DesignRequestError(
                 f"between {coarse[0]:.3g} m/s and its neighbours no schedule of {MOST_SPEEDS} speeds keeps the poles within "
-                f"{TOLERANCE:.0%} of those asked for. Begin at a higher speed, or ask for what this ship can have there."
+                f"{TOLERANCE:.0%} of those requested. Begin at a higher speed, or request poles that this ship can have there."
             )
         grid = np.sort(np.concatenate([grid, coarse]))
 
@@ -191,7 +189,9 @@ def _coarse(problem: GainDesign, schedule: Schedule) -> list[float]:
 def _own_speed(ship: ParameterSet) -> float | None:
     own = ship.particular("speed", "m/s")
     if own is not None and not own > 0:
-        raise ParameterSetError(f"the speed of ship {ship.name} is {own:g} m/s; an autopilot steers a ship under way.")
+        raise ParameterSetError(
+            f"the speed of ship {ship.name} is {own:g} m/s; an autopilot needs a speed greater than zero."
+        )
     return own
 
 
@@ -208,7 +208,7 @@ def _limits(ship: ParameterSet, machine: type[Component]) -> tuple[dict[str, flo
             )
     if ship.particular("L", "m") is None:
         assumed.append(
-            f"assumed: the length of ship {ship.name} is not known; the distance it covers in a second is taken for it, "
+            f"assumed: the length of ship {ship.name} is not known; the distance it covers in a second is used instead, "
             "and the weather it is judged in is of that size."
         )
     lag = ship.particular("tau_delta", "s")

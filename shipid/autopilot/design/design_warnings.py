@@ -1,4 +1,4 @@
-"""What the user of a design has to know: where it rests on assumptions, and what the ship does not allow."""
+"""Warnings of a design: its assumptions, and limits of the ship."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def design_warnings(
     Parameters
     ----------
     problem : GainDesign
-        What was asked for.
+        The problem with its request.
     schedule : Schedule
         The gains found.
     rudder_limit : float
@@ -68,12 +68,12 @@ def _about_ship(problem: GainDesign, schedule: Schedule) -> list[str]:
         if max(growing) > 1e-9 * max(float(np.abs(r).max()) for r in roots):
             worst = int(np.argmax(growing))
             found.append(
-                f"course-unstable: without the autopilot ship {ship.name} turns away by itself, within "
+                f"course-unstable: without the autopilot ship {ship.name} leaves its course with a time constant of "
                 f"{1 / growing[worst]:.3g} s at {schedule.speeds[worst]:.3g} m/s; its loop has a lower gain margin too."
             )
         if (schedule.gains["Kd"][condition] * schedule.gains["Kp"][condition] < 0).any():
             found.append(
-                f"negative rate gain: the request is slower than ship {ship.name} itself, so the law pushes the turn on. Ask for "
+                f"negative rate gain: the request is slower than ship {ship.name} itself, so the rate gain drives the turn. Take "
                 "a higher natural frequency or damping."
             )
         if (schedule.gains["Kp"][condition] < 0).any():
@@ -90,7 +90,7 @@ def _too_fast(problem: GainDesign, schedule: Schedule, limit: float, limits: Map
     if needed <= limits["delta_rate"]:
         return []
     return [
-        f"rudder rate: at {speed:.3g} m/s the loop is asked for {omega:.3g} rad/s, at which a rudder swinging to its limit of "
-        f"{angle(limit, 3)} needs {np.rad2deg(needed):.3g} deg/s, and it has {np.rad2deg(limits['delta_rate']):.3g} "
+        f"rudder rate: at {speed:.3g} m/s the request is {omega:.3g} rad/s, at which a rudder swinging to its limit of "
+        f"{angle(limit, 3)} needs {np.rad2deg(needed):.3g} deg/s, and its limit is {np.rad2deg(limits['delta_rate']):.3g} "
         f"deg/s. At most {limits['delta_rate'] / limit * problem.service_speed / speed:.3g} rad/s at {problem.service_speed:.3g} m/s can be met."
     ]

@@ -1,4 +1,4 @@
-"""The design at one speed: the poles asked for, and the gains that place them."""
+"""The design at one speed: the poles requested, and the gains that place them."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class GainDesign:
     design : {"pole", "lqr", "pid"}
         How the gains are found.
     request : mapping of str to float
-        What is asked for, SI; see `shipid.autopilot.design.autopilot.Autopilot`.
+        The request, SI; see `shipid.autopilot.design.autopilot.Autopilot`.
     service_speed : float
         In m/s.
     """
@@ -61,7 +61,7 @@ class GainDesign:
         return ship_plants(self.model, self.ships[condition], speeds)
 
     def polynomial(self, speed: float) -> np.ndarray:
-        """Return the polynomial of the poles asked for, highest power first.
+        """Return the polynomial of the poles requested, highest power first.
 
         Parameters
         ----------
@@ -73,7 +73,7 @@ class GainDesign:
         return np.polymul(pair, [1.0, self.request["integral"] * omega]) if self.design == "pid" else pair
 
     def wanted_poles(self, plant: Plant, speed: float) -> np.ndarray:
-        """Return the poles asked for in rad/s; of a design of least cost all of its own.
+        """Return the poles requested in rad/s; for a design of least cost all its poles.
 
         Parameters
         ----------
@@ -87,7 +87,7 @@ class GainDesign:
         return np.roots(self.polynomial(speed))
 
     def gains(self, plant: Plant, speed: float) -> Gains:
-        """Return the gains at a speed; the poles that were not asked for are checked.
+        """Return the gains at a speed; the other poles are checked.
 
         Parameters
         ----------
@@ -116,7 +116,7 @@ def read_request(
     integral: float,
     weight: float,
 ) -> dict[str, float]:
-    """Return what is asked for, SI.
+    """Return the request, SI.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def read_request(
     if design == "lqr":
         if omega_n is not None or damping is not None:
             raise DesignRequestError(
-                "lqr finds frequency and damping by itself: give rudder_weight, or ask for pole or pid."
+                "lqr has no frequency and damping to set: give rudder_weight, or take pole or pid."
             )
         if not 0 < weight < np.inf:
             raise DesignRequestError(f"a rudder weight of {weight:g} is out of range: give one greater than zero.")

@@ -17,7 +17,7 @@ from scipy.optimize import brentq, minimize
 from shipid.autopilot.design.plant import Plant
 from shipid.autopilot.errors import NotSteerableError, UnstableDesignError
 
-#: A pole that grows more slowly than this, by its own size or that of the poles asked for, stands on the axis.
+#: A pole that grows more slowly than this, in units of its size or that of the poles requested, counts as on the axis.
 _AXIS = 1e-9
 
 
@@ -96,7 +96,7 @@ def place(plant: Plant, wanted: np.ndarray) -> Gains:
     plant : Plant
         One condition.
     wanted : ndarray, shape (3,) or (4,)
-        Two poles asked for, or three where the law has an integral, as a polynomial; highest power first.
+        Two poles requested, or three where the law has an integral, as a polynomial; highest power first.
 
     Raises
     ------
@@ -108,14 +108,14 @@ def place(plant: Plant, wanted: np.ndarray) -> Gains:
     # s times the loop where there is an integral, so that all of it is one polynomial.
     open_loop = plant.denominator if order == 2 else np.append(plant.denominator, 0.0)
     columns = [heading, rate] if order == 2 else [np.append(heading, 0.0), np.append(rate, 0.0), heading]
-    # Time in units of the fastest pole asked for, in which all numbers are near one.
+    # Time in units of the fastest pole requested, in which all numbers are near one.
     scale = float(abs(wanted[-1]) ** (1 / order))
     rest = _remainder(open_loop, wanted, scale)
     matrix = np.stack([_remainder(c, wanted, scale) for c in columns], axis=1)
     size = np.abs(matrix).max(axis=0)
     if (size == 0).any() or np.linalg.cond(matrix / size) > 1e12:
         raise NotSteerableError(
-            "no gains of heading and rate place these poles: a pole asked for is a zero of the ship, or the ship is "
+            "no gains of heading and rate place these poles: a requested pole is a zero of the ship, or the ship is "
             "uncontrollable there."
         )
     found = -np.linalg.solve(matrix / size, rest) / size
@@ -129,7 +129,7 @@ def _remainder(polynomial: np.ndarray, by: np.ndarray, scale: float) -> np.ndarr
     order = len(by) - 1
     if len(scaled) <= order:
         return np.concatenate([np.zeros(order - len(scaled)), scaled])
-    # Not numpy's: it takes what is smaller than 1e-8 for nothing.
+    # Not numpy's, which treats values below 1e-8 as zero.
     rest = scaled.astype(float)
     for k in range(len(rest) - order):
         rest[k : k + order + 1] -= rest[k] * divisor / divisor[0]
@@ -137,7 +137,7 @@ def _remainder(polynomial: np.ndarray, by: np.ndarray, scale: float) -> np.ndarr
 
 
 def default_natural_frequency(plant: Plant, damping: float, pace: float) -> float:
-    """Return the natural frequency at which the rudder goes as many degrees as the heading is off, Kp = 1, in rad/s.
+    """Return the natural frequency at which the rudder angle equals the heading error, Kp = 1, in rad/s.
 
     Where the rate gain would be negative there, or the loop unstable, it is the nearest frequency at which neither is.
 
@@ -148,7 +148,7 @@ def default_natural_frequency(plant: Plant, damping: float, pace: float) -> floa
     damping : float
         Damping ratio of the pair.
     pace : float
-        u/L in 1/s, about which it is looked for.
+        u/L in 1/s, about which it is searched.
 
     Raises
     ------
@@ -176,7 +176,7 @@ def default_natural_frequency(plant: Plant, damping: float, pace: float) -> floa
 
 
 def _candidates(plant: Plant, grid: np.ndarray, damping: float) -> Iterator[tuple[float, Gains]]:
-    """Frequencies at which the loop is stable and both gains push the same way."""
+    """Frequencies at which the loop is stable and both gains have the same sign."""
     for omega in grid:
         try:
             gains = place(plant, pole_pair(omega, damping))
@@ -200,7 +200,7 @@ def lqr_gains(plant: Plant, weight: float, pace: float) -> Gains:
     weight : float
         Of the rudder squared against the heading error squared.
     pace : float
-        u/L in 1/s, the time unit in which the regulator is worked out.
+        u/L in 1/s, the time unit in which the regulator is computed.
 
     Raises
     ------
@@ -235,7 +235,7 @@ def lqr_gains(plant: Plant, weight: float, pace: float) -> Gains:
 
 
 def check_stable(poles: Sequence[complex] | np.ndarray, where: str) -> None:
-    """Refuse a loop with a pole that does not decay.
+    """Raise an error for a loop with a pole that does not decay.
 
     Parameters
     ----------
@@ -252,6 +252,6 @@ def check_stable(poles: Sequence[complex] | np.ndarray, where: str) -> None:
     worst = max(poles, key=lambda p: p.real)
     if worst.real >= -_AXIS * max(abs(p) for p in poles):
         raise UnstableDesignError(
-            f"{where} is unstable: besides the poles asked for there is one at {worst.real:.3g}{worst.imag:+.3g}i rad/s. Ask "
-            "for a lower natural frequency, or for a higher damping."
+            f"{where} is unstable: besides the requested poles there is one at {worst.real:.3g}{worst.imag:+.3g}i rad/s. Take "
+            "a lower natural frequency, or a higher damping."
         )

@@ -26,7 +26,7 @@ from shipid.parameters.parameter_set import ParameterSet, missing_values
 MEASURED = ("psi", "r")
 #: Inputs that are zero on a straight course at heading zero.
 AMIDSHIPS = ("delta", "delta_order", "psi_order", "r_order")
-#: Rates at which a ship still counts as going straight: the change of a state within a ship length, in its own size.
+#: Largest rates at which a ship counts as on a straight course: the change of a state within a ship length, in its own size.
 _STRAIGHT = 1e-9
 
 
@@ -37,7 +37,7 @@ class Plant:
     Attributes
     ----------
     states : tuple of str
-        States that the input moves and the heading feels; the others are left out.
+        States that depend on the input and act on heading or rate of turn; the others are left out.
     A : ndarray, shape (..., n, n)
         Exact Jacobian.
     B : ndarray, shape (..., n)
@@ -76,7 +76,7 @@ class Plant:
 
 
 def check_steerable(model: Model) -> None:
-    """Refuse a model that an autopilot cannot steer.
+    """Raise an error for a model that an autopilot cannot steer.
 
     Parameters
     ----------
@@ -190,12 +190,12 @@ def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "del
     if "psi" not in names:
         raise NotSteerableError(
             f"the rudder of model {model.name} does not move its heading at {float(np.min(speeds)):.3g} m/s: the "
-            "linearisation is uncontrollable. Look at the coefficient of the rudder."
+            "linearisation is uncontrollable. Check the coefficient of the rudder."
         )
     A, B, C = A[:, kept][:, :, kept], B[:, kept], C[:, :, kept]
     if not C[:, 1].any():
         raise NotSteerableError(
-            f"the rate of turn of model {model.name} follows the rudder at once, without a state: there is no yaw to steer."
+            f"the rate of turn of model {model.name} follows the rudder at once, without a state: its yaw has no dynamics to control."
         )
     heading = names.index("psi")
     free = not A[:, :, heading].any() and not np.delete(C[:, 0], heading, axis=1).any() and not C[:, 1, heading].any()
@@ -221,7 +221,7 @@ def ship_plants(model: Model, ship: ParameterSet, speeds: np.ndarray) -> Plant:
 
 
 def _integrated(A: np.ndarray, B: np.ndarray, C: np.ndarray, heading: int) -> tuple[np.ndarray, np.ndarray]:
-    """The polynomials of a ship that feels no heading: its integrator is a root at zero, and not at 1e-16."""
+    """The polynomials of a ship that does not depend on the heading: its integrator is a root at exactly zero."""
     rest = np.delete(np.arange(A.shape[-1]), heading)
     rows = np.stack([A[:, heading][:, rest], C[:, 1][:, rest]], axis=1)
     denominator, numerators = transfer(A[:, rest][:, :, rest], B[:, rest], rows)
@@ -232,7 +232,7 @@ def _integrated(A: np.ndarray, B: np.ndarray, C: np.ndarray, heading: int) -> tu
 
 
 def _between(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> np.ndarray:
-    """Which states lie between the input and the measurements: moved by the one, felt by the other."""
+    """Which states lie between the input and the measurements: they depend on the one and act on the other."""
     links = (A != 0).any(axis=0)
     moved, felt = (B != 0).any(axis=0), (C != 0).any(axis=(0, 1))
     for _ in range(len(moved)):
@@ -294,7 +294,7 @@ class ShipCoefficients:
     values : mapping of str to float
         SI.
     span : tuple of float or None
-        Speeds in m/s between which the coefficients are known; None where the set does not say.
+        Speeds in m/s between which the coefficients are known; None where the set does not state them.
     scaled : bool
         Whether dimensional coefficients were carried from another speed by powers of L and L/U.
     """
@@ -354,6 +354,6 @@ def coefficients_at(
 
 
 def _trial_speeds(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
-    """The speeds of the trials a set was identified from, where it says them."""
+    """The speeds of the trials a set was identified from, where it states them."""
     joint = ship.joint.get(model.name)
     return None if joint is None else joint.speeds

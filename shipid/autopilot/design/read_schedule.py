@@ -1,4 +1,4 @@
-"""Reading a schedule: the file may have been edited by hand, so that each entry is checked, and the loop it gives."""
+"""Reading a schedule: the file may have been edited by hand, so that each entry is checked, and the loop with these gains."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def read_schedule(path: str | Path) -> Autopilot:
     Raises
     ------
     ScheduleError
-        If it is no schedule, or an entry or the loop it gives cannot be; the message names file and entry.
+        If it is no schedule, an entry is wrong or the loop is unstable; the message names file and entry.
     """
     path = Path(path)
     table = read_table(path, "schedule", ScheduleError)
     if table.content.get("kind") != KIND:
-        raise ScheduleError(f"{path} is no schedule of an autopilot: it does not say kind = '{KIND}'.")
+        raise ScheduleError(f"{path} is no schedule of an autopilot: it has no entry kind = '{KIND}'.")
     table.check_keys(_KEYS, _REQUIRED)
     model = find_model(table.value("model", str))
     check_steerable(model)
@@ -84,7 +84,7 @@ def read_schedule(path: str | Path) -> Autopilot:
 def _stable_poles(
     path: Path, model: Model, ships: tuple[ParameterSet, ...], schedule: Schedule
 ) -> tuple[tuple[np.ndarray, ...], ...]:
-    """The poles at each speed; a schedule that does not hold the ship is refused, whoever wrote it."""
+    """The poles at each speed; an unstable loop is an error."""
     try:
         poles = schedule_poles(model, ships, schedule)
     except ShipidError as error:

@@ -2,7 +2,7 @@
 
 A schedule is a component: its speeds and gains are constants of the model, with the designed values as defaults. So the
 equations run over floats, quantities with units and symbols alike, another tuning of the same size is the same compiled code,
-and what a target machine is given can be set there.
+and the gains can be set on the target machine.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def parse_speeds(text: str | Sequence[float] | None, own: float | None) -> np.nd
     """
     if text is None:
         if own is None:
-            raise ParameterSetError("the ship has no speed of its own: say for which speeds, as in --speeds 4:12:1.")
+            raise ParameterSetError("the ship has no speed of its own: give the speeds, as in --speeds 4:12:1.")
         return np.round(own * np.arange(0.5, 1.25, 0.1), 6)
     found = _read(text) if isinstance(text, str) else np.array(sorted({float(v) for v in text}))
     if not len(found) or not np.isfinite(found).all() or found.min() <= 0:

@@ -1,4 +1,4 @@
-"""A schedule as a file: gains against speed with their units, and the ship they were designed for, so that it stands alone."""
+"""A schedule as a file: gains against speed with their units, and the ship they were designed for, so that it is complete."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from shipid.parts.helm import DirectRudder
 KIND = "shipid autopilot schedule"
 #: Limits of the steering machine, and the unit each is written in.
 LIMIT_UNITS = {"delta_max": "rad", "delta_rate": "rad/s", "tau_delta": "s"}
-#: What can be asked for of a design, and the unit each is written in.
+#: The quantities of a request, and the unit each is written in.
 REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight": "1"}
 #: The control law of each mode.
 _LAWS = {

@@ -1,4 +1,4 @@
-"""Two tunings side by side: the same numbers of both, and which is better where that can be said."""
+"""Two tunings side by side: the same numbers of both, and which is better where one is."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ class TuningComparison:
     Attributes
     ----------
     names : tuple of str
-        What they are called.
+        Their names.
     judged : tuple of Judgement
         Both, each for its own ship.
     rows : tuple of ComparedRow
         Their numbers.
     warnings : tuple of str
-        What the reader has to mind.
+        Notes for the reader.
     """
 
     names: tuple[str, str]
@@ -99,7 +99,7 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
     first, second : Judgement
         The tunings; each is judged on the ship of its own file.
     names : tuple of str
-        What they are called.
+        Their names.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The verb: an autopilot in, its judgement out; every number of the report, worked out in a few batches."""
+"""The judgement of an autopilot: every number of the report, computed in a few batches."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def judge(
     if lost:
         warnings.append(
             f"lost: the model runs away in course changes of {', '.join(f'{c:.3g}' for c in lost)} deg; with this rudder limit "
-            "they are outside what it describes."
+            "they are outside its range."
         )
     return Judgement(
         pilot=pilot,
@@ -154,8 +154,8 @@ def _in_weather(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], 
         words.append(f"no wind: model {pilot.model.name} reads no 'r_disturbance', so wind does not act on it here.")
     elif pilot.ship.find(closed_loop(pilot, *ordering(pilot), *weather.components(pilot.model)), "N_w") is None:
         words.append(
-            f"assumed: ship {pilot.ship.name} states no wind coefficients; those of a ship of its length are taken, and what is "
-            "said of wind is of that size and no more."
+            f"assumed: ship {pilot.ship.name} states no wind coefficients; those of a ship of its length are used, and the "
+            "results in wind are only of that order."
         )
     speeds, change = np.full(8, pilot.own_speed), np.deg2rad(SAMPLE_CHANGE)
     kept, raw = (

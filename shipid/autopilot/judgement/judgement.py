@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 #: The course change that every draw of the ship makes, and those whose histories are kept, in degrees.
 SAMPLE_CHANGE, SHOWN_CHANGES = 60.0, (10.0, 60.0, 120.0)
 
-#: What is weak: a margin below, an overshoot or an error above. The report shows them beside the numbers.
+#: Limits: of a margin from below, of an overshoot or an error from above. The report shows them beside the numbers.
 LIMITS = {
     "disk margin": 0.5,
     "gain margin": 2.0,
@@ -34,12 +34,12 @@ _LEAST_OVERSHOOT = 1.0
 
 @dataclass(frozen=True)
 class Robustness:
-    """What is left of the disk margin when the ship is not the one designed for.
+    """The disk margin when the ship differs from that of the design.
 
     Attributes
     ----------
     samples : int
-        Draws of the ship's coefficients; 0 where nothing is known of their uncertainty.
+        Draws of the ship's coefficients; 0 where their uncertainty is unknown.
     source : str
         Where the draws come from, in words.
     disk_worst, disk_low : float
@@ -98,7 +98,7 @@ class Weakest:
     what, where : str
         The quantity, and the speed, the draw or the manoeuvre.
     value, limit : float
-        Its value, and the limit it is measured by.
+        Its value, and its limit.
     unit : str
         Of both; may be empty.
     share : float
@@ -170,9 +170,9 @@ class Judgement:
     drawn_histories : mapping of str to ndarray, shape (1 + draws, n)
         The sample course change of the ship as it is, then of some draws: ``t``, ``psi`` and ``delta``, SI.
     on_board : OnBoardRuns or None
-        Runs with the Kalman filter in the loop, where they were asked for.
+        Runs with the Kalman filter in the loop, where they were requested.
     warnings : tuple of str
-        Those of the design, and what the judgement found.
+        Those of the design, and those of the judgement.
     """
 
     pilot: Autopilot

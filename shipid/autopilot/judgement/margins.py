@@ -1,7 +1,7 @@
 """Margins of the loop, broken at the rudder order: gain, phase, delay, disk, sensitivity peaks, bandwidth.
 
-python-control gives gain and phase; disk margins are worked out here for any number of loops at once, by the same formula
-(Seiler, Packard and Gahinet 2020, "An introduction to disk margins", with skew 0), as the covariance asks for thousands.
+python-control gives gain and phase; disk margins are computed here for any number of loops at once, by the same formula
+(Seiler, Packard and Gahinet 2020, "An introduction to disk margins", with skew 0), as the covariance needs thousands.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ from shipid.foundation.statistics import plain
 if TYPE_CHECKING:
     import control
 
-#: Frequencies looked at, in u/L: from a turn of a thousand lengths to the lag of any servo.
+#: Range of frequencies, in u/L: from a turn of a thousand lengths to the lag of any servo.
 _FREQUENCIES = np.geomspace(1e-3, 1e3, 481)
-#: Points of the second look, between the neighbours of the first one's peak.
+#: Points of the refined grid, between the neighbours of the peak on the first grid.
 _CLOSER = 41
 
 
@@ -122,7 +122,7 @@ def disk_margins(numerator: np.ndarray, denominator: np.ndarray, pace: np.ndarra
     numerator, denominator : ndarray, shape (..., k)
         Of the loops.
     pace : ndarray or float
-        u/L in 1/s of each, by which the frequencies are laid out.
+        u/L in 1/s of each, by which the frequencies are scaled.
     """
     pace = np.broadcast_to(np.asarray(pace, dtype=float), numerator.shape[:-1])
     omega = pace[..., None] * _FREQUENCIES

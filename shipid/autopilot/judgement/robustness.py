@@ -1,4 +1,4 @@
-"""How much of a design is left when the ship, its steering machine or its log is not as designed for."""
+"""Robustness of a design to changes of the ship, its steering machine or its log."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _disks(
 def robustness_of(
     pilot: Autopilot, drawn: Drawn | None, source: str, condition: int
 ) -> tuple[Robustness, dict[str, np.ndarray]]:
-    """Return what is left of the design when the ship is not the one designed for, and histories of some such ships.
+    """Return the margins of the design for ships that differ from that of the design, and histories of some of them.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def robustness_of(
     drawn : Drawn or None
         Ships drawn from the uncertainty.
     source : str
-        In words, where they come from, or why there are none.
+        Their source in words, or why there are none.
     condition : int
         Which load condition.
 

@@ -34,7 +34,7 @@ def estimator_of(
     estimates : mapping of str to str
         For each input of the autopilot, the state or derived quantity of the filter that it gets.
     sample : mapping of str to float
-        What the first sample shows, SI: where the filter starts.
+        The first sample, SI, from which the filter starts.
 
     Returns
     -------
@@ -45,7 +45,7 @@ def estimator_of(
     UsageError
         If an estimate is none of the filter's states and parameters, or the loop does not show what the filter reads.
     UnstatedInputError
-        If nothing says where an input of the filter starts.
+        If an input of the filter has no first value.
     """
     design, given = kalman.design, kalman.design.instruments.inputs
     model, layout = design.model, design.layout
@@ -62,7 +62,7 @@ def estimator_of(
     # Before the first sample the rudder is amidships.
     first = input_rows(model, {"delta": 0.0, **sample, **given}, 1)[:, 0]
 
-    # Noise is what a filter does not know, even where the loop has it under the same name.
+    # Noise is unknown to a filter, even where the loop has it under the same name.
     noises = [s.name for s in design.sources if s.place == "input" and s.name not in shown]
     stated = {**{n: model[n].number("default") or 0.0 for n in noises}, **given}
 

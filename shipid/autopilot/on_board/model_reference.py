@@ -53,7 +53,7 @@ class PlacedGains(Component):
 
     @gain_Kd.equals
     def derivative(self) -> Expression:
-        """Passenier (1989), eq. (5.80); a ship damped more than is asked for is not pushed on: never below zero."""
+        """Passenier (1989), eq. (5.80); not below zero, also for a ship with more damping than requested."""
         wanted = (2 * self.damping * self.omega_star - self.b1_design) / self.a_design
         return self.L / self.speed_seen * np.maximum(wanted, 0.0)
 
@@ -79,7 +79,7 @@ class ReferenceModel(Estimates):
     """The ship the gains are for, which follows the estimated one slowly, and the rudder that compensates the difference."""
 
     T_s = given("s", "sampling interval")
-    rudder_wanted = given("rad", "rudder the law asks for before the limit")
+    rudder_wanted = given("rad", "rudder of the law before the limit")
     rudder_limit = constant("rad", "largest rudder angle the autopilot orders", default="15 deg")
     adapting = given("1", "1 while the reference follows the estimates", default=1.0)
     compensating = given("1", "1 while the difference to the reference is compensated by rudder", default=1.0)
@@ -147,7 +147,7 @@ class SelectedFeedback(Component):
     psi_hat = given("rad", "estimated heading", wraps=True, latex=r"\hat\psi")
     r_hat = given("rad/s", "estimated rate of turn", latex=r"\hat r")
     u_shown = given("m/s", "forward speed the log shows")
-    filtered = given("1", "1 while the autopilot sees the filter's estimates", default=1.0)
+    filtered = given("1", "1 while the filter's estimates are fed back", default=1.0)
     psi_seen = derived("rad", "heading that is fed back", wraps=True)
     r_seen = derived("rad/s", "rate of turn that is fed back")
     speed_seen = derived("m/s", "forward speed through the water, as the autopilot measures it")

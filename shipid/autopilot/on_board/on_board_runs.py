@@ -14,9 +14,9 @@ from shipid.foundation.aliases import Plain
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What is adapted to the filter's estimates of the ship: nothing, the gains, or a reference that the ship is made to follow.
+#: What is adapted to the filter's estimates of the ship: nothing, the gains, or a reference that the ship follows.
 Adaptation = Literal["none", "gains", "reference"]
-#: What the autopilot is fed back.
+#: The feedback of the autopilot.
 Feedback = Literal["instruments", "filter"]
 
 
@@ -27,9 +27,9 @@ class OnBoardRun:
     Attributes
     ----------
     feedback : {"instruments", "filter"}
-        What the autopilot is fed back: heading and rate of turn as the instruments show them, or as the filter estimates them.
+        The feedback of the autopilot: heading and rate of turn as the instruments show them, or as the filter estimates them.
     weather : str
-        "calm", or what acts.
+        "calm", or the weather.
     changes : tuple of CourseChange
         In the order of the voyage; a change of zero is a course kept.
     error_deg : float or None
@@ -71,7 +71,7 @@ class OnBoardRuns:
     runs : tuple of OnBoardRun
         By the instruments and by the filter, in calm and in weather.
     warnings : tuple of str
-        What the reader has to know.
+        Notes for the reader.
     """
 
     ship: str

@@ -1,4 +1,4 @@
-"""The verb: an autopilot run as on board, with its Kalman filter between the instruments and the control law."""
+"""An autopilot run as on board, with its Kalman filter between the instruments and the control law."""
 
 from __future__ import annotations
 
@@ -52,8 +52,8 @@ _APPROACH = 40.0
 _FOLLOWING = 15.0
 #: Where the weather comes from, and the direction it goes to from the first course, in rad.
 _FROM, _DIRECTION = "weather from the port bow", np.deg2rad(135.0)
-#: Time constant of the filter's waves times their frequency, and the size of its waves over those that are: the filter takes
-#: narrow-band waves for white noise (Passenier 1989, section 5.3).
+#: Time constant of the filter's waves times their frequency, and the size of its waves over the simulated ones: the filter models
+#: narrow-band waves as white noise (Passenier 1989, section 5.3).
 _WAVE_TIME, _WAVES = 1.8, 3.0
 #: Samples of a history that is kept.
 _POINTS = 800
@@ -125,7 +125,7 @@ def run_on_board(
         )
     if adaptation != "none" and pilot.design != "pole":
         raise DesignRequestError(
-            f"adaptation places two poles, and this autopilot is of design {pilot.design}: ask for pole."
+            f"adaptation places two poles, and this autopilot is of design {pilot.design}: take pole."
         )
     tell = progress or (lambda _: None)
     speed = pilot.own_speed
@@ -148,7 +148,7 @@ def run_on_board(
 
 @dataclass(frozen=True, eq=False)
 class _Voyage:
-    """What all runs have in common."""
+    """The data that all runs share."""
 
     pilot: Autopilot
     kalman: ExtendedKalmanFilter

@@ -1,7 +1,7 @@
 """A loop as it runs on board: the ship moves between samples, the filter and the autopilot work on the samples.
 
 The ship is a continuous model, the autopilot a model that is read once a sample (its continuous states by Euler's rule), and
-the estimator carries a state from sample to sample: a Kalman filter, or the truth. The whole is one expression, compiled with
+the estimator carries a state from sample to sample: a Kalman filter, or the true state. The whole is one expression, compiled with
 the loop over its samples.
 """
 
@@ -27,12 +27,12 @@ Advance = Callable[[Expression, Mapping[str, Expression], Expression], tuple[Exp
 
 @dataclass(frozen=True, eq=False)
 class Estimator:
-    """What stands between the instruments and the autopilot: a Kalman filter, or the truth.
+    """The estimator between the instruments and the autopilot: a Kalman filter, or the true state.
 
     Attributes
     ----------
     start : ndarray, shape (n,)
-        What is carried, before the first sample.
+        The carried vector before the first sample.
     advance : callable
         ``(carried, shown, interval) -> (carried, estimates)`` over SX: ``shown`` holds the quantities of the ship and the
         inputs of the loop by name, as they are at the sample, with what the instruments show and ``delta_before``, the
@@ -55,13 +55,13 @@ class SampledLoop:
     ship, pilot : Model
         Both declarations.
     estimator : Estimator
-        What stands between.
+        The estimator.
     inputs : tuple of str
-        What has a value at every sample, in order.
+        Inputs with a value at every sample, in order.
     noises : tuple of str
         Inputs that neither model declares: noise of the instruments, zero where it is not given.
     outputs : tuple of str
-        What is recorded at every sample, before the step.
+        Quantities that are recorded at every sample, before the step.
     loop : Loop
         The compiled step.
     """
@@ -168,7 +168,7 @@ def make_sampled_loop(
     pilot : Model
         A model that states ``delta_order``. Its inputs are estimates, what the instruments show, or inputs of the loop.
     estimator : Estimator
-        What stands between the instruments and the autopilot.
+        The estimator between the instruments and the autopilot.
     shown : mapping of str to sequence of str
         What the instruments show: a name, and the quantities of the ship and inputs of the loop whose sum it is, such as
         ``{"r_shown": ("r", "r_wave", "gyro_noise")}``.

@@ -141,7 +141,7 @@ def estimated_parameters(
     if not chosen:
         if held:
             raise UsageError(f"model {model.name} has no parameter left to estimate: every parameter is fixed.")
-        raise UsageError(f"model {model.name} declares no parameter as estimated: name one of its parameters.")
+        raise UsageError(f"no parameter of model {model.name} is estimated: name one of its parameters.")
     return tuple(n for n in model.parameters if n in chosen)
 
 

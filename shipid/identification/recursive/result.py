@@ -215,7 +215,7 @@ class RecursiveIdentification:
         method, count = self.design.method, self._normalised.size
         late = self._normalised[count // 4 :]
         if method.instruments:
-            # The auxiliary model is run without measurements: its error shows slow errors that the error one sample ahead does not.
+            # The auxiliary model is run without measurements: it shows slow errors that the one-step error does not.
             late = self._rows("e_aux")[self._taken, 0][3 * count // 4 :] / self.noise_level
         if late.size < 4 * FEW or not np.isfinite(late).all():
             return 1.0

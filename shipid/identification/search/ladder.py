@@ -2,7 +2,7 @@
 
 1. Equation error, by least squares and instrumental variables, where the states are measured: one more start.
 2. Output error from several starts, on thinned records.
-3. Multiple shooting, where no start came to a model that holds together, or the best of them did not converge.
+3. Multiple shooting, where no start reached a bounded model, or the best of them did not converge.
 
 Costs of the rungs are those of output error on thinned records under the first weights, so that they compare.
 """
@@ -76,19 +76,19 @@ def climb(problem: Problem, box: Box, method: Method | None, how: SearchSettings
     method : str or None
         A method by its name; by default output error with its starts and its rescue.
     how : SearchSettings
-        What else is to be known.
+        The settings of the search.
 
     Returns
     -------
     solution : Solution
-        Where the search ended.
+        The solution.
     rungs : tuple of Rung
-        What was tried, in order.
+        The methods that were tried, in order.
 
     Raises
     ------
     NotRegressableError
-        If a method was asked for that needs states nobody measured.
+        If a method was requested that needs states which are not measured.
     """
     return _METHODS[method](problem, box, how)
 
@@ -135,7 +135,7 @@ def _rescued(
     rungs: list[Rung],
     before: Solution | None = None,
 ) -> tuple[Solution, tuple[Rung, ...]]:
-    """Multiple shooting from the best start and the first one, finished by output error, if that comes to something."""
+    """Multiple shooting from the best start and the first one, finished by output error, where that succeeds."""
     starts = [best.q, thin.first_guess(box.start)]
     found = _shot(thin, starts[: 1 if np.allclose(starts[0], starts[1]) else 2], box, how)
     end = refine(problem, found, box, how.weigh, how.tell) if found.finite else found
@@ -161,7 +161,7 @@ def _by_multiple_shooting(problem: Problem, box: Box, how: SearchSettings) -> tu
 
 
 def _shot(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchSettings) -> Solution:
-    """Multiple shooting from the first start from which it comes to a model that holds together, then single shooting."""
+    """Multiple shooting from the first start from which it reaches a bounded model, then single shooting."""
     tried: list[Solution] = []
     for i, start in enumerate(starts):
         if tried and tried[-1].converged:
@@ -185,7 +185,7 @@ def _from_starts(thin: Problem, starts: list[np.ndarray], box: Box, how: SearchS
 
 
 def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray | None, Rung | None]:
-    """A start by equation error, refined by instruments where they hold, and its rung."""
+    """A start by equation error, refined by instrumental variables where they converge, and its rung."""
     regression = make_regression(thin, how.unit_time)
     if not regression.covered:
         return None, None
@@ -295,7 +295,7 @@ def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarr
     q = np.concatenate([values, own.q])
     seen = replace(problem, sigma=own.problem.sigma, weights=own.problem.weights)
     residual, jacobian = seen.residuals(q)
-    # The unknowns of each trial follow the coefficients, and scatter by themselves.
+    # The unknowns of each trial depend on the coefficients, and have a scatter of their own.
     follows = -np.linalg.pinv(jacobian[:, shared:]) @ jacobian[:, :shared]
     both = np.vstack([np.eye(shared), follows])
     matrix = both @ covariance @ both.T

@@ -17,10 +17,10 @@ from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.search.trust_region import search, triangle
 
-#: Samples of a trial that are enough to tell a good start from a bad one.
+#: Samples of a trial that are enough to distinguish a good start from a bad one.
 _THIN = 400
 _SPREAD = 1.0
-#: Times the weights of a robust loss follow the residuals at the most, and the change of a weight that counts as none.
+#: Largest number of updates of the weights of a robust loss, and the change of a weight below which they have converged.
 _TURNS = 30
 _SETTLED = 2e-3
 Progress = Callable[[str], None]
@@ -101,7 +101,7 @@ def bounds_of(problem: Problem, box: Box) -> tuple[np.ndarray, np.ndarray]:
     for i, data in enumerate(problem.trials):
         begin = problem.own(i).start + len(problem.initial)
         for j, name in enumerate(problem.biases):
-            # A rudder bias beyond 10 degrees, or half the speed, is another fault than a bias.
+            # A rudder bias beyond 10 degrees, or half the speed, is a fault and no bias.
             reach = np.deg2rad(10) if name == "delta" else 0.5 * data.speed
             low[begin + j], high[begin + j] = -reach, reach
     return low, high
@@ -141,7 +141,7 @@ def minimise_robustly(problem: Problem, q0: np.ndarray, box: Box, most: int, tol
         found = minimise(turned, found.q, box, most, tolerance)
         evaluations += found.evaluations
     else:
-        found = replace(found, converged=False, message="the weights of the loss did not settle.")
+        found = replace(found, converged=False, message="the weights of the loss did not converge.")
     return replace(found, evaluations=evaluations)
 
 

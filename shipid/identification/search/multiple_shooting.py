@@ -1,8 +1,8 @@
 """Multiple shooting: the record in short segments with states of their own, which the search joins as it goes.
 
-Over a whole record a model that is far off runs away, and the search sees a plateau. Over a segment it cannot go far: the
+Over a whole record a model that is far off runs away, and the cost has a plateau. Over a segment its error stays small: the
 segments start from what was measured, and the coefficients are fitted to all of them. That each segment ends where the next
-begins (Bock 1983) is asked for more and more strictly, and in the end by output error, which has no joints. Where the model
+begins (Bock 1983) is weighted more and more, and enforced in the end by output error, which has no joints. Where the model
 runs away over a segment as well, the segments are first cut shorter.
 
 Each search is a Gauss-Newton method in a trust region on the records' exact sensitivities; the samples of a segment are
@@ -34,7 +34,7 @@ _SHORTER = 3
 _MOST = 300
 #: Ranges of a measured signal that a segment may be off before it counts as running away.
 _FAR = 3.0
-#: What a joint that does not meet counts, in samples that are off as much; one round each, and those of short segments.
+#: Weight of the gap at a joint, in samples with the same error: one for each round, and those of short segments.
 _STRICT = (1.0, 30.0, 1000.0, 30_000.0)
 _STRICT_WHEN_SHORT = (1.0, 100.0)
 _EVALUATIONS = 40
@@ -64,7 +64,7 @@ class _Segments:
 
 
 def shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solution:
-    """Solve by multiple shooting, and return the unknowns as output error sees them.
+    """Solve by multiple shooting, and return the unknowns of output error.
 
     Parameters
     ----------
@@ -80,7 +80,7 @@ def shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solut
     Returns
     -------
     Solution
-        Not yet finished by output error; its message says how far the joints were left open.
+        Not yet finished by output error; its message gives the largest gap left at a joint.
     """
     # The matrices are small: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
@@ -106,18 +106,18 @@ def _shoot(problem: Problem, q0: np.ndarray, box: Box, unit_time: float) -> Solu
             evaluations += found.evaluations
         q, gap = z[shooting.columns], shooting.gap(z)
         if shooting.runs_away(z):
-            # The search stands on a plateau; longer segments would not help.
+            # The cost is at a plateau; longer segments would not help.
             break
         joined = shooting.paths(z)
         paths = [p if np.isfinite(p).all() else before for p, before in zip(joined, paths)]
     residual, jacobian = problem.residuals(q)
     count = sum(len(c.nodes) for c in shooting.cut)
-    message = f"{count} segments, the widest joint left open by {gap:.1g} of a signal's weight."
+    message = f"{count} segments, the largest gap left at a joint is {gap:.1g} of a signal's weight."
     return Solution(problem, q, residual, jacobian, gap < 1.0, message, evaluations)
 
 
 def _lengths(problem: Problem, unit_time: float) -> list[int]:
-    """Samples of a segment, the longest first, as short as the nodes can still be factorised."""
+    """Samples of a segment, the longest first, down to the shortest whose nodes can still be factorised."""
     total = sum(data.intervals.size for data in problem.trials) * len(problem.initial)
     least = max(_SAMPLES, -(-total // _MOST))
     step = float(np.median(np.concatenate([data.intervals[:-1] for data in problem.trials])))
@@ -176,7 +176,7 @@ class _Shooting:
         self.size = begin
 
     def _size(self, name: str) -> float:
-        """What counts as one unit at a joint: the weight of a fitted signal, else a tenth of what is usual."""
+        """The unit of a gap at a joint: the weight of a fitted signal, else a tenth of the usual size."""
         problem = self.problem
         if name in problem.signals:
             return float(problem.sigma[problem.signals.index(name)])
@@ -224,7 +224,7 @@ class _Shooting:
         return False
 
     def gap(self, z: np.ndarray) -> float:
-        """The widest joint, in units of its scale."""
+        """The largest gap at a joint, in units of its scale."""
         gaps = [self._joints(*self._run(z, i), self.nodes(z, i))[0] for i in range(len(self.cut))]
         return max(float(np.abs(g).max(initial=0.0)) for g in gaps) / float(np.sqrt(self.strict))
 

@@ -32,7 +32,7 @@ class NoiseLevels:
     converged : bool
         Whether the search met its tolerances.
     message : str
-        What the search said.
+        The message of the search.
     evaluations : int
         Passes over all trials.
     """

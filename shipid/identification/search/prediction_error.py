@@ -1,8 +1,8 @@
-"""Prediction error: coefficients, what drives the states, and sensor noise from the likelihood through the filter.
+"""Prediction error: coefficients, process noise and sensor noise from the likelihood through the filter.
 
-Output error takes what the model leaves unexplained for sensor noise. Where wind, waves or what the model does not describe
-drive the states themselves, the likelihood of every sample given those before it is the right measure: it is what the Kalman
-filter says of a record. Its exact gradient and expected information come with it (`shipid.estimation.records.likelihood`), and the
+Output error treats all residuals as sensor noise. Where wind, waves or effects that the model does not describe
+drive the states themselves, the likelihood of every sample given those before it is the right measure: it comes from the Kalman
+filter. Its exact gradient and expected information come with it (`shipid.estimation.records.likelihood`), and the
 search is Newton's with that information, in a trust region (Fisher scoring).
 """
 
@@ -21,7 +21,7 @@ from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.trial_data import TrialData
 from shipid.identification.search.noise_levels import NoiseLevels
 
-#: Prior standard deviation of the logarithm of a noise level: a level that no sample shows stays finite.
+#: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
 _LEVEL_PRIOR = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
 _SENSOR_SHARE = 0.3
@@ -33,11 +33,11 @@ def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str
     Parameters
     ----------
     data : TrialData
-        The trial as the model sees it.
+        The trial as the model reads it.
     model_inputs, signals : tuple of str
         Names along its inputs and measured signals.
     """
-    # What is fitted goes before an input of the same name: a speed that is both is measured.
+    # A fitted signal replaces an input of the same name: a speed that is both is measured.
     return {"t": data.t} | dict(zip(model_inputs, data.inputs)) | dict(zip(signals, data.measured))
 
 
@@ -173,7 +173,7 @@ def _newton(
     value, gradient, information = objective(q)
     damping, evaluations = 1e-3, 1
     if not np.isfinite(value):
-        return q, information, False, "the filter runs away from where output error ended.", evaluations
+        return q, information, False, "the filter diverges at the estimate of output error.", evaluations
     while evaluations < most:
         scale = np.maximum(np.diag(information), 1e-12)
         # Unknowns at a bound that the gradient pushes further out stay there.
@@ -190,7 +190,7 @@ def _newton(
             q, (value, gradient, information) = trial, new
             damping = max(damping / 5, 1e-9)
             tell(f"prediction error: log-likelihood {value:.6g}")
-            # What is left to gain, by the quadratic model, is a small part of one sample's.
+            # The remaining gain, by the quadratic model, is a small part of one sample's.
             if gain < 1e-6 * max(1.0, abs(value)) and float(gradient[free] @ step[free]) < 1e-2:
                 return q, information, True, "the likelihood is at its maximum.", evaluations
         else:

@@ -1,8 +1,8 @@
-"""Weights for prediction: the error of a low-order model, or what a record shows beyond it, whichever is larger.
+"""Weights for prediction: the error of a low-order model, or the residuals of the record, whichever is larger.
 
-In a towing tank the structure of the model is what is wrong, and it is wrong by about the same shares for every ship. At sea
-and on a pond waves, wind and current move the ship as well: a signal they disturb says less of the coefficients, and the
-prior more. So does one whose error lasts: a heading that drifts off says once what a thousand samples seem to repeat.
+In a towing tank the error is that of the model's structure, and in relative terms about the same for every ship. At sea
+and on a pond waves, wind and current move the ship as well: a signal they disturb holds less information, and the
+prior counts more. The same holds for a signal whose error lasts: a drifting heading counts as few independent samples.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.least_squares import minimise_robustly, thinned_to
 from shipid.identification.search.solution import Solution, in_own_noise, residual_levels
 
-#: Change of a weight below which it has settled, and how often it may change.
+#: Change of a weight below which it has converged, and how often it may change.
 _SETTLED = 0.05
 _TURNS = 4
 #: Samples in L/U that are enough: residuals last for longer, and a rudder takes longer to be put over.
@@ -25,7 +25,7 @@ _ENOUGH = 40
 
 
 def independent_samples(problem: Problem, unit_time: float) -> Problem:
-    """Return the problem on as many samples as tell something of their own.
+    """Return the problem on as many samples as add information.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def on_every_sample(solution: Solution, problem: Problem) -> Solution:
 
 
 def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
-    """Return the solution under weights that are no firmer than its own residuals.
+    """Return the solution with standard deviations that are no smaller than those of its own residuals.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     least : ndarray, shape (signals,)
         Smallest standard deviation of each signal, SI.
     independent : float
-        Time in s for which a residual lasts where nothing but the structure of the model is wrong.
+        Time in s for which a residual lasts where only the structure of the model is wrong.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""The equations of a model as a regression: what their two sides are, sample by sample, where the states are measured.
+"""The equations of a model as a regression: both sides of each, sample by sample, where the states are measured.
 
 Derivatives of noisy records are not taken: both sides of ``x' = f(x, u, q)`` are weighted by a smooth function that lives on
 a short window and vanishes at its ends, and the derivative is moved to it (modulating functions, Shinbrot 1957). Equations,
@@ -21,7 +21,7 @@ from shipid.identification.problem.trial_data import TrialData
 _HALF = 0.5
 _LEAST = 4
 _OVERLAP = 3
-#: Samples of a trial that enter; more tell the same again.
+#: Samples of a trial that are used; more add no information.
 _MOST = 20_000
 
 
@@ -190,7 +190,7 @@ class Regression:
 
 
 def make_regression(problem: Problem, unit_time: float) -> Regression:
-    """Return the equations of a problem as a regression, as far as what they read is measured.
+    """Return the equations of a problem as a regression, as far as the quantities they read are measured.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
         elif state in system.nexts:
             reason = f"'{name}' is sampled and has no rate"
         elif unseen:
-            reason = f"the equation of '{name}' reads what is not measured: {', '.join(unseen)}"
+            reason = f"the equation of '{name}' reads quantities that are not measured: {', '.join(unseen)}"
         else:
             rows |= {name: row} if here else {}
             continue
@@ -234,7 +234,7 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
         problem,
         tuple(rows),
         covered,
-        {n: lacking.get(n, "it stands in no equation of what is measured") for n in open_},
+        {n: lacking.get(n, "it is in no equation of a measured quantity") for n in open_},
         biased,
         linear,
         tuple(_block(problem, tuple(rows), data, unit_time) for data in problem.trials) if covered else (),

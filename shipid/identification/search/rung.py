@@ -1,4 +1,4 @@
-"""One rung of the ladder of methods: what was tried, and how it went."""
+"""One rung of the ladder of methods: a method that was tried, and its outcome."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Rung:
     used : bool
         Whether the result comes from it.
     reason : str
-        How it went, and why it was climbed.
+        The outcome, and why the method was tried.
     evaluations : int
         Runs of all trials it took.
     """

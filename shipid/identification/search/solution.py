@@ -1,4 +1,4 @@
-"""Where a search ended: the unknowns, their residuals and Jacobian, and the noise levels the residuals show."""
+"""The end of a search: the unknowns, their residuals and Jacobian, and the noise levels of the residuals."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Solution:
     converged : bool
         Whether the search met its tolerances, on finite residuals.
     message : str
-        What the search said.
+        The message of the search.
     evaluations : int
         Runs of all trials, over all starts.
     covariance : ndarray or None

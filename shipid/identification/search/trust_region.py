@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
-#: Part of the size of a column by which unseen directions are held: far below what the data see, far above rounding.
+#: Part of the size of a column by which directions without information are held: far below the data's, far above rounding.
 _HOLD = 1e-7
 #: From unknowns to residuals and their Jacobian.
 Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -25,7 +25,7 @@ class SearchResult:
     converged : bool
         Whether it met its tolerances.
     message : str
-        What it said.
+        The message of the search.
     evaluations : int
         Points that were tried.
     """
@@ -102,7 +102,7 @@ def search(
 
 
 def _held(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that cost nothing and hold the directions which no residual sees.
+    """Rows without cost that hold the directions on which no residual depends.
 
     Without them a step along such a direction is as long as the trust region or the bounds let it be, and the whole step is cut
     where it meets them.
@@ -115,7 +115,7 @@ def _held(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.nd
 def triangle(residual: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
     """Return R of [J r] = Q R: rows with the same cost, gradient and Gauss-Newton matrix, at most unknowns + 1 of them.
 
-    It holds all that the search reads of thousands of samples, and its singular value decomposition at every step costs next
+    It holds all that the search needs of thousands of samples, and its singular value decomposition at every step costs next
     to nothing.
 
     Parameters

@@ -1,1 +1,1 @@
-"""How sure the estimates are: covariance, residuals, directions, profiles, posterior, draws."""
+"""Uncertainty of the estimates: covariance, residuals, directions, profiles, posterior, draws."""

@@ -1,8 +1,8 @@
 """Correlation of residuals in time and between signals: a vector autoregression, and its spectrum.
 
-Waves swing heading and rate together at a frequency at which the coefficients hardly show; a model that is a little wrong is
-wrong for many samples in a row, at the very frequency of the manoeuvre. The effect of noise on the coefficients depends on its
-power at the frequencies at which they show: the whole spectrum is needed, not a number of effective samples. It is taken from a
+Waves disturb heading and rate together at a frequency to which the coefficients are insensitive; the error of a slightly
+wrong model lasts for many samples, at the frequency of the manoeuvre. The effect of noise on the coefficients depends on its
+power at the frequencies to which they are sensitive: the whole spectrum is needed, not only effective samples. It comes from a
 vector autoregression of the residuals (Yule-Walker), of the order that the Bayesian information criterion finds; order zero,
 white noise independent between signals, is one of them, and is found where the residuals are white.
 """
@@ -16,7 +16,7 @@ from scipy.fft import next_fast_len
 
 #: Orders that are tried.
 _ORDERS = (1, 2, 3, 4, 5, 6, 8, 10, 13, 16, 20, 25, 30)
-#: Samples for each number of the autoregression, at the least.
+#: Smallest number of samples for each number of the autoregression.
 _SAMPLES = 10
 
 
@@ -132,7 +132,7 @@ def autoregression_of(residual: np.ndarray) -> Autoregression:
 def corrected(
     model: Autoregression, residual: np.ndarray, jacobian: np.ndarray, flat: np.ndarray, cover: np.ndarray
 ) -> Autoregression:
-    """Return the autoregression with the part of the noise that the unknowns took up put back.
+    """Return the autoregression corrected for the part of the noise that the fit absorbed.
 
     The residuals of a fit are the noise less its part along the Jacobian, and that part is slow: without the correction the
     power at low frequencies comes out too small, by a fifth where a trial is 50 correlation times long.

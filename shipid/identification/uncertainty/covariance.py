@@ -1,9 +1,9 @@
 """Covariance of the estimates, effective samples, correlation, and parameters that the data do not determine.
 
-Residuals of a real trial are not white: a model that is a little wrong is wrong for many samples in a row, and waves swing
+Residuals of a real trial are not white: the error of a slightly wrong model lasts for many samples, and waves disturb
 heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
-(`shipid.identification.uncertainty.autoregression`), where the coefficients show. What it comes to is said in effective samples: as many
-independent ones would tell as much. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
+(`shipid.identification.uncertainty.autoregression`). The result is given in effective samples: as many
+independent ones would hold as much information. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
 
-#: Times the autoregression of the residuals is corrected for the part of the noise that the unknowns took up.
+#: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
 _CORRECTIONS = 2
 #: Samples of a record that are enough for its spectrum: of longer ones several in a row are taken together, which loses nothing
 #: at the frequencies at which a ship answers.
@@ -31,7 +31,7 @@ class Covariance:
     Attributes
     ----------
     matrix : ndarray, shape (unknowns, unknowns)
-        In the units of the unknowns; infinite variance along directions the data do not see.
+        In the units of the unknowns; infinite variance along directions without information.
     condition_number : float
         Of the information matrix of the parameters, each scaled to unit information (1 is best).
     effective : ndarray, shape (trials, signals)
@@ -65,7 +65,7 @@ def autocorrelation_time(residual: np.ndarray) -> float:
     size = 1 << (2 * n - 1).bit_length()
     spectrum = np.fft.rfft(centred, size)
     correlation = np.fft.irfft(spectrum * spectrum.conj(), size)[: n // 2] / power
-    # White residuals pass this gate once in 700 times; what passes is counted as correlated.
+    # White residuals exceed this limit once in 700 times; residuals that exceed it count as correlated.
     if correlation[1] < 3 / np.sqrt(n):
         return 1.0
     pairs = correlation[: correlation.size // 2 * 2].reshape(-1, 2).sum(axis=1)
@@ -120,7 +120,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
         excess = np.where(white > 0, np.diag(matrix) / white, 1.0)
-    # A direction the data do not see has no finite variance: neither has any unknown that takes part in it.
+    # A direction without information has no finite variance: neither has any unknown that takes part in it.
     lost = ~seen
     if small.any():
         lost[index] |= (np.abs(rows[small]) > 1e-3).any(axis=0)
@@ -130,7 +130,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
 
 
 def _bent(solution: Solution) -> Solution:
-    """The solution of a robust loss as its estimate sees it: slopes without weights, residuals as far as they pull.
+    """The solution of a robust loss for its covariance: slopes without weights, residuals by their influence.
 
     Slopes are scaled by the curvature of the loss, residuals the other way: their product stays (Huber 1981).
     """
@@ -217,7 +217,7 @@ def _share(
 
 
 def _condition(matrix: np.ndarray, shared: int) -> float:
-    """Condition number of the correlation matrix of the parameters: 1 when nothing trades off."""
+    """Condition number of the correlation matrix of the parameters: 1 when no parameters trade off."""
     block = matrix[:shared, :shared]
     spread = np.sqrt(np.diag(block))
     if shared == 0:
@@ -263,7 +263,7 @@ def verdict(value: float, std: float, size: float, low: float, high: float, part
     span = high - low
     if np.isfinite(span) and min(value - low, high - value) < 1e-4 * span * min(1.0, abs(value) / span + 1e-3):
         return f"it ended at its bound.{trade}"
-    # A coefficient that may be zero is known when it is small beside its usual size; one that must be positive is not.
+    # A coefficient that may be zero is determined if its deviation is small against its usual size; a positive one is not.
     if std > UNDETERMINED * (abs(value) if low > 0 else max(abs(value), size)):
         return f"its standard deviation is {std / max(abs(value), 1e-300):.0%} of its value.{trade}"
     return ""

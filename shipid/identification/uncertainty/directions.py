@@ -1,9 +1,9 @@
-"""Null directions in words: combinations of coefficients that the trials cannot tell apart, and what would help.
+"""Null directions in words: combinations of coefficients that the trials do not determine, and what would help.
 
 The eigenvectors of the covariance in relative units are the directions in which the coefficients may move. Those that no data
-hold (a combination that does not show in the model at all, a coefficient without influence) are made as sparse as they can be,
-so that each names the fewest coefficients. What would help is not guessed: the information of other manoeuvres, another
-speed and missing signals is worked out for the fitted ship (`shipid.identification.uncertainty.remedies`), and the one that
+determine (a combination without effect in the model, a coefficient without influence) are made as sparse as possible,
+so that each names the fewest coefficients. What would help is computed: the information of other manoeuvres, another
+speed and missing signals is found for the fitted ship (`shipid.identification.uncertainty.remedies`), and the one that
 narrows the direction most is named.
 """
 
@@ -21,7 +21,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.identification.uncertainty.remedies import SIGNAL_WORDS, Remedies, percent
 
-#: Relative standard deviation from which a direction is spoken of; beyond `_OPEN` no data hold it.
+#: Relative standard deviation from which a direction is reported; beyond `_OPEN` no data determine it.
 WEAK, _OPEN, _LOOSE = 0.1, 30.0, 1e3
 #: Weight, beside the largest, from which a coefficient takes part.
 _PART = 0.1
@@ -38,7 +38,7 @@ class NullDirection:
     parameters : mapping of str to float
         The coefficients that take part and how far each moves, relative to its size; the largest moves by 1 or -1.
     relative_std : float or None
-        Standard deviation of that one along the direction, relative to its size; None where no data hold it.
+        Standard deviation of that one along the direction, relative to its size; None where no data determine it.
     words : str
         The same in words, and what would help.
     """
@@ -131,14 +131,14 @@ def _what(fitted: str, parts: dict[str, float], deviation: float | None) -> str:
     lead, *others = names = list(parts)
     if not others:
         if deviation is None:
-            return f"{lead} does not show in {fitted} at all."
-        how = "is hardly seen in" if deviation > UNDETERMINED else "is only roughly known from"
+            return f"{lead} has no effect in {fitted}."
+        how = "has hardly any effect in" if deviation > UNDETERMINED else "is only roughly known from"
         return f"{lead} {how} {fitted}: ±{percent(deviation)}."
     named = others[:_NAMED]
     together = "; ".join(f"{n} by {abs(parts[n]):.2g} times as much {_side(parts[n], parts[lead])}" for n in named)
     together += f"; {_listed(others[_NAMED:])} by less" if others[_NAMED:] else ""
     roughly = deviation is not None and deviation <= UNDETERMINED
-    how = "can be told apart only roughly" if roughly else "cannot be told apart"
+    how = "can be separated only roughly" if roughly else "cannot be separated"
     far = "without limit" if deviation is None else f"by ±{percent(deviation)} (one standard deviation, of its size)"
     return f"{_listed(names)} {how} from {fitted}: {lead} may move {far} as long as the others go with it: {together}."
 

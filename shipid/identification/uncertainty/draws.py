@@ -1,7 +1,7 @@
 """Parameter sets that the trials allow: drawn from the covariance of a fit, in the coordinates of the search.
 
 Positive parameters are drawn by their logarithm, and all of them within their bounds. What the trials do not determine is
-spread over its bounds, so that a prediction that depends on it gets the wide band it deserves.
+spread over its bounds, so that a prediction that depends on it gets a wide band.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from shipid.parameters.draws import normal_draws
 
 #: Draws: enough for the standard deviation of a band to be known to a seventh of itself.
 DRAWS = 24
-#: Spread of a parameter that no data have seen: of its logarithm, or in its own size.
+#: Spread of a parameter without information: of its logarithm, or in its own size.
 _LOOSE = 1.0
 
 
@@ -60,7 +60,7 @@ def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws
     problem, q, box = identified.problem, identified.solution.q, identified.box
     shared = len(problem.estimated)
     covariance = covariance_of(identified.solution, _spread(box)).matrix
-    # What is still infinite are initial states nobody sees: they stay where they are.
+    # A variance that is still infinite is that of an initial state without information: it keeps its value.
     covariance = np.where(np.isfinite(covariance), covariance, 0.0)
     slope = np.ones(problem.size)
     slope[:shared][box.in_log] = q[:shared][box.in_log]

@@ -1,4 +1,4 @@
-"""From the end of the search to named estimates, with published coefficients worked out of the fitted ones."""
+"""From the end of the search to named estimates, with published coefficients computed from the fitted ones."""
 
 from __future__ import annotations
 
@@ -94,6 +94,6 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
         if not np.isfinite(value):
             why = "it does not exist for these coefficients."
         elif not np.isfinite(std) or std > UNDETERMINED * abs(value):
-            why = "the fitted coefficients it follows from leave it open."
+            why = "the fitted coefficients it follows from do not determine it."
         result[name] = _estimate(model[name], value, std, why, True, scale)
     return result

@@ -33,7 +33,7 @@ def identified_ship(
     trials : sequence of Trial
         What they come from.
     source : str
-        Where the coefficients come from, in words.
+        Source of the coefficients, in words.
     correlation : ndarray, shape (estimated, estimated)
         Of the estimates, in the order of `setting.estimated`.
 
@@ -56,7 +56,7 @@ def identified_ship(
         target = particulars if name == "L" else section
         target[name] = Value(name, value, model[name].unit, own)
     speeds = recorded_speeds(trials)
-    # As written: a set that is read again says the same. Rounding leaves a badly conditioned matrix a little askew.
+    # As written, so that a set that is read again is the same. Rounding leaves a badly conditioned matrix slightly asymmetric.
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)

@@ -26,17 +26,17 @@ from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan,
 
 #: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
 PER_UNIT_TIME = 12
-#: A ship below this share of her approach speed has lost her way: no model scaled with the speed describes her.
+#: Below this share of her approach speed a ship has lost her way: no model scaled with the speed describes her.
 _WAY = 0.1
 #: Rate of turn, as r L/U, that no ship reaches.
 _SPIN = 10.0
 #: Sensitivity, in standard deviations for a change of a coefficient by its own size, beyond which squares mean nothing.
 _STEEP = 1e12
-#: Part of the largest singular value below which a direction is not told from rounding.
+#: Part of the largest singular value below which a direction is lost in rounding.
 _ROUNDING = 1e-8
-#: Growth of an error in the initial rate of turn beyond which an unstable ship forgets what she is told, and no search finds her.
+#: Growth of an error in the initial rate of turn beyond which the record of an unstable ship cannot be followed or fitted.
 _GROWTH = 3.0
-#: What an input should come from, for messages.
+#: The source of an input, for messages.
 _WHERE = "a plan"
 
 
@@ -71,7 +71,7 @@ class CandidateManoeuvre:
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """What is to be estimated, from which signals, beside which unknowns.
+    """The coefficients to estimate, the signals, and the other unknowns.
 
     Attributes
     ----------
@@ -204,7 +204,7 @@ class Experiment:
 
 
 def _approach(speed: float) -> dict[str, float | np.ndarray]:
-    """What is known of the inputs before the rudder moves."""
+    """The inputs before the rudder moves."""
     return {"u": speed, "cruise": speed}
 
 
@@ -243,7 +243,7 @@ def eliminate(triangle: np.ndarray, kept: int) -> np.ndarray:
     """Return the information about the first unknowns when the others are unknown as well (Schur complement).
 
     With R' R the information of all unknowns, it is what is left of the first columns of R when they are projected off
-    the span of the others: never negative, whatever the others cannot be told apart.
+    the span of the others: never negative, even where the others cannot be separated.
 
     Parameters
     ----------
@@ -266,7 +266,7 @@ def eliminate(triangle: np.ndarray, kept: int) -> np.ndarray:
 
 
 def covariance_from(information: np.ndarray) -> np.ndarray:
-    """Return the covariance that belongs to an information matrix, infinite where it holds nothing.
+    """Return the covariance that belongs to an information matrix, infinite where there is no information.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
-"""A sampled posterior: draws of all unknowns by an ensemble sampler, where the likelihood is no parabola.
+"""A sampled posterior: draws of all unknowns by an ensemble sampler, where the log-likelihood is not quadratic.
 
 The sampler is emcee's (Foreman-Mackey et al. 2013; affine-invariant, Goodman and Weare 2010), an extra of the
-installation; the likelihood of all its walkers is one call of the compiled record. Samples that repeat each other count as
+installation; the likelihood of all its walkers is one call of the compiled record. Correlated samples count as
 the fit counts them: each signal of each trial by its effective samples. Parameters have a flat prior within their declared
 bounds, beside the prior the declaration gives them; biases and initial states have the prior of the fit, or a flat one.
 """
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 QUANTILES = (0.025, 0.16, 0.5, 0.84, 0.975)
-#: More unknowns than these an ensemble sampler does not mix.
+#: Largest number of unknowns that an ensemble sampler mixes.
 _MOST_UNKNOWNS = 30
-#: Steps that are thrown away: so many times the longest autocorrelation time of a first stretch, at least so many.
+#: Burn-in in steps: so many times the longest autocorrelation time of a first stretch, at least so many.
 _BURNT, _LEAST_BURNT = 5, 200
 #: Steps in autocorrelation times below which neither the quantiles nor that time are reliable.
 _LONG = 20
@@ -73,7 +73,7 @@ class Posterior:
 
     @property
     def independent(self) -> np.ndarray:
-        """How many independent draws those of each parameter are worth."""
+        """Number of independent draws that those of each parameter count as."""
         return np.asarray(len(self.draws) / self.autocorrelation)
 
     @property
@@ -160,7 +160,7 @@ class _Density:
             if problem.prior is not None:
                 constant, slope = problem.prior_residuals(np.zeros(problem.size), problem.prior)
                 terms = points[inside] @ slope.T + constant
-                # Counted sample by sample in the fit, where they must outweigh samples that repeat each other.
+                # Counted sample by sample in the fit, where they must outweigh correlated samples.
                 out[inside] -= 0.5 * np.sum(terms**2, axis=1) / problem.prior.strength
         return np.where(np.isfinite(out), out, -np.inf)
 
@@ -203,7 +203,7 @@ def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior
     identified : Identified
         What was identified; its search converged, by output error.
     draws : int
-        How many, over all walkers, after those that are thrown away.
+        How many, over all walkers, after the burn-in.
     seed : int
         Of the sampler.
 
@@ -216,7 +216,7 @@ def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior
     UsageError
         If the fit has no likelihood to sample, or the number of draws is too small.
     PosteriorError
-        If the sampler is not installed, the unknowns are too many, or some direction has no end.
+        If the sampler is not installed, the unknowns are too many, or the density is improper.
     """
     emcee = _sampler()
     problem, parameters = identified.problem, identified.parameters
@@ -236,7 +236,7 @@ def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior
     if set(unseen) & set(open_):
         raise PosteriorError(
             f"the trials hold no information about {', '.join(unseen)} alone, and the declaration has no bounds for it: its "
-            "posterior has no end. Hold it fixed, or give it bounds."
+            "posterior is improper. Hold it fixed, or give it bounds."
         )
     start = _walkers(identified, density, walkers, seed)
     moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
@@ -264,10 +264,10 @@ def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior
 
 
 def _walkers(identified: Identified, density: _Density, count: int, seed: int) -> np.ndarray:
-    """Where the walkers begin: draws of the Gaussian approximation at which the model holds together."""
+    """Where the walkers begin: draws of the Gaussian approximation at which the model stays bounded."""
     found = draws_of(identified, 4 * count, seed).unknowns
     rng = np.random.default_rng([seed, 5])
-    # What has no spread in the approximation gets a little, or the walkers would lie in a plane.
+    # Unknowns without spread in the approximation get a little, or the walkers would lie in a plane.
     spread = found.std(axis=0)
     little = 1e-6 + 1e-3 * np.abs(identified.solution.q)
     found = found + rng.standard_normal(found.shape) * np.where(spread > 0, 0.0, little)
@@ -275,8 +275,8 @@ def _walkers(identified: Identified, density: _Density, count: int, seed: int) -
     good = found[np.isfinite(density(found))]
     if len(good) < count:
         raise PosteriorError(
-            "the model runs away at most of the coefficients the fit allows, and the sampler finds no place to begin. Hold the "
-            "coefficients that are not determined, or sail trials that determine them."
+            "the model runs away at most of the coefficients the fit allows, and the sampler finds no starting points. Hold the "
+            "coefficients that are not determined, or add trials that determine them."
         )
     return np.asarray(good[:count])
 

@@ -1,7 +1,7 @@
 """Profile likelihood: the best cost for each value of one parameter, and the interval the likelihood ratio gives.
 
-Where the cost is no parabola (a gain that may be as large as it likes, a ship on the edge of course stability) the interval is
-not symmetric, and an end of it may be missing. Samples that repeat each other are not counted twice: differences of the cost
+Where the cost is not quadratic (a gain without an upper limit, a ship on the edge of course stability) the interval is
+not symmetric, and an end of it may be missing. Correlated samples are not counted twice: differences of the cost
 are divided by the factor by which the variance of that parameter exceeds the one of white residuals.
 """
 
@@ -42,7 +42,7 @@ class Profile:
         Least half sum of squares with the parameter held there, less that of the fit, in effective samples: the negative
         logarithm of the likelihood ratio.
     ci95 : tuple of float or None
-        95 % interval; None for an end that was not met within the bounds.
+        95 % interval; None for an end that was not reached within the bounds.
     excess : float
         Samples for each effective one.
     """
@@ -141,7 +141,7 @@ def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:
             results[value] = cost
             if end is None and cost >= _RISE:
                 end = _crossing(previous, (value, cost))
-            # Past the interval the curve is known well enough; before it, larger steps where it hardly rises.
+            # The values end outside the interval; inside it, steps are larger where the cost hardly rises.
             if cost > _REACH or not np.isfinite(cost):
                 break
             stride *= 2.0 if cost - previous[1] < 0.05 else 1.0

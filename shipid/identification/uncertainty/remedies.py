@@ -34,7 +34,7 @@ def percent(share: float) -> str:
 
 
 class Remedies:
-    """Manoeuvres and signals that would narrow a direction; their information is worked out when it is first asked for.
+    """Manoeuvres and signals that would narrow a direction; their information is computed at the first request.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ class Remedies:
         vector : ndarray, shape (parameters,)
             The direction, in units of the size of the coefficients.
         deviation : float or None
-            Relative standard deviation along it; None where no data hold it.
+            Relative standard deviation along it; None where no data determine it.
         """
         if not self._candidates:
             return "What would help: other amplitudes and speeds, or holding one of them at a value that is known."
@@ -65,21 +65,21 @@ class Remedies:
         before = float(np.sqrt(unit @ self._relative @ unit))
         inverse = np.linalg.inv(self._relative)
         variances = [float(unit @ np.linalg.inv(inverse + matrix) @ unit) for _, matrix in self._candidates]
-        # Where a combination is entirely open, rounding may leave less than nothing of a variance.
+        # Where a combination has no information, rounding may leave a variance below zero.
         ratios = [float(np.sqrt(max(variance, 0.0))) / before for variance in variances]
         helping = [k for k, ratio in enumerate(ratios) if ratio < _HELPS]
         if not helping:
             best = int(np.argmin(ratios))
             if ratios[best] > 0.9 or deviation is None:
                 return (
-                    "No other manoeuvre or signal tells them in this model: only the combination matters. Hold one of them at "
+                    "No other manoeuvre or signal separates them in this model: only the combination matters. Hold one of them at "
                     "a value that is known, or choose a model without it."
                 )
             return (
                 f"{self._candidates[best][0]} as well: that would bring it to {percent(ratios[best])} of this, more of it to "
                 "less."
             )
-        # The least effort first: the same sensors, and of the manoeuvres that help nearly as much, the first.
+        # The least effort first: the same sensors, and the first of the manoeuvres that help about as much.
         best = min(helping, key=lambda k: ratios[k])
         easy = next(k for k in helping if ratios[k] <= 1.5 * ratios[best])
         left = ratios[easy] * before * float(np.abs(unit).max())
@@ -87,7 +87,7 @@ class Remedies:
 
     @functools.cached_property
     def _candidates(self) -> list[tuple[str, np.ndarray]]:
-        """What may be done, in words, and its information in units of the size of the coefficients."""
+        """The candidate trials in words, and their information in units of the size of the coefficients."""
         try:
             return list(self._worked_out())
         except ShipidError:

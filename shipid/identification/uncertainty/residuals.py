@@ -11,7 +11,7 @@ from shipid.foundation.statistics import LjungBox, ljung_box, plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import autocorrelation_time
 
-#: Lags of the test, and the probability below which residuals are not called white.
+#: Lags of the test, and the probability below which residuals are not white.
 _LAGS = 20
 WHITE = 0.01
 
@@ -25,7 +25,7 @@ class Residuals:
     samples : int
         Their number.
     effective : float
-        As many white ones would tell as much of the coefficients (`shipid.identification.uncertainty.covariance`).
+        As many white ones would hold as much information (`shipid.identification.uncertainty.covariance`).
     autocorrelation_time : float
         In samples, mean of the trials; 1 for white residuals.
     autocorrelation_time_s : float
@@ -51,7 +51,7 @@ class Residuals:
 
     @property
     def white(self) -> bool:
-        """Whether nothing speaks against white residuals."""
+        """Whether the test does not reject white residuals."""
         return self.p_value >= WHITE
 
     def to_dict(self) -> dict[str, Plain]:

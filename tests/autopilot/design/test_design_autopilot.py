@@ -192,7 +192,8 @@ def test_a_course_unstable_ship_is_told_with_its_time_constant(sized):
     ship = sized("soesterberg", "nomoto", K=-0.05, tau=-50.0)
     pilot = shipid.design_autopilot("nomoto", ship, speeds=[4.75, 9.5])
     assert any(
-        w.startswith("course-unstable") and "turns away by itself, within 50 s at 9.5 m/s" in w for w in pilot.warnings
+        w.startswith("course-unstable") and "leaves its course with a time constant of 50 s at 9.5 m/s" in w
+        for w in pilot.warnings
     )
 
 

@@ -362,7 +362,7 @@ def test_methods_are_described_in_one_line_each():
 
 @pytest.mark.parametrize("factor", [0.0, -0.5, 1.01])
 def test_a_forgetting_factor_out_of_range_is_refused(factor):
-    with pytest.raises(ForgettingError, match="lies above 0 and is at most 1"):
+    with pytest.raises(ForgettingError, match="must be above 0 and at most 1"):
         on_ship("rls", forgetting=factor)
 
 
