@@ -10,6 +10,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, to_display
 from shipid.estimation.estimate import Estimate
+from shipid.foundation.numbers import given, uncertain
 from shipid.identification.methods import METHODS
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -125,14 +126,7 @@ def _value_text(e: Estimate) -> str:
     if e.value is None:
         return "runs to infinity"
     unit = "" if pretty(e.unit) == "1" else f" {pretty(e.unit)}"
-    if not e.std:
-        return f"{e.value:.6g}{unit}"
-    decimals = 1 - int(np.floor(np.log10(e.std)))
-    # Past six decimals or six figures before the point, powers of ten read better.
-    if 0 <= decimals <= 6 and abs(e.value) < 1e6:
-        return f"{e.value:.{decimals}f} ± {e.std:.{decimals}f}{unit}"
-    figures = max(1, int(np.floor(np.log10(max(abs(e.value), e.std)))) + decimals + 1)
-    return f"{e.value:.{min(figures, 12)}g} ± {e.std:.2g}{unit}"
+    return (uncertain(e.value, e.std) if e.std else given(e.value)) + unit
 
 
 def _error_text(signal: str, error: float) -> str:
