@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
@@ -13,7 +14,7 @@ from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.record import LenientRecord
 
 GLITCH_WINDOW = 10.0
-"""Heading glitches up to half of this long [s] are told from the ship's motion."""
+"""Heading glitches of up to half of this [s] can be distinguished from the motion of the ship."""
 
 
 def without_trailing(record: LenientRecord) -> LenientRecord:
@@ -91,7 +92,7 @@ def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
     values, notes = dict(record.values), list(record.notes)
     for name, column in fmt.columns.items():
         if column.sign == -1:
-            notes.append(f"{name} was turned over: the record counts it positive the other way.")
+            notes.append(f"the sign of {name} was changed: the record counts it positive the other way.")
         if column.scale != 1.0:
             notes.append(f"{name} was multiplied by {column.scale:.6g}.")
         if column.note:
@@ -139,7 +140,7 @@ def mended_heading(t: np.ndarray, psi: np.ndarray, r: np.ndarray, threshold: flo
     count : int
         How many samples were replaced.
     """
-    turned = np.concatenate(([0.0], np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t))))
+    turned = cumulative_trapezoid(r, t, initial=0.0)
     rest = np.exp(1j * (psi - turned))
     size = max(5, round(GLITCH_WINDOW / float(np.median(np.diff(t))))) | 1
     middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))

@@ -1,4 +1,4 @@
-"""How the trial was sailed: from rest, with a rudder offset, differently to port and starboard."""
+"""The conduct of the trial: started from rest, with a rudder offset, different to port and starboard."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.findings import Stretch
@@ -40,8 +41,8 @@ def examine_start(p: WorkingCopy) -> None:
         "accelerating", "u" if p.has("u") else "U" if p.has("U") else "x,y",
         robust.confidence_of(gain / max(float(calm[top]), 1e-12), 0.2, 0.5),
         f"the ship gathers speed from {early:.3g} to {calm[top]:.3g} m/s during the first {p.t[settled] - p.t[0]:.4g} s",
-        "The rudder's force grows with the square of the speed: a model at constant speed takes the slow beginning for a "
-        "small gain and a long time constant.",
+        "The force of the rudder grows with the square of the speed: a model at constant speed explains the slow beginning "
+        "by a small gain and a long time constant.",
         f"Begin at {p.t[settled]:.5g} s (FILE@{p.t[settled]:.5g}:), or fit a model with a surge equation and the propeller.",
         at=np.arange(settled + 1), spoils=False,
     )  # fmt: skip
@@ -81,10 +82,11 @@ def _offset(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
     high = float(np.quantile(np.abs(delta), 0.9))
     limit = max(5 * std, 0.05 * high)
     if abs(offset) > limit:
+        side = "starboard" if offset > 0 else "port"
         p.add(
             "bias", name, robust.confidence_of(abs(offset) / limit, 1, 2.5),
-            f"the ship sails straight with {np.degrees(offset):+.3g} deg of rudder (the plates are "
-            f"{np.degrees(high):.3g} deg): wind, current, propeller, or an offset of the sensor",
+            f"the ship sails straight with {angle(abs(offset), 3)} of rudder to {side} (the plates are "
+            f"{angle(high, 3)}): wind, current, propeller, or an offset of the sensor",
             "Without a term for it port and starboard gains are averaged wrongly: overshoots are missed by about the "
             "ratio of offset and plate.",
             "Estimate a rudder bias in each trial (the default of shipid identify).", at=inside, spoils=False,

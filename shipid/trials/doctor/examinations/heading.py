@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.logs.conversion import GLITCH_WINDOW
@@ -32,7 +33,7 @@ def examine_wrap(p: WorkingCopy) -> None:
         if jumps.size and usual < 0.05 * period and float(np.ptp(psi)) < 1.05 * period:
             p.add(
                 "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {len(jumps)} times",
-                "None in shipid, which unwraps headings; a program that does not sees the ship spin.",
+                "None in shipid, which unwraps headings; without that, the ship seems to turn in a circle at each of them.",
                 "Unwrap the heading.", at=jumps + 1, fix={"action": "unwrap"}, spoils=False,
             )  # fmt: skip
             p["psi"] = np.unwrap(psi, period=period)
@@ -78,16 +79,15 @@ def examine_heading(p: WorkingCopy) -> None:
         if mask.any():
             index = np.flatnonzero(mask)
             ratio = float(np.max(np.abs(off[mask]) / threshold[mask]))
-            size_deg = float(np.degrees(np.abs(off[mask]).max()))
             what = (
                 "lie between 0 and 360 where the heading was interpolated across the wrap"
                 if kind == "heading-interpolated" else "disagree with the rate of turn"
             )  # fmt: skip
             p.add(
                 kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
-                f"{len(index)} heading samples {what}, by up to {size_deg:.3g} deg",
-                "The model is asked to follow jumps no ship makes: residuals, noise and intervals swell, and the fit "
-                "follows the jumps.",
+                f"{len(index)} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
+                "No ship makes such jumps: residuals, noise levels and intervals become too large, and the fit follows the "
+                "jumps.",
                 "Replace them by the integral of r between good neighbours; in a format file: "
                 "[repairs] heading_glitches = true.",
                 at=index, fix={"action": "mend-heading"},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -29,15 +30,15 @@ def examine_resampling(p: WorkingCopy) -> None:
     share = seen[worst]
     p.add(
         "resampled", ",".join(seen), robust.confidence_of(share, 0.37, 0.47),
-        f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
+        f"{share:.0%} of the samples of {worst} were not measured: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",
-        f"Keep one sample in {1 / (1 - share):.2g} or so, or count the samples that were measured.", spoils=False,
+        f"Keep about one sample in {1 / (1 - share):.2g}, or weigh the record by the number of samples that were measured.", spoils=False,
     )  # fmt: skip
 
 
 def _made_up(values: np.ndarray) -> float:
-    """Share of the samples that follow from their neighbours, in a record that is otherwise not a line."""
+    """Share of the samples that follow from their neighbours, in a record that is not one straight line."""
     if len(values) < 60:
         return 0.0
     d1, d2 = np.diff(values), np.diff(values, 2)
@@ -97,8 +98,8 @@ def examine_resolution(p: WorkingCopy) -> None:
             p.add(
                 "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
                 f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {still:.0%} of the samples",
-                "The error is no white noise: differences are zero or far too large, and what is derived from them is "
-                "worthless; weights from the residuals come out too large.",
+                "The error is no white noise: differences are zero or far too large, and so is what is derived from them; "
+                "weights from the residuals come out too large.",
                 f"Take {name} from other channels where they give it, and derive nothing from its differences.",
                 spoils=False,
             )  # fmt: skip
@@ -127,7 +128,7 @@ def unit_time(p: WorkingCopy) -> float | None:
 
 
 def examine_sampling(p: WorkingCopy) -> None:
-    """Find records sampled too slowly for their ship, and records too short to tell anything.
+    """Find records sampled too slowly for their ship.
 
     Parameters
     ----------
@@ -183,7 +184,7 @@ def examine_length(p: WorkingCopy) -> None:
         return
     p.add(
         "short", "t", 0.9 if reversals == 0 else 0.7,
-        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {np.degrees(turned):.3g} deg into the turn"
+        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {angle(turned, 3)} into the turn"
         + (" and after one reversal" if reversals else ""),
         "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
         "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,
