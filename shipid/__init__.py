@@ -58,7 +58,7 @@ _HOMES = {
 __all__ = [*sorted(_HOMES), "__version__"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every kind
     try:
         home = _HOMES[name]
     except KeyError:

@@ -6,7 +6,9 @@ from collections.abc import Callable, Mapping
 from math import pi
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
+from shipid.declaration.vocabulary import shown
 from shipid.trials.errors import (
     ClockError,
     LooksLikeDegreesError,
@@ -140,7 +142,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
             raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
     # 1 rad/s is a full turn in 6 s: a 3 m model reaches a fifth of it.
     if "r" in said_radians and (fast := float(np.quantile(np.abs(columns["r"]), 0.95, method="lower"))) > 1.0:
-        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {np.degrees(fast):.0f} deg/s")
+        raise fail("r", f"the ship turns at {fast:.4g} rad/s, {shown(fast, 'r')}")
     if "psi" not in columns:
         return
     t, psi = columns["t"], columns["psi"]
@@ -203,8 +205,7 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     # In integral form, over blocks: differentiating a noisy rate of turn would drown the sign.
     count = min(400, len(t) - 1)
     at = np.unique(np.linspace(0, len(t) - 1, count + 1).astype(int))
-    dt = np.diff(t)
-    integral = [np.concatenate(([0.0], np.cumsum(0.5 * (signal[1:] + signal[:-1]) * dt))) for signal in (delta, r)]
+    integral = [cumulative_trapezoid(signal, t, initial=0.0) for signal in (delta, r)]
     design = np.column_stack([*(np.diff(part[at]) for part in integral), np.diff(t[at])])
     target = np.diff(r[at])
     if len(target) < 10 or np.ptp(delta) <= STEADY_RUDDER or np.linalg.matrix_rank(design) < 3:

@@ -22,7 +22,13 @@ _BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|
 
 @functools.cache
 def spelt(unit: str) -> str:
-    """Return a unit in a spelling that `shipid.declaration.units` reads: ``rev/s``, ``Nm`` and friends."""
+    """Return a unit in a spelling that `shipid.declaration.units` reads.
+
+    Parameters
+    ----------
+    unit : str
+        As a logger writes it: ``rev/s``, ``Nm``.
+    """
     for pattern, replacement in _SPELLINGS:
         unit = pattern.sub(replacement, unit)
     return unit
@@ -52,7 +58,13 @@ def split_header(text: str) -> tuple[str, str | None]:
 
 
 def header(name: str, unit: str) -> str:
-    """Return the header of a column: ``psi [deg]``."""
+    """Return the header of a column: ``psi [deg]``.
+
+    Parameters
+    ----------
+    name, unit : str
+        Name and unit.
+    """
     return f"{name} [{unit}]"
 
 
@@ -60,6 +72,13 @@ def inside_unit(name: str, unit: str) -> str:
     """Return the unit a column has inside a trial.
 
     The vocabulary's unit for a canonical name; for any other name, the coherent SI unit of the one given.
+
+    Parameters
+    ----------
+    name : str
+        The column.
+    unit : str
+        The unit it is given in.
 
     Raises
     ------
@@ -102,12 +121,26 @@ def to_inside(name: str, unit: str, where: str = "") -> float:
 
 
 def example_unit(name: str) -> str:
-    """Return a unit to show in a message about a column."""
+    """Return a unit to show in a message about a column.
+
+    Parameters
+    ----------
+    name : str
+        The column.
+    """
     return FIELDS[name].display if name in FIELDS else "unit"
 
 
 def no_unit(name: str, where: str) -> NoUnitError:
-    """Return the error for a column that says no unit."""
+    """Return the error for a column that says no unit.
+
+    Parameters
+    ----------
+    name : str
+        The column.
+    where : str
+        File and line, at the beginning of the message.
+    """
     if name in FIELDS:
         column = FIELDS[name]
         choices = [header(name, choice) for choice in dict.fromkeys((column.display, column.unit))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.checks import STEADY_RUDDER, gaps
 from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError
 from shipid.trials.trial import Trial
@@ -59,7 +60,7 @@ def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
     spread = float(np.ptp(delta))
     if spread <= STEADY_RUDDER:
         raise NoRudderMovementError(
-            f"trial '{trial.name}', column '{column}': the rudder stays at {np.degrees(np.median(delta)):.2f} deg "
-            f"(it moves by {np.degrees(spread):.2g} deg), so the response to it cannot be identified. "
+            f"trial '{trial.name}', column '{column}': the rudder stays at {angle(float(np.median(delta)), 3)} "
+            f"(it moves by {angle(spread, 2)}), so the response to it cannot be identified. "
             "Use a stretch with a manoeuvre in it, or check which column holds the rudder angle."
         )

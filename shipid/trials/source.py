@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+
+from shipid.foundation.aliases import Plain
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Source:
     simulated: bool = False
     comment: str = ""
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the source as plain values."""
         return {
             "path": self.path,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from shipid.declaration import units as border
 from shipid.declaration.vocabulary import FIELDS, display_unit
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import nearest
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
@@ -84,7 +84,7 @@ class Trial:
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self.table:
             raise UnknownColumnError(f"trial '{self.name}' has no column '{name}'. {nearest(name, self.table.columns)}")
-        return self.table[name].to_numpy()
+        return np.asarray(self.table[name].to_numpy())
 
     def __len__(self) -> int:
         return len(self.table)
@@ -103,7 +103,7 @@ class Trial:
         return "\n".join(lines)
 
     def has(self, *names: str) -> bool:
-        """Whether the trial has all these columns.
+        """Return whether the trial has all these columns.
 
         Parameters
         ----------
@@ -201,7 +201,7 @@ class Trial:
             result[columns.header(name, shown)] = self[name] / self._factor(name, shown)
         return pd.DataFrame(result)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return name, ship, source, units and the columns as plain lists (JSON-able: every sample is finite)."""
         return {
             "name": self.name,

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+
+from shipid.foundation.aliases import Plain
 
 SURE = 0.8
 """A finding at least this sure counts; below it is something to look at."""
@@ -51,7 +52,7 @@ class Finding:
     effect: str
     repair: str
     message: str
-    fix: Mapping[str, Any] | None = None
+    fix: Mapping[str, Plain] | None = None
     spoils: bool = True
     handled: bool = False
 
@@ -60,7 +61,7 @@ class Finding:
         """Whether it is sure, would spoil an identification, and nobody has put it right yet."""
         return self.spoils and not self.handled and self.confidence >= SURE
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the finding as plain values."""
         return {
             "kind": self.kind,
@@ -109,7 +110,7 @@ class Stretch:
     side: str | None = None
     regular: bool = True
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the stretch as plain values."""
         return {
             "kind": self.kind,
@@ -164,7 +165,7 @@ class Diagnosis:
         """The findings that would spoil an identification."""
         return tuple(f for f in self.findings if f.serious)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, Plain]:
         """Return the diagnosis as plain values."""
         return {
             "trial": self.trial,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 _MAD = 1.4826
 
@@ -70,13 +71,22 @@ class RobustLine:
     sigma : float
         Robust standard deviation of the residuals.
     explained : float
-        Share of the target's variance (about zero) that is explained, over the rows that were believed.
+        Share of the target's variance (about zero) that is explained, over the rows that count.
     """
 
     value: np.ndarray
     std: np.ndarray
     sigma: float
     explained: float
+
+
+def _scale(design: np.ndarray) -> np.ndarray | None:
+    """Return the size of each regressor; None where there are too few rows or the regressors cannot be told apart."""
+    n, p = design.shape
+    scale = np.sqrt(np.mean(design**2, axis=0))
+    if n < 3 * p + 3 or np.any(scale == 0) or np.linalg.cond(design / scale) > 1e8:
+        return None
+    return np.asarray(scale)
 
 
 def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> RobustLine | None:
@@ -96,13 +106,10 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> RobustL
     RobustLine or None
         None where there are too few rows or the regressors cannot be told apart.
     """
-    n, p = design.shape
-    size = np.sqrt(np.mean(design**2, axis=0))
-    if n < 3 * p + 3 or np.any(size == 0):
+    scale = _scale(design)
+    if scale is None:
         return None
-    scaled = design / size
-    if np.linalg.cond(scaled) > 1e8:
-        return None
+    scaled, (n, p) = design / scale, design.shape
     weight = np.ones(n)
     value = np.zeros(p)
     sigma = 0.0
@@ -114,13 +121,13 @@ def regress(design: np.ndarray, target: np.ndarray, rounds: int = 20) -> RobustL
         sigma = max(_MAD * float(np.median(np.abs(rest))), floor)
         weight = np.clip(1 - (rest / (6 * sigma)) ** 2, 0, None) ** 2 + 1e-12
     rest = target - scaled @ value
-    believed = weight > 0.1
-    count = max(int(believed.sum()) - p, 1)
-    variance = max(float(np.sum(rest[believed] ** 2)) / count, floor**2)
-    covariance = variance * np.linalg.pinv(scaled[believed].T @ scaled[believed])
-    energy = float(np.sum(target[believed] ** 2))
-    explained = 1 - float(np.sum(rest[believed] ** 2)) / energy if energy > 0 else 0.0
-    return RobustLine(value / size, np.sqrt(np.diag(covariance)) / size, sigma, explained)
+    counted = weight > 0.1
+    count = max(int(counted.sum()) - p, 1)
+    variance = max(float(np.sum(rest[counted] ** 2)) / count, floor**2)
+    covariance = variance * np.linalg.pinv(scaled[counted].T @ scaled[counted])
+    energy = float(np.sum(target[counted] ** 2))
+    explained = 1 - float(np.sum(rest[counted] ** 2)) / energy if energy > 0 else 0.0
+    return RobustLine(value / scale, np.sqrt(np.diag(covariance)) / scale, sigma, explained)
 
 
 def least_squares(design: np.ndarray, target: np.ndarray) -> RobustLine | None:
@@ -138,16 +145,16 @@ def least_squares(design: np.ndarray, target: np.ndarray) -> RobustLine | None:
     RobustLine or None
         None where there are too few rows or the regressors cannot be told apart.
     """
-    n, p = design.shape
-    size = np.sqrt(np.mean(design**2, axis=0))
-    if n < 3 * p + 3 or np.any(size == 0) or np.linalg.cond(design / size) > 1e8:
+    scale = _scale(design)
+    if scale is None:
         return None
-    value = np.linalg.lstsq(design / size, target, rcond=None)[0]
-    rest = target - design @ (value / size)
+    n, p = design.shape
+    value = np.linalg.lstsq(design / scale, target, rcond=None)[0]
+    rest = target - design @ (value / scale)
     variance = max(float(rest @ rest) / (n - p), 1e-24 * float(target @ target) / n)
-    std = np.sqrt(variance * np.diag(np.linalg.inv((design / size).T @ (design / size)))) / size
+    std = np.sqrt(variance * np.diag(np.linalg.inv((design / scale).T @ (design / scale)))) / scale
     energy = float(target @ target)
-    return RobustLine(value / size, std, float(np.sqrt(variance)), 1 - float(rest @ rest) / energy if energy else 0.0)
+    return RobustLine(value / scale, std, float(np.sqrt(variance)), 1 - float(rest @ rest) / energy if energy else 0.0)
 
 
 def edges(n: int, count: int) -> np.ndarray:
@@ -169,7 +176,7 @@ def integral(t: np.ndarray, y: np.ndarray) -> np.ndarray:
     t, y : ndarray, shape (n,)
         Time [s] and channel.
     """
-    return np.concatenate(([0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(t))))
+    return np.asarray(cumulative_trapezoid(y, t, initial=0.0))
 
 
 def runs(mask: np.ndarray) -> np.ndarray:
@@ -189,7 +196,7 @@ def runs(mask: np.ndarray) -> np.ndarray:
 
 
 def confidence_of(ratio: float, low: float = 1.0, high: float = 3.0) -> float:
-    """Turn the ratio of a statistic to its threshold into a confidence: 0.5 at `low`, 0.99 at `high`.
+    """Return the confidence for the ratio of a statistic to its threshold: 0.5 at `low`, 0.99 at `high`.
 
     Parameters
     ----------

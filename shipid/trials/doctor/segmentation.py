@@ -2,31 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.measuring.rudder import Plate, held_angle
 from shipid.trials.measuring.series import smoothed
 
 _LEAST = np.radians(1.5)
 """Rudder angles below this are course keeping."""
-
-
-@dataclass(frozen=True)
-class _Held:
-    """A stretch of rudder on one side."""
-
-    first: int
-    last: int  # one past the last sample
-    angle: float
-    dwell: float
-
-    @property
-    def side(self) -> int:
-        return 1 if self.angle > 0 else -1
 
 
 def find_manoeuvres(p: WorkingCopy) -> list[Stretch]:
@@ -74,40 +59,29 @@ def _offset(delta: np.ndarray) -> float:
     return middle if int(np.sum(np.diff(sides) != 0)) >= 2 and held > 0.5 else 0.0
 
 
-def _held(t: np.ndarray, delta: np.ndarray) -> list[_Held]:
+def _held(t: np.ndarray, delta: np.ndarray) -> list[Plate]:
     """Split the rudder into stretches on one side, each with the angle it is held at."""
     size = float(np.quantile(np.abs(delta), 0.98))
     least = max(min(_LEAST, 0.3 * size), 5 * robust.noise(delta))
-    result: list[_Held] = []
+    result: list[Plate] = []
     for sign in (1, -1):
         for a, b in robust.runs(sign * delta > least):
             if b - a < 3:
                 continue
             level = sign * delta[a:b]
-            angle = _mode(level[level >= 0.5 * level.max()])
+            angle = held_angle(level[level >= 0.5 * level.max()])
             # The stretch proper: where the rudder is at least half over.
             over = np.flatnonzero(level >= 0.5 * angle)
             first, last = int(a + over[0]), int(a + over[-1]) + 1
             part = sign * delta[first:last]
             dwell = float(np.mean(np.abs(part - angle) <= max(0.2 * angle, np.radians(0.7))))
-            result.append(_Held(first, last, sign * angle, dwell))
+            result.append(Plate(first, last, sign * angle, dwell))
     return sorted(result, key=lambda plate: plate.first)
 
 
-def _mode(values: np.ndarray) -> float:
-    """Middle of the narrowest interval that holds a third of the values."""
-    values = np.sort(values)
-    size = max(1, len(values) // 3)
-    width = values[size:] - values[: len(values) - size]
-    if not len(width):
-        return float(values[0])
-    k = int(np.argmin(width))
-    return float(np.median(values[k : k + size + 1]))
-
-
-def _chains(held: list[_Held], t: np.ndarray) -> list[list[_Held]]:
+def _chains(held: list[Plate], t: np.ndarray) -> list[list[Plate]]:
     """Join stretches of alternating sides that follow one another without a pause."""
-    chains: list[list[_Held]] = []
+    chains: list[list[Plate]] = []
     for plate in held:
         if chains:
             before = chains[-1][-1]
@@ -121,7 +95,7 @@ def _chains(held: list[_Held], t: np.ndarray) -> list[list[_Held]]:
     return [chain for chain in chains if len(chain) >= 2]
 
 
-def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[_Held]) -> list[tuple[int, int, Stretch]]:
+def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tuple[int, int, Stretch]]:
     """Return the zig-zag in a chain of plates, if it is one, without the plates at its ends that do not belong."""
     t, psi = p.t, p["psi"]
     lengths = np.array([t[plate.last - 1] - t[plate.first] for plate in chain])
@@ -163,7 +137,7 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[_Held]) -> list[tupl
     ]  # fmt: skip
 
 
-def _heading_change(p: WorkingCopy, plates: list[_Held], swing: float) -> float:
+def _heading_change(p: WorkingCopy, plates: list[Plate], swing: float) -> float:
     """Heading change at the order: where the rudder begins to leave its plate, and not where it is half over."""
     _t, psi = p.t, p["psi"]
     first = np.array([_leaves(p, plate) for plate in plates[:-1]])
@@ -174,7 +148,7 @@ def _heading_change(p: WorkingCopy, plates: list[_Held], swing: float) -> float:
     return value if value > 0.3 * swing else swing
 
 
-def _leaves(p: WorkingCopy, plate: _Held) -> int:
+def _leaves(p: WorkingCopy, plate: Plate) -> int:
     delta = p["delta_order"] if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p[p.rudder or "delta"]
     near = plate.side * delta[plate.first : plate.last] >= 0.85 * abs(plate.angle)
     return plate.first + int(np.flatnonzero(near)[-1]) if near.any() else plate.last - 1
@@ -185,18 +159,18 @@ def _nominal(angle: float) -> float:
     return float(max(5 * round(degrees / 5), 5)) if degrees >= 2.5 else float(round(degrees, 1))
 
 
-def _begin(delta: np.ndarray, plate: _Held) -> int:
+def _begin(delta: np.ndarray, plate: Plate) -> int:
     """The sample at which the rudder sets out for its plate."""
     before = plate.side * delta[: plate.first + 1]
     calm = np.flatnonzero(before < 0.15 * abs(plate.angle))
     return int(calm[-1]) if calm.size else 0
 
 
-def _end(delta: np.ndarray, plate: _Held) -> int:
+def _end(delta: np.ndarray, plate: Plate) -> int:
     return min(plate.last, len(delta) - 1)
 
 
-def _turn(p: WorkingCopy, delta: np.ndarray, plate: _Held) -> list[tuple[int, int, Stretch]] | None:
+def _turn(p: WorkingCopy, delta: np.ndarray, plate: Plate) -> list[tuple[int, int, Stretch]] | None:
     """Return the turn sailed on one plate, and the pull-out after it."""
     t, psi = p.t, p["psi"]
     begin, end = _begin(delta, plate), _end(delta, plate)

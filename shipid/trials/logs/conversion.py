@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
@@ -139,7 +140,7 @@ def mended_heading(t: np.ndarray, psi: np.ndarray, r: np.ndarray, threshold: flo
     count : int
         How many samples were replaced.
     """
-    turned = np.concatenate(([0.0], np.cumsum(0.5 * (r[1:] + r[:-1]) * np.diff(t))))
+    turned = cumulative_trapezoid(r, t, initial=0.0)
     rest = np.exp(1j * (psi - turned))
     size = max(5, round(GLITCH_WINDOW / float(np.median(np.diff(t))))) | 1
     middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import IO
 
 import pandas as pd
 
@@ -50,18 +52,49 @@ def write_trial(
     MissingFileError
         If the folder does not exist or cannot be written to.
     """
-    path = Path(path)
-    check_place(path, overwrite)
     frame = trial.to_frame(units)
+    if Path(path).suffix.lower() not in (".parquet", ".pq"):
+        with text_file(trial, path, overwrite, comment) as file:
+            frame.to_csv(file, index=False, lineterminator="\n")
+        return Path(path)
+    check_place(Path(path), overwrite)
+    with replacing(Path(path)) as temporary:
+        _parquet(frame, temporary, trial.source.comment if comment is None else comment)
+    return Path(path)
+
+
+@contextlib.contextmanager
+def text_file(trial: Trial, path: str | Path, overwrite: bool, comment: str | None) -> Iterator[IO[str]]:
+    """Open a text file for a trial, its comment written; it appears under its name when the block is left.
+
+    Parameters
+    ----------
+    trial : Trial
+        Its comment is written where none is given.
+    path : str or Path
+        Where.
+    overwrite : bool
+        Whether a file of that name may be replaced.
+    comment : str or None
+        Lines to put first, each behind a ``#``.
+
+    Yields
+    ------
+    file object
+        To write the samples to.
+
+    Raises
+    ------
+    OverwriteError
+        If the file exists and `overwrite` is not set.
+    MissingFileError
+        If the folder does not exist or cannot be written to.
+    """
+    check_place(Path(path), overwrite)
     comment = trial.source.comment if comment is None else comment
-    with replacing(path) as temporary:
-        if path.suffix.lower() in (".parquet", ".pq"):
-            _parquet(frame, temporary, comment)
-        else:
-            with open(temporary, "w", encoding="utf-8", newline="") as file:
-                file.writelines(f"# {line}\n" for line in comment.splitlines())
-                frame.to_csv(file, index=False, lineterminator="\n")
-    return path
+    with replacing(Path(path)) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {line}\n" for line in comment.splitlines())
+        yield file
 
 
 def _parquet(frame: pd.DataFrame, temporary: Path, comment: str) -> None:

@@ -44,6 +44,8 @@ def measure(
     ------
     NotAManoeuvreError
         If the record is neither.
+    UnknownNameError
+        If there is no such kind.
     UnknownColumnError
         If heading or rudder is missing.
     UnitError

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.trial import Trial
 
@@ -108,7 +109,7 @@ def plates(rudder: np.ndarray) -> list[Plate]:
         In order of time; empty where the rudder stays within 0.5 deg of midships.
     """
     size = float(np.quantile(np.abs(rudder), 0.9))
-    if size < np.radians(0.5):
+    if size < STEADY_RUDDER:
         return []
     over = np.where(rudder > size / 2, 1, np.where(rudder < -size / 2, -1, 0))
     held = np.flatnonzero(over)
@@ -117,16 +118,21 @@ def plates(rudder: np.ndarray) -> list[Plate]:
     result = []
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
-        angle = _mode(stretch[stretch >= 0.5 * stretch.max()])
+        angle = held_angle(stretch[stretch >= 0.5 * stretch.max()])
         dwell = float(np.mean(np.abs(stretch - angle) <= 0.2 * angle))
         result.append(Plate(first, last, float(over[first]) * angle, dwell))
     return result
 
 
-def _mode(values: np.ndarray) -> float:
-    """The value at which a rudder stays: the middle of the narrowest interval with a third of the samples.
+def held_angle(values: np.ndarray) -> float:
+    """Return the value at which a rudder stays: the middle of the narrowest interval with a third of the samples.
 
     A median would be drawn down by the ramps of a short plate, a maximum up by an order that overshoots.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Rudder angles [rad], in any order.
     """
     ordered = np.sort(values)
     count = max(1, -(-len(ordered) // 3))
@@ -232,7 +238,7 @@ def first_execute(
     if not calm.size:
         return None
     # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
-    neutral = _mode(before[calm[-max(5, plate.last - plate.first) :]])
+    neutral = held_angle(before[calm[-max(5, plate.last - plate.first) :]])
     y = -plate.side * rudder
     share = plate.first + 1
     if moved is None or execute == "order":

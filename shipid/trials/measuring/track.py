@@ -17,7 +17,7 @@ def speed(trial: Trial) -> np.ndarray | None:
         With ``u`` and ``v``, ``U``, or ``u`` alone.
     """
     if trial.has("u", "v"):
-        return np.hypot(trial["u"], trial["v"])
+        return np.asarray(np.hypot(trial["u"], trial["v"]))
     if trial.has("U"):
         return trial["U"]
     return np.abs(trial["u"]) if trial.has("u") else None

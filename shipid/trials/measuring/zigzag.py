@@ -54,7 +54,13 @@ def overshoots_of(
 def swings(
     t: np.ndarray, psi: np.ndarray, executes: Sequence[float], *, side: int | None, end: float | None
 ) -> list[tuple[float | None, float | None, float]]:
-    """Return overshoot [rad], time of the extreme heading [s] and heading at the execute [rad], a reversal each."""
+    """Return overshoot [rad], time of the extreme heading [s] and heading at the execute [rad], a reversal each.
+
+    Parameters
+    ----------
+    t, psi, executes, side, end
+        As for `overshoots_of`.
+    """
     if not len(executes):
         return []
     stop = float(t[-1]) if end is None else end

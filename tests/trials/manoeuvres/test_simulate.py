@@ -1,12 +1,12 @@
 """Simulated manoeuvres: what the helmsman, the rudder, the sensors and the current do, and what is refused."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
-from shipid import ParameterSet, Trial, find_model, find_ship, read_trial, simulate, write_trial
+from shipid import ParameterSet, Trial, find_ship, read_trial, simulate, write_trial
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
 from shipid.parts.sensors import standard_noise
@@ -16,8 +16,8 @@ from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 DEG = np.pi / 180
 
 
-def sail(manoeuvre: str, model: str = "de-keizer", ship: Any = "soesterberg", **options: Any) -> Trial:
-    return simulate(find_model(model), ship, manoeuvre, **options)
+def sail(manoeuvre: str, model: str = "de-keizer", ship: str | ParameterSet = "soesterberg", **options: Plain) -> Trial:
+    return simulate(model, ship, manoeuvre, **options)
 
 
 @pytest.mark.parametrize("side", [1, -1])
@@ -277,7 +277,7 @@ def length(number: float) -> ParameterSet:
         ({"model": "nomoto", "ship": "zeefakkel", "speed": "9 m/s"}, ParameterSetError, "known from 2 to 6.2 m/s"),
     ],
 )
-def test_what_is_refused(options: dict[str, Any], error: type[Exception], says: str) -> None:
+def test_what_is_refused(options: dict[str, Plain], error: type[Exception], says: str) -> None:
     arguments = {"model": "de-keizer", "ship": "soesterberg", "manoeuvre": "zigzag:20/20"} | options
     manoeuvre = arguments.pop("manoeuvre")
     with pytest.raises(error, match=says):

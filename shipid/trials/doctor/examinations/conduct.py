@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.findings import Stretch
@@ -81,10 +82,11 @@ def _offset(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
     high = float(np.quantile(np.abs(delta), 0.9))
     limit = max(5 * std, 0.05 * high)
     if abs(offset) > limit:
+        side = "starboard" if offset > 0 else "port"
         p.add(
             "bias", name, robust.confidence_of(abs(offset) / limit, 1, 2.5),
-            f"the ship sails straight with {np.degrees(offset):+.3g} deg of rudder (the plates are "
-            f"{np.degrees(high):.3g} deg): wind, current, propeller, or an offset of the sensor",
+            f"the ship sails straight with {angle(abs(offset), 3)} of rudder to {side} (the plates are "
+            f"{angle(high, 3)}): wind, current, propeller, or an offset of the sensor",
             "Without a term for it port and starboard gains are averaged wrongly: overshoots are missed by about the "
             "ratio of offset and plate.",
             "Estimate a rudder bias in each trial (the default of shipid identify).", at=inside, spoils=False,

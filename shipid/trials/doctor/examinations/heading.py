@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.logs.conversion import GLITCH_WINDOW
@@ -78,14 +79,13 @@ def examine_heading(p: WorkingCopy) -> None:
         if mask.any():
             index = np.flatnonzero(mask)
             ratio = float(np.max(np.abs(off[mask]) / threshold[mask]))
-            size_deg = float(np.degrees(np.abs(off[mask]).max()))
             what = (
                 "lie between 0 and 360 where the heading was interpolated across the wrap"
                 if kind == "heading-interpolated" else "disagree with the rate of turn"
             )  # fmt: skip
             p.add(
                 kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
-                f"{len(index)} heading samples {what}, by up to {size_deg:.3g} deg",
+                f"{len(index)} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
                 "The model is asked to follow jumps no ship makes: residuals, noise and intervals swell, and the fit "
                 "follows the jumps.",
                 "Replace them by the integral of r between good neighbours; in a format file: "

@@ -6,6 +6,7 @@ from math import log, pi
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -284,7 +285,7 @@ def examine_lag(p: WorkingCopy) -> None:
     if abs(drift) > drift_limit:
         p.add(
             "bias", "r", robust.confidence_of(abs(drift) / drift_limit, 1, 3),
-            f"r differs from the slope of the heading by {np.degrees(drift):+.4g} deg/s throughout (gyro bias)",
+            f"r differs from the slope of the heading by {shown(drift, 'r')} throughout (gyro bias)",
             "The model takes the bias for a rudder that is not amidships: the neutral angle and the damping of slow "
             "turns come out wrong.",
             f"Add {drift:.4g} rad/s to r, or estimate a bias of r in each trial.",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
+from shipid.declaration.vocabulary import angle, shown
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -52,7 +53,7 @@ def _unit(p: WorkingCopy, name: str) -> None:
         return
     p.add(
         "unit", name, 0.97 if factor < 1 else 0.88,
-        f"{name} says {said} and reaches {np.degrees(largest):.4g} deg: it is in {real}",
+        f"{name} says {said} and reaches {angle(largest)}: it is in {real}",
         "The gain of the rudder comes out wrong by a factor of 57.", f"Multiply {name} by {factor:.6g}, or write its true "
         "unit.", fix={"action": "scale", "column": name, "factor": factor},
     )  # fmt: skip
@@ -63,10 +64,10 @@ def _moves(p: WorkingCopy, name: str) -> None:
     delta = p[name]
     quiet = 8 * robust.noise(delta)
     reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
-    if reach > max(np.radians(0.5), quiet):
+    if reach > max(checks.STEADY_RUDDER, quiet):
         return
     p.add(
-        "no-rudder-movement", name, 0.97, f"{name} stays within {np.degrees(reach):.2g} deg",
+        "no-rudder-movement", name, 0.97, f"{name} stays within {angle(reach, 2)}",
         "There is no response to identify: any gain explains the record as well as any other.",
         "Use a stretch with a manoeuvre in it, or find the column that holds the rudder.",
     )  # fmt: skip
@@ -187,7 +188,7 @@ def examine_order(p: WorkingCopy) -> None:
                 _order(
                     p, robust.confidence_of(rate / fastest, 1, 2),
                     f"the rudder is put over within one sample at {int(at_once.sum())} of {len(start)} executes, at "
-                    f"{np.degrees(rate):.3g} deg/s, faster than the {np.degrees(fastest):.3g} deg/s of a fast steering gear",
+                    f"{shown(rate, 'r', digits=3)}, faster than the {shown(fastest, 'r', digits=3)} of a fast steering gear",
                     start,
                 )  # fmt: skip
     if p.has("r"):

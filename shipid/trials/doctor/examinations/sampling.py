@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -183,7 +184,7 @@ def examine_length(p: WorkingCopy) -> None:
         return
     p.add(
         "short", "t", 0.9 if reversals == 0 else 0.7,
-        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {np.degrees(turned):.3g} deg into the turn"
+        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {angle(turned, 3)} into the turn"
         + (" and after one reversal" if reversals else ""),
         "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
         "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -253,10 +254,10 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
             p[name] = p[name] * factor
     flow_limit = max(7 * fit.flow_std, 0.01 * mean)
     if current > flow_limit:
-        to = np.degrees(np.arctan2(fit.flow[1], fit.flow[0])) % 360
+        to = angle(float(np.arctan2(fit.flow[1], fit.flow[0])) % (2 * np.pi), 3)
         p.add(
             "track-inconsistent", "x,y," + names, robust.confidence_of(current / flow_limit, 1, 2.5),
-            f"the positions drift by {current:.3g} m/s to {to:.0f} deg against the speeds: a current, or a log that is off",
+            f"the positions drift by {current:.3g} m/s to {to} against the speeds: a current, or a log that is off",
             "Speeds through the water and over the ground differ: advance and tactical diameter from positions are those "
             "of ship and current together.",
             "Tell the model the current, or fit heading, rate and speed and leave the positions out.", spoils=False,

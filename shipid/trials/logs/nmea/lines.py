@@ -74,7 +74,7 @@ def checksum(text: str) -> str:
 
 
 def split_line(line: str) -> Sentence | None:
-    """Find the sentence in a line; None where there is none that is whole.
+    """Return the sentence in a line; None where there is none that is whole.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from shipid.trials.logs.nmea.errors import BrokenLogError, NotNmeaError
 from shipid.trials.logs.nmea.lines import checksum, split_line, stamp_reader, tag_time
 from shipid.trials.logs.nmea.sentences import CARRIED, parser
 from shipid.trials.logs.nmea.settings import NmeaFormat
+
+if TYPE_CHECKING:
+    from pynmeagps import NMEAMessage
 
 _NAN = float("nan")
 
@@ -146,7 +149,7 @@ class _Collector:
         self.lines = self.contents = 0
         self.text = ""
 
-    def add(self, number: int, line: str, parse: Callable[[str], Any]) -> None:
+    def add(self, number: int, line: str, parse: Callable[[str], NMEAMessage | None]) -> None:
         self.lines, self.text = number, line
         text = line.strip()
         if not text:

@@ -46,6 +46,8 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
 
     Raises
     ------
+    NoOverlapError
+        If heading and rudder are nowhere known together.
     NmeaError
         One class a cause (`shipid.trials.logs.nmea.errors`).
     EmptyFileError, ClockError, MissingExtraError

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from shipid.foundation.errors import OverwriteError, UnknownNameError
-from shipid.foundation.replacing import replacing
+from shipid.foundation.errors import UnknownNameError
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.geodesy import to_geographic
 from shipid.trials.logs.nmea.lines import checksum
+from shipid.trials.logs.writing import text_file
 from shipid.trials.trial import Trial
 
 #: Sentences a second, by address: gyro and rudder indicator are fast, a log and a receiver are not.
@@ -208,11 +208,6 @@ def write_nmea(
     MissingFileError
         If the folder cannot be written to.
     """
-    path = Path(path)
-    if path.exists() and not overwrite:
-        raise OverwriteError(f"'{path}' exists already. Choose another name, or ask for it to be overwritten.")
-    comment = trial.source.comment if comment is None else comment
-    with replacing(path) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
-        file.writelines(f"# {line}\n" for line in comment.splitlines())
+    with text_file(trial, path, overwrite, comment) as file:
         file.writelines(line + "\r\n" for line in nmea_lines(trial, rates, stamp=stamp, start=start, origin=origin))
-    return path
+    return Path(path)

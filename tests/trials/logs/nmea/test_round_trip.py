@@ -132,7 +132,7 @@ def test_nothing_is_overwritten(tmp_path):
     path = write_nmea(made(0, 0, 0, 5, 0), tmp_path / "a.nmea")
     with pytest.raises(OverwriteError, match="exists already"):
         write_nmea(made(0, 0, 0, 5, 0), path)
-    with pytest.raises(MissingFileError, match="cannot be written"):
+    with pytest.raises(MissingFileError, match="there is no folder"):
         write_nmea(made(0, 0, 0, 5, 0), tmp_path / "no" / "a.nmea")
     assert [p.name for p in tmp_path.iterdir()] == ["a.nmea"]
 

@@ -16,7 +16,7 @@ from shipid.foundation.numbers import fixed, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown_field
-from shipid.report.views.judgement import (
+from shipid.report.views.tuning.judgement import (
     margins_section,
     on_board_section,
     points_section,

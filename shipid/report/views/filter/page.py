@@ -15,8 +15,8 @@ from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
-from shipid.report.views.parameters import parameters_section
+from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.parameters import parameters_section
 from shipid.report.views.words import probability, versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.

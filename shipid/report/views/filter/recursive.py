@@ -12,8 +12,8 @@ from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
-from shipid.report.views.parameters import parameters_section
+from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.parameters import parameters_section
 from shipid.report.views.words import probability, sentence, versions_now, with_unit
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.

@@ -9,7 +9,7 @@ from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.foundation.numbers import number
 from shipid.report.figures.tuning import comparison_figures
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.tuning import answer
+from shipid.report.views.tuning.page import answer
 from shipid.report.views.words import sentence
 
 

@@ -11,9 +11,9 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown, shown_field
-from shipid.report.views.runaway import runaway
-from shipid.report.views.trial_figures import histories_of, predicted_signals, residuals_of, track_of
-from shipid.report.views.turning_circle import turn_rows
+from shipid.report.views.fit.runaway import runaway
+from shipid.report.views.fit.trial_figures import histories_of, predicted_signals, residuals_of, track_of
+from shipid.report.views.fit.turning_circle import turn_rows
 from shipid.trials.trial import Trial
 
 _HEADING = shown_field("psi")

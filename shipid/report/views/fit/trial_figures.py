@@ -11,7 +11,7 @@ from shipid.declaration.model import Model
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
 from shipid.report.typography.quantities import shown, shown_field
-from shipid.report.views.runaway import good_samples
+from shipid.report.views.fit.runaway import good_samples
 from shipid.trials.measuring.track import track
 
 #: Signals that come first, whether or not they were fitted.
