@@ -40,7 +40,7 @@ _HOMES = {
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
     "Fit": "shipid.identification.fit",
     "assess": "shipid.identification.assess",
-    "compare_models": "shipid.identification.validation.compare_models",
+    "compare_models": "shipid.identification.compare_models",
     "RecursiveIdentifier": "shipid.identification.recursive.identifier",
     "identify_recursively": "shipid.identification.recursive.identifier",
     "identify": "shipid.identification.identify",

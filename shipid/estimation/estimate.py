@@ -117,7 +117,7 @@ def estimate_of(
     Returns
     -------
     Estimate
-        Determined where nothing speaks against it and the standard deviation is below half of the value.
+        Determined where `why` is empty and the standard deviation is below half of the value.
     """
     ends = tuple(plain(end) for end in ci95 or interval_95(value, std))
     return Estimate(

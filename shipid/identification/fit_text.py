@@ -40,7 +40,7 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     comparisons : sequence of Comparison
         The trials beside their predictions.
     role : {"fitted", "predicted"}
-        What the fit did with them.
+        Whether they were fitted or predicted.
     """
     lines = []
     for c in comparisons:
@@ -129,5 +129,5 @@ def _value_text(e: Estimate) -> str:
 
 
 def _error_text(signal: str, error: float) -> str:
-    """An error of a signal in the unit people read it in."""
+    """An error of a signal in its display unit."""
     return f"{signal} {shown(error, signal, digits=3)}" if np.isfinite(error) else f"{signal} runs away"

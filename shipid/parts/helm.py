@@ -89,7 +89,7 @@ class TurningHelm(HelmsmanAfterApproach):
 
 
 class CourseHelm(Helmsman):
-    """Course change under a plain proportional and derivative law, within a rudder limit."""
+    """Course change under a proportional and derivative law, within a rudder limit."""
 
     psi = given("rad", "heading")
     r = given("rad/s", "rate of turn, positive to starboard")

@@ -1,4 +1,4 @@
-"""What a record must be to count as a trial, and what identification asks of it besides."""
+"""What a record has to fulfil to be a trial: a rising clock, finite samples, angles in the unit that is stated."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from shipid.trials.trial import Trial
 
 
 def check_regular(trial: Trial) -> None:
-    """Refuse a trial whose clock has a gap: a model cannot be run through the time nobody saw.
+    """Refuse a trial whose clock has a gap: a model cannot be run through a stretch without samples.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-#: A rudder this far from where it lay at first has been put over: more than a helmsman needs to keep a course in calm water.
+#: A rudder this far from its first position has been put over: more than a helmsman needs to keep a course in calm water.
 PUT_OVER = np.deg2rad(3.0)
 #: Below this share of the usual speed of the record, a ship is still gathering speed.
 GATHERING = 0.9

@@ -90,7 +90,7 @@ def test_a_forgotten_sign_is_found(campaign, tmp_path):
 
 def test_notes_name_what_was_done(campaign):
     notes = " ".join(campaign("kvlcc2-marin", MARIN[0]).source.notes)
-    for word in ("empty rows", "t was rebuilt", "delta was turned over", "rotated from the earth's axes"):
+    for word in ("empty rows", "t was rebuilt", "the sign of delta was changed", "rotated from the earth's axes"):
         assert word in notes
     notes = " ".join(campaign("gunnerus", GUNNERUS).source.notes)
     for word in ("21 heading samples", "multiplied by 1.02037", "not feedback", "over ground"):

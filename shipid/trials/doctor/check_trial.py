@@ -66,7 +66,7 @@ def check_trial(
     trial : Trial, str or Path
         A trial, or a file (``FILE@A:B`` is a window of it).
     ship : ParameterSet or str, optional
-        The ship, for its length and speed; without it they are judged from the record.
+        The ship, for its length and speed; without it they are estimated from the record.
     format : str, Path or TrialFormat, optional
         A trial format file, or ``"nmea"`` for an NMEA 0183 log, as for `shipid.read_trial`.
 
@@ -105,7 +105,7 @@ def examine(
     ship : ParameterSet or str, optional
         The ship.
     conducted : bool
-        Whether to look for manoeuvres and how they were sailed, too.
+        Whether to look for manoeuvres and how they were carried out, too.
 
     Returns
     -------
@@ -173,7 +173,7 @@ def _assumed_units(p: WorkingCopy, assumed: tuple[str, ...]) -> None:
     for name in assumed:
         p.add(
             "unit", name, 0.9, f"the column says no unit that fits; {p.record.stated[name]} was assumed",
-            "shipid does not guess, and refuses the record: a wrong guess changes gains by factors of 57 or 1.94.",
+            "read_trial does not guess a unit and refuses the record: a wrong guess changes gains by factors of 57 or 1.94.",
             f"Write '{name} [{p.record.stated[name]}]' in the header, or state the unit in a format file.",
             fix={"action": "assume-unit", "column": name, "unit": p.record.stated[name]},
         )  # fmt: skip

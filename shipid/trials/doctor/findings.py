@@ -1,4 +1,4 @@
-"""What the doctor says: findings, the manoeuvres of the record, and the diagnosis that holds both."""
+"""Results of the trial doctor: findings, the manoeuvres of the record, and the diagnosis that holds both."""
 
 from __future__ import annotations
 
@@ -8,35 +8,35 @@ from dataclasses import dataclass, field
 from shipid.foundation.aliases import Plain
 
 SURE = 0.8
-"""A finding at least this sure counts; below it is something to look at."""
+"""Findings of at least this confidence count; one below it is worth checking by hand."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing the doctor found.
+    """One fault or property of a trial.
 
     Attributes
     ----------
     kind : str
-        What it is, as in ``"rudder-sign"``.
+        Its kind, as in ``"rudder-sign"``.
     channel : str
         The column concerned, by its name inside a trial; several are joined by commas.
     rows : tuple of int
         First and last sample concerned, counted from 0.
     seconds : tuple of float
-        Their times [s]; NaN-free: the row stands in where the clock is broken.
+        Their times [s]; the number of the row where the clock has no time for it.
     count : int
         How many samples are concerned.
     confidence : float
-        How sure the doctor is, from 0 to 1.
+        Confidence that it is there, from 0 to 1.
     effect : str
         What it does to an identification.
     repair : str
         What repairs it, in words.
     message : str
-        What was seen, with its numbers.
+        What was found, with its numbers.
     fix : Mapping or None
-        The repair for a machine, where `shipid.trials.doctor.fix_trial` applies it; None where no repair is safe.
+        The repair as data, which `shipid.trials.doctor.repair.fix_trial` applies; None where no repair is safe.
     spoils : bool
         Whether it would spoil an identification; otherwise it is a property of the trial to know about.
     handled : bool
@@ -58,7 +58,7 @@ class Finding:
 
     @property
     def serious(self) -> bool:
-        """Whether it is sure, would spoil an identification, and nobody has put it right yet."""
+        """Whether it is sure, would spoil an identification, and is not put right by the format file."""
         return self.spoils and not self.handled and self.confidence >= SURE
 
     def to_dict(self) -> dict[str, Plain]:
@@ -90,7 +90,7 @@ class Stretch:
     Attributes
     ----------
     kind : {"zigzag", "turn", "pull-out", "steady", "irregular"}
-        What is sailed.
+        What the manoeuvre is.
     start, end : float
         Times [s] of the record's clock.
     rudder_deg, heading_deg : float or None
@@ -133,7 +133,7 @@ class Stretch:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis:
-    """What the doctor says of one record.
+    """The findings and manoeuvres of one record.
 
     Attributes
     ----------

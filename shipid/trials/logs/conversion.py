@@ -14,7 +14,7 @@ from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.record import LenientRecord
 
 GLITCH_WINDOW = 10.0
-"""Heading glitches up to half of this long [s] are told from the ship's motion."""
+"""Heading glitches of up to half of this [s] can be distinguished from the motion of the ship."""
 
 
 def without_trailing(record: LenientRecord) -> LenientRecord:
@@ -92,7 +92,7 @@ def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
     values, notes = dict(record.values), list(record.notes)
     for name, column in fmt.columns.items():
         if column.sign == -1:
-            notes.append(f"{name} was turned over: the record counts it positive the other way.")
+            notes.append(f"the sign of {name} was changed: the record counts it positive the other way.")
         if column.scale != 1.0:
             notes.append(f"{name} was multiplied by {column.scale:.6g}.")
         if column.note:

@@ -57,7 +57,7 @@ def read_trial(
     record.refuse()
     fmt, span = record.format, record.window
     if span is not None and _has_holes(record) and (fmt is None or fmt.interval is None):
-        # Outside the window the record may be as broken as it likes.
+        # Samples that are missing outside the window do not matter.
         record = _cut(record, span)
     sound = sound_table(record)
     trial = Trial(record.name, sound.table, sound.source, record.ship, sound.units)

@@ -84,7 +84,7 @@ class LenientRecord:
 
     @property
     def text_fault(self) -> str | None:
-        """What stands in a column of numbers and is none; None where nothing does."""
+        """The fault of the first field in a column of numbers that is none; None where there is no such field."""
         return next((str(fault) for fault in self.faults if isinstance(fault, TextInColumnError)), None)
 
     def refuse(self) -> None:

@@ -1,4 +1,4 @@
-"""Text tables: the numbers are parsed by pandas' C engine, and what it stumbles over is found by line."""
+"""Text tables: the numbers are parsed by pandas' C engine; a row or field that it cannot parse is named by its line."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.Dat
     table : pandas.DataFrame
         The columns, named by their index in the file; those wanted are float64, NaN where a field is empty or no number.
     fault : TextInColumnError or None
-        What stands in a column that is wanted and is no number.
+        The first field of a wanted column that is no number.
 
     Raises
     ------

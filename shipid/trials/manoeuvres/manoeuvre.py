@@ -18,7 +18,7 @@ _NUMBERS = re.compile(r"^[-+]?\d+(\.\d*)?(/[-+]?\d+(\.\d*)?)*$")
 
 @dataclass(frozen=True)
 class Manoeuvre:
-    """A manoeuvre to simulate: who steers, by which numbers, for how long.
+    """A manoeuvre to simulate.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class PlannedManoeuvre:
     Attributes
     ----------
     helm : type[Component]
-        Who steers.
+        The helmsman.
     constants : dict of str to float
         Numbers of the helmsman, SI.
     duration : float
@@ -130,7 +130,7 @@ def plan(
     Parameters
     ----------
     manoeuvre : Manoeuvre
-        What to sail.
+        The manoeuvre.
     unit_time : float
         L/U in s: it sets approach, steps and duration.
     course : float

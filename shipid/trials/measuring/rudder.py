@@ -1,4 +1,4 @@
-"""Plates and executes: what the helmsman did, read from the rudder's record.
+"""Plates and executes, read from the record of the rudder.
 
 A zig-zag is steered in plates, stretches at one rudder angle, and the execute is the moment the rudder is put over.
 Where the order is recorded the execute is its step. Where only the rudder's own angle is, two readings are offered:

@@ -44,7 +44,7 @@ def value_at(t: np.ndarray, y: np.ndarray, when: float, half: float, degree: int
     """
     first, last = np.searchsorted(t, [when - half, when + half])
     if last - first < degree + 3:
-        # Too few samples to smooth over: the line between neighbours is the honest reading.
+        # Too few samples to smooth over: the value is interpolated between neighbours.
         return float(np.interp(when, t, y))
     x = (t[first:last] - when) / half
     return float(np.polynomial.polynomial.polyfit(x, y[first:last], degree)[0])

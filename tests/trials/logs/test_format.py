@@ -109,7 +109,7 @@ def test_sign_scale_and_revolutions(log, fmt):
     trial = read_trial(log(rows()), fmt(text))
     assert trial["psi"][0] == pytest.approx(-np.radians(20))
     assert trial["n"][0] == pytest.approx(10)
-    assert any(note.startswith("psi was turned over") for note in trial.source.notes)
+    assert any(note.startswith("the sign of psi was changed") for note in trial.source.notes)
     assert "n: port shaft" in trial.source.notes
 
 

@@ -25,7 +25,7 @@ def examine_clock(p: WorkingCopy) -> None:
     if float(np.ptp(p.t)) == 0:
         p.add(
             "clock-repeats", "t", 0.99, f"all {len(p)} stamps are the same",
-            "Without a clock there are no rates, and nothing to identify.",
+            "Without a clock there are no rates, and nothing can be identified.",
             "State the sampling interval in a format file: [clock] interval = '0.1 s'.",
         )  # fmt: skip
         p["t"] = np.arange(len(p), dtype=float)

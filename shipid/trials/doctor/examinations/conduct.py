@@ -1,4 +1,4 @@
-"""How the trial was sailed: from rest, with a rudder offset, differently to port and starboard."""
+"""The conduct of the trial: started from rest, with a rudder offset, different to port and starboard."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ def examine_start(p: WorkingCopy) -> None:
         "accelerating", "u" if p.has("u") else "U" if p.has("U") else "x,y",
         robust.confidence_of(gain / max(float(calm[top]), 1e-12), 0.2, 0.5),
         f"the ship gathers speed from {early:.3g} to {calm[top]:.3g} m/s during the first {p.t[settled] - p.t[0]:.4g} s",
-        "The rudder's force grows with the square of the speed: a model at constant speed takes the slow beginning for a "
-        "small gain and a long time constant.",
+        "The force of the rudder grows with the square of the speed: a model at constant speed explains the slow beginning "
+        "by a small gain and a long time constant.",
         f"Begin at {p.t[settled]:.5g} s (FILE@{p.t[settled]:.5g}:), or fit a model with a surge equation and the propeller.",
         at=np.arange(settled + 1), spoils=False,
     )  # fmt: skip

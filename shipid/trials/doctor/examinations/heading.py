@@ -33,7 +33,7 @@ def examine_wrap(p: WorkingCopy) -> None:
         if jumps.size and usual < 0.05 * period and float(np.ptp(psi)) < 1.05 * period:
             p.add(
                 "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {len(jumps)} times",
-                "None in shipid, which unwraps headings; a program that does not sees the ship spin.",
+                "None in shipid, which unwraps headings; without that, the ship seems to turn in a circle at each of them.",
                 "Unwrap the heading.", at=jumps + 1, fix={"action": "unwrap"}, spoils=False,
             )  # fmt: skip
             p["psi"] = np.unwrap(psi, period=period)
@@ -86,8 +86,8 @@ def examine_heading(p: WorkingCopy) -> None:
             p.add(
                 kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
                 f"{len(index)} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
-                "The model is asked to follow jumps no ship makes: residuals, noise and intervals swell, and the fit "
-                "follows the jumps.",
+                "No ship makes such jumps: residuals, noise levels and intervals become too large, and the fit follows the "
+                "jumps.",
                 "Replace them by the integral of r between good neighbours; in a format file: "
                 "[repairs] heading_glitches = true.",
                 at=index, fix={"action": "mend-heading"},

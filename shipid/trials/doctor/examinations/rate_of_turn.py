@@ -1,4 +1,4 @@
-"""Heading against rate of turn: labels, units, signs, lag and drift, judged by the slope of the heading."""
+"""Heading against rate of turn: labels, units, signs, lag and drift, by comparison with the slope of the heading."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def examine_label(p: WorkingCopy) -> None:
 
 
 def course_scale(p: WorkingCopy) -> float | None:
-    """Return the slope of the course over ground on the heading; None where the positions do not tell.
+    """Return the slope of the course over ground on the heading; None where the positions are too few or too noisy.
 
     Parameters
     ----------
@@ -159,7 +159,7 @@ def examine_rate(p: WorkingCopy) -> None:
     std = float(found.std[0]) if found is not None else 1.0
     alone = abs(_agreement(p, "r")[0])
     limit = max(0.04, 8 * std)
-    # A steady turn tells a factor from a drift badly: both readings have to say it.
+    # In a steady turn a factor and a drift look alike: both estimates have to show it.
     off = min(abs(scale - 1), abs(alone - 1))
     if off > limit and (scale > 1) == (alone > 1):
         p.add(
@@ -180,8 +180,8 @@ def _sign(p: WorkingCopy, part: float) -> None:
     p.add(
         "rate-sign" if name == "r" else "heading-sign", name, 0.7 + 0.29 * min(1.0, part / 0.8),
         f"{name} is counted positive to port: the heading falls where r says it rises",
-        "Heading and rate pull the fit to opposite gains; the residuals stay as large as the signal.",
-        f"Turn {name} over; in a format file: sign = -1.",
+        "Heading and rate ask for gains of opposite sign; the residuals stay as large as the signal.",
+        f"Change the sign of {name}; in a format file: sign = -1.",
         fix={"action": "scale", "column": name, "factor": -1.0},
     )  # fmt: skip
     p[name] = -p[name]
@@ -196,7 +196,7 @@ def _unit(p: WorkingCopy, scale: float) -> None:
     clock = _clock_factor(p, scale)
     if clock is not None:
         p.add(
-            "unit", "t", 0.95, f"rate of turn and speed both say that the clock counts {clock:g} s as one",
+            "unit", "t", 0.95, f"rate of turn and speed both show that one unit of the clock is {clock:g} s",
             "Time constants come out in another unit, and gains with them.", f"Multiply t by {clock:.4g}.",
             fix={"action": "scale", "column": "t", "factor": clock},
         )  # fmt: skip
@@ -226,8 +226,8 @@ def _unit(p: WorkingCopy, scale: float) -> None:
         "unit", name, 0.97 if exact else 0.85,
         f"the heading changes {scale:.4g} times as fast as r says: {name} says {said} and is "
         + (real if exact else "something else"),
-        "Gains come out wrong by the same factor, nonlinear damping by its square; the rudder seems to do nothing, or "
-        "wonders.",
+        "Gains come out wrong by the same factor, nonlinear damping by its square; the rudder seems to have no "
+        "effect, or far too much.",
         f"Multiply {name} by {value:.6g}, or write its true unit in the header or the format file.",
         fix={"action": "scale", "column": name, "factor": float(value)},
     )  # fmt: skip

@@ -104,7 +104,7 @@ def _sign(p: WorkingCopy, name: str, say: bool = True) -> bool:
         p.add(
             "rudder-sign", name, 0.97, f"positive {name} turns the ship to port",
             "The gain comes out negative, or, where it is held positive, as zero with a rudder offset instead.",
-            f"Turn {name} over; in a format file: sign = -1.", fix={"action": "scale", "column": name, "factor": -1.0},
+            f"Change the sign of {name}; in a format file: sign = -1.", fix={"action": "scale", "column": name, "factor": -1.0},
         )  # fmt: skip
         p[name] = -p[name]
     return True
@@ -119,8 +119,8 @@ def _answers_to_port(p: WorkingCopy, name: str) -> bool:
     long = np.concatenate([e[:, 1] - e[:, 0] for e in ends])
     if not len(index):
         return False
-    believed = index[long >= 0.3 * float(np.median(long))]
-    answer = np.sign(delta[believed]) * r[believed]
+    held = index[long >= 0.3 * float(np.median(long))]
+    answer = np.sign(delta[held]) * r[held]
     clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * robust.noise(r))
     against = int(np.sum(answer[clear] < 0))
     far = False

@@ -1,4 +1,4 @@
-"""Samples that are no measurements: missing, trailing, sticking out, or stuck."""
+"""Samples that are no measurements: missing ones, empty rows at the end, outliers, frozen values."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from shipid.trials.doctor.examinations import rate_of_turn as rates
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _HOLE = 5
-"""A hole of up to this many samples is bridged by a straight line; beyond that nobody knows what the ship did."""
+"""Up to this many missing samples in a row are interpolated linearly; over more of them the motion is unknown."""
 
 
 def examine_holes(p: WorkingCopy) -> None:
-    """Find samples that are empty, NaN, infinite or stand for a missing one; drop or bridge them.
+    """Find samples that are empty, NaN, infinite or stand for a missing one; drop or interpolate them.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def examine_holes(p: WorkingCopy) -> None:
         names = ", ".join(name for name, mask in bad.items() if mask[keep:].any())
         p.add(
             "trailing-empty", names, 0.99, f"the last {n - keep} rows are empty or not finite",
-            "A reader that keeps them ends every integral in NaN; shipid refuses the record.",
+            "Every integral over them is NaN; read_trial refuses the record.",
             "Drop the rows; in a format file: [repairs] trailing = 'drop'.",
             at=np.arange(keep, n), fix={"action": "drop-trailing", "rows": n - keep},
         )  # fmt: skip
@@ -51,7 +51,7 @@ def examine_holes(p: WorkingCopy) -> None:
         few = bool(unstamped.mean() < 0.05)
         p.add(
             "not-finite", "t", 0.99, f"{int(unstamped.sum())} rows have no time stamp",
-            "Nobody knows when these rows were measured.",
+            "The time of these rows is unknown.",
             "Drop these rows." if few else "Find out the clock; in a format file: [clock] interval.",
             at=np.flatnonzero(unstamped), fix={"action": "drop-rows"} if few else None,
         )  # fmt: skip
@@ -65,11 +65,11 @@ def examine_holes(p: WorkingCopy) -> None:
         short = longest <= _HOLE
         p.add(
             "not-finite", name, 0.99,
-            f"{len(index)} samples of {name} are empty, NaN, infinite or beyond {LARGEST:g}; the longest hole has "
+            f"{len(index)} samples of {name} are empty, NaN, infinite or beyond {LARGEST:g}; the longest run has "
             f"{longest} samples" + (f" ({p.record.text_fault})" if p.record.text_fault else ""),
-            "No residual can be formed there; one NaN makes the whole sum of squares NaN.",
-            "Bridge the holes by a line between their neighbours." if short else
-            "Identify from the stretches on either side (FILE@A:B); the hole is too long to bridge.",
+            "There is no residual at these samples; one NaN makes the whole sum of squares NaN.",
+            "Interpolate linearly between their neighbours." if short else
+            "Identify from the stretches on either side (FILE@A:B); the run is too long to interpolate.",
             at=index, fix={"action": "bridge", "column": name} if short else None,
         )  # fmt: skip
         p[name] = bridged(p[name], mask)
@@ -90,7 +90,7 @@ def bridged(values: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def examine_outliers(p: WorkingCopy) -> None:
-    """Find samples that stick out of their neighbours by far more than noise, curvature and resolution.
+    """Find samples that differ from their neighbours by far more than noise, curvature and resolution.
 
     Parameters
     ----------
@@ -107,8 +107,8 @@ def examine_outliers(p: WorkingCopy) -> None:
             share = size / max(robust.noise(p[name]), 0.003 * float(np.ptp(np.delete(p[name], index))), 1e-12)
             p.add(
                 "outlier", name, robust.confidence_of(share, 7, 20),
-                f"{len(index)} samples of {name} stick out of their neighbours by up to {share:.0f} times the noise",
-                "Least squares pays for each with the square of its size: gains and damping follow the outliers.",
+                f"{len(index)} samples of {name} differ from their neighbours by up to {share:.0f} times the noise",
+                "Least squares weighs each with the square of its size: gains and damping follow the outliers.",
                 "Replace them by the line between their neighbours.",
                 at=index, fix={"action": "bridge", "column": name} if share > 7 else None,
             )  # fmt: skip
@@ -117,7 +117,7 @@ def examine_outliers(p: WorkingCopy) -> None:
 
 
 def outliers(values: np.ndarray) -> np.ndarray:
-    """Return the mask of isolated samples (up to two in a row) that stick out.
+    """Return the mask of isolated outliers (up to two in a row).
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
             continue
         held = robust.runs(d)
         lengths = held[:, 1] - held[:, 0]
-        # Coarse digits make many short runs; a sensor that hangs makes one that is far longer.
+        # Coarse digits make many short runs; a frozen sensor makes one that is far longer.
         usual = float(np.median(lengths)) if len(lengths) > 20 else 0.0
         long = np.flatnonzero(lengths >= max(8, 5 * usual, 0.015 * len(p)))
         if not len(long):
@@ -205,9 +205,9 @@ def _frozen(p: WorkingCopy, names: tuple[str, ...]) -> None:
             p.add(
                 "frozen", name, robust.confidence_of(missed, 1, 3),
                 f"{name} stands at one value for {b - a + 1} samples ({t[b] - t[a]:.4g} s) while the ship moves",
-                "The model is asked to explain a standstill that never was: the gain comes out too small and the time "
+                "The model is fitted to a standstill that did not happen: the gain comes out too small and the time "
                 "constant too long.",
-                "No repair knows what happened: identify from the stretches on either side.",
+                "The motion meanwhile is unknown: identify from the stretches on either side.",
                 at=np.arange(a, b + 1),
             )  # fmt: skip
 

@@ -30,15 +30,15 @@ def examine_resampling(p: WorkingCopy) -> None:
     share = seen[worst]
     p.add(
         "resampled", ",".join(seen), robust.confidence_of(share, 0.37, 0.47),
-        f"{share:.0%} of the samples of {worst} are made up: they lie on a line between two others, or repeat one",
+        f"{share:.0%} of the samples of {worst} were not measured: they lie on a line between two others, or repeat one",
         "There is less information than samples: intervals come out too narrow by the square root of the ratio, and "
         "corners of the interpolation look like accelerations.",
-        f"Keep one sample in {1 / (1 - share):.2g} or so, or count the samples that were measured.", spoils=False,
+        f"Keep about one sample in {1 / (1 - share):.2g}, or weigh the record by the number of samples that were measured.", spoils=False,
     )  # fmt: skip
 
 
 def _made_up(values: np.ndarray) -> float:
-    """Share of the samples that follow from their neighbours, in a record that is otherwise not a line."""
+    """Share of the samples that follow from their neighbours, in a record that is not one straight line."""
     if len(values) < 60:
         return 0.0
     d1, d2 = np.diff(values), np.diff(values, 2)
@@ -98,8 +98,8 @@ def examine_resolution(p: WorkingCopy) -> None:
             p.add(
                 "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
                 f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {still:.0%} of the samples",
-                "The error is no white noise: differences are zero or far too large, and what is derived from them is "
-                "worthless; weights from the residuals come out too large.",
+                "The error is no white noise: differences are zero or far too large, and so is what is derived from them; "
+                "weights from the residuals come out too large.",
                 f"Take {name} from other channels where they give it, and derive nothing from its differences.",
                 spoils=False,
             )  # fmt: skip
@@ -128,7 +128,7 @@ def unit_time(p: WorkingCopy) -> float | None:
 
 
 def examine_sampling(p: WorkingCopy) -> None:
-    """Find records sampled too slowly for their ship, and records too short to tell anything.
+    """Find records sampled too slowly for their ship.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Positions against speeds: frames, knots, factors, currents, judged by the way made good."""
+"""Positions against speeds: frames, knots, factors, currents, by comparison with the distance made good."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 _KNOT = 1852 / 3600
 _STRONGEST = 0.35
-"""A current beyond this share of the speed is a misreading of the speeds."""
+"""A current beyond this share of the speed is an error in the speeds."""
 _MISTAKEN_KNOT = 1.9834 / 1.9438
 #: Way made good over logged speed: what that means.
 _UNITS = (
@@ -66,7 +66,7 @@ def _jumps(p: WorkingCopy) -> None:
         p.add(
             "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
             f"the positions jump {len(far)} times, by {total:.4g} m together, farther than the ship can sail",
-            "The fix was lost and found, or the positions' clock lagged: tracks and speeds from positions are wrong there.",
+            "The position fix was lost for a while, or its clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
         )  # fmt: skip
 
@@ -110,7 +110,7 @@ def _earth(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.n
 
 
 def _misfit(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool = True) -> float:
-    """Robust misfit of velocities (north, east) to the track, a factor and a current granted."""
+    """Robust misfit of velocities (north, east) to the track, a factor and a current estimated."""
     target = np.concatenate([np.diff(p["x"][at]), np.diff(p["y"][at])])
     way = _earth(p, at, u, v)
     dt = np.diff(p.t[at])
@@ -158,7 +158,7 @@ def _frame(p: WorkingCopy) -> None:
             p.add(
                 "mislabelled", "u,v", robust.confidence_of(ratio, 1.3, 2.2),
                 "u and v fit the track when their names are exchanged",
-                "The model sees a ship that sails sideways.", "Exchange the names u and v.",
+                "The ship seems to sail sideways.", "Exchange the names u and v.",
                 fix={"action": "relabel", "from": "v", "to": "u"},
             )  # fmt: skip
             p["u"], p["v"] = v, u
@@ -167,7 +167,7 @@ def _frame(p: WorkingCopy) -> None:
                 "sway-sign", "v", robust.confidence_of(ratio, 1.3, 2.5),
                 "v fits the track when it is counted the other way round",
                 "Drift and sway forces change sign: the ship would slip into its turns.",
-                "Turn v over; in a format file: sign = -1.", fix={"action": "scale", "column": "v", "factor": -1.0},
+                "Change the sign of v; in a format file: sign = -1.", fix={"action": "scale", "column": "v", "factor": -1.0},
             )  # fmt: skip
             p["v"] = -v
         return
@@ -260,7 +260,7 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
             f"the positions drift by {current:.3g} m/s to {to} against the speeds: a current, or a log that is off",
             "Speeds through the water and over the ground differ: advance and tactical diameter from positions are those "
             "of ship and current together.",
-            "Tell the model the current, or fit heading, rate and speed and leave the positions out.", spoils=False,
+            "State the current, or fit heading, rate and speed and leave the positions out.", spoils=False,
         )  # fmt: skip
         return
     rough = max(robust.noise(p["x"]), robust.noise(p["y"]), 1e-3 * mean * p.sampling)
@@ -269,7 +269,7 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
         p.add(
             "track-inconsistent", "x,y," + names, robust.confidence_of(fit.sigma / (rough + grid), 12, 40),
             f"positions and speeds disagree by {fit.sigma:.3g} m from block to block, far beyond their noise",
-            "One of the two is not what it says; a fit to both averages a ship that does not exist.",
+            "One of the two is wrong; a fit to both describes neither.",
             "Find out which is right, and leave the other out.", spoils=False,
         )  # fmt: skip
 

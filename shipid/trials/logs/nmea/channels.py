@@ -35,7 +35,7 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     times : ndarray, shape (n,)
         Time of every sentence [s].
     fmt : NmeaFormat
-        Sources, calibrations and what else the log cannot say.
+        Sources, calibrations and what else the sentences leave open.
 
     Returns
     -------
@@ -169,7 +169,7 @@ def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     if found is None:
         return None
     r = found.values * (fmt.rate_sign * units.factor(fmt.rate_unit, "rad/s"))
-    note = f"r: {found.describe()}; {fmt.rate_unit}" + (", turned over" if fmt.rate_sign < 0 else "")
+    note = f"r: {found.describe()}; {fmt.rate_unit}" + (", sign changed" if fmt.rate_sign < 0 else "")
     return Signal("r", found.t, r, (note + ".",))
 
 

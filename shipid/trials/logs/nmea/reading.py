@@ -35,7 +35,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     file : Path
         The log: one sentence a line, with or without the logger's stamp before it.
     fmt : NmeaFormat
-        What the log cannot say of itself.
+        What the sentences leave open.
 
     Returns
     -------
@@ -86,7 +86,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
 def _columns(
     t: np.ndarray, found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
 ) -> dict[str, np.ndarray]:
-    """Return the trial's columns, of signals that stand on its clock."""
+    """Return the trial's columns, of signals that have its clock."""
     psi = found["psi"][:, 0]
     plain = ("psi", "r", "delta", "delta_order", "depth")
     result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
@@ -138,7 +138,7 @@ def _derived(
         )
     elif "position" in found:
         notes.append("x, y are of the antenna; state [nmea.antenna] for those of midship.")
-    if "delta" in columns and "r" not in columns:  # with ROT, every trial is looked at
+    if "delta" in columns and "r" not in columns:  # with ROT, every trial is checked
         slope = np.gradient(columns["psi"], columns["t"]) if len(columns["t"]) > 1 else columns["t"]
         if checks.turns_to_port(columns["t"], np.radians(columns["delta"]), np.radians(slope)):
             notes.append(
@@ -148,7 +148,7 @@ def _derived(
 
 
 def _rate_fault(signals: dict[str, Signal], where: str) -> tuple[CalibrationError, ...]:
-    """Return the fault of a ROT that is not in the unit it is said to be in: the heading tells."""
+    """Return the fault of a ROT that is not in the unit it is said to be in, by comparison with the heading."""
     if "r" not in signals:
         return ()
     psi, rate = signals["psi"], signals["r"]

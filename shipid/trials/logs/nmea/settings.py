@@ -1,4 +1,4 @@
-"""What a log cannot say of itself: the table ``[nmea]`` of a trial format file.
+"""The table ``[nmea]`` of a trial format file: what the sentences of a log leave open.
 
 Everything is optional; ``--format nmea`` alone stands for an empty table::
 

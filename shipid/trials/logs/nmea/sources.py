@@ -1,4 +1,4 @@
-"""Whom to believe: of all sentences and talkers that carry a signal, one."""
+"""The source of a signal: one sentence of one talker, of all that carry it."""
 
 from __future__ import annotations
 

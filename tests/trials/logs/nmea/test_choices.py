@@ -1,4 +1,4 @@
-"""What a format file says, whom to believe, gaps, rates, and the reference point."""
+"""What a format file says, which source is taken, gaps, rates, and the reference point."""
 
 from pathlib import Path
 
