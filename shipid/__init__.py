@@ -40,7 +40,7 @@ _HOMES = {
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
     "Fit": "shipid.identification.fit",
     "assess": "shipid.identification.assess",
-    "compare_models": "shipid.identification.validation.compare_models",
+    "compare_models": "shipid.identification.compare_models",
     "RecursiveIdentifier": "shipid.identification.recursive.identifier",
     "identify_recursively": "shipid.identification.recursive.identifier",
     "identify": "shipid.identification.identify",
@@ -58,7 +58,7 @@ _HOMES = {
 __all__ = [*sorted(_HOMES), "__version__"]
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every kind
     try:
         home = _HOMES[name]
     except KeyError:

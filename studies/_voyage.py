@@ -104,7 +104,7 @@ def waves(runs: int, count: int, interval: float, rms: float, seed: int) -> np.n
     values = {"wave_frequency": frequency, "wave_damping": damping, "g": 9.81}
     control = ca.SX.sym("noise", fine)
     # The waves are met at the frequency they have: the ship's own speed is left out.
-    still = [float(n == "T") for n in system.inputs]
+    still = [float(n == "T_s") for n in system.inputs]
     z = system.x
     for k in range(fine):
         u = ca.vertcat(*(control[k] if n == "wave_noise" else still[i] for i, n in enumerate(system.inputs)))

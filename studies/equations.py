@@ -16,6 +16,7 @@ from _table import Row, below, show
 from scipy.integrate import solve_ivp
 
 from shipid import Model, generate
+from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Evaluation
 from shipid.generation.record import make_record
 from shipid.generation.system import System
@@ -52,7 +53,7 @@ def random_point(model: Model, speed: float, values: Values, rng: np.random.Gene
 
 def over_plain_numbers(model: Model, point: Values) -> np.ndarray:
     """All right-hand sides: rates and next samples in the order of the states, then what is derived."""
-    evaluation = Evaluation(model, point | {"T": INTERVAL})
+    evaluation = Evaluation(model, point | {SAMPLING_INTERVAL: INTERVAL})
     moves = evaluation.right_hand_sides("rate") | evaluation.right_hand_sides("next")
     return np.array([moves[s] for s in model.states] + [evaluation[n] for n in model.derived])
 

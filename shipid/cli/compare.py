@@ -42,7 +42,7 @@ def compare(
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
     Trials of --validate are kept apart: reported, never ranked by.
     """
-    from shipid.identification.validation.compare_models import compare_models
+    from shipid.identification.compare_models import compare_models
     from shipid.parameters.catalogue import find_model, find_ship
 
     candidates = [find_model(m) for m in names_of(models)]

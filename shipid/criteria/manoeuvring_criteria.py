@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from shipid.criteria.criteria import (
     WORDING,
@@ -90,9 +91,11 @@ def manoeuvring_criteria(
     rudder = min(limit or _FULL, _FULL)
     steering = {"delta_max": limit or _FULL, "delta_rate": rate or _RATE}
     manoeuvres = StandardManoeuvres(model, velocity, length, rudder, steering)
-    sets, about = _sets(fit, model, own, known, draws)
-    sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
-    spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
+    # The matrices are small: several threads on each cost more than they bring.
+    with threadpool_limits(1, "blas"):
+        sets, about = _sets(fit, model, own, known, draws)
+        sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
+        spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
     lost = sorted({kind for point, _ in sides for kind in point.lost})
     notes = [f"The model runs away in: {', '.join(lost)}. It has no number there."] if lost else []
     notes += _scope(length, velocity, model)

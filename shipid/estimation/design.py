@@ -1,4 +1,4 @@
-"""The design of a filter: everything its settings say, read once, and the functions that are generated from it.
+"""The design of a filter: its settings, read and checked once, and the functions that are generated from them.
 
 A design never changes. The filter, its results, the smoother, the likelihood and the saved state of an online filter all
 read it.
@@ -58,7 +58,7 @@ class FilterSettings:
     Attributes
     ----------
     values, measured, estimated, noise, initial, start, rates, inputs, lost, ranges, gate, patience, log
-        Coefficients, sensors, estimated parameters, noise, first estimates, and what becomes of samples.
+        Coefficients, sensors, estimated parameters, noise, first estimates, and the treatment of samples.
     shared_noise, model_noise, switchable : bool
         How noise of inputs, of the model and of held parameters is taken.
     method, hold, substeps, form, compiled, single
@@ -91,7 +91,7 @@ class FilterSettings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FilterDesign:
-    """A filter as its settings make it, SI; made by `design_filter`.
+    """A filter as its settings define it, SI; made by `design_filter`.
 
     Attributes
     ----------
@@ -104,9 +104,9 @@ class FilterDesign:
     instruments : Instruments
         Sensors and inputs.
     sources : tuple of NoiseSource
-        What drives states and inputs.
+        The noise of states and inputs.
     first : FirstEstimates
-        What is known before the first sample.
+        First estimates of states and parameters.
     equations : Equations
         One sampling interval as expressions.
     step_settings : StepSettings
@@ -168,12 +168,12 @@ class FilterDesign:
 
     @property
     def gate(self) -> Gate | None:
-        """When samples are rejected; None where every one is taken in."""
+        """When samples are rejected; None where every sample is accepted."""
         return self.step_settings.gate
 
     @property
     def form(self) -> Form:
-        """What is carried of the covariance."""
+        """The form in which the covariance is carried."""
         return self.step_settings.form
 
     @property
@@ -230,7 +230,7 @@ class FilterDesign:
 
     @functools.cached_property
     def gramian(self) -> Loop:
-        """The loop that adds up what the samples show of the first state, compiled once."""
+        """The loop that sums the observability Gramian, compiled once."""
         return make_loop(make_gramian_step(self.equations), self.compiled)
 
     def score(self, unknowns: tuple[Unknown, ...]) -> Loop:
@@ -248,7 +248,7 @@ class FilterDesign:
 
     @functools.cached_property
     def fingerprint(self) -> str:
-        """A hash of everything that makes two filters the same."""
+        """A hash of all that two filters must have in common to be the same."""
         settings, instruments = self.step_settings, self.instruments
         parts = (
             self.system.digest,
@@ -366,7 +366,7 @@ def design_filter(
 
 
 def _gate(given: FilterSettings) -> Gate | None:
-    """Return the gate of the settings, and refuse forms and gates that do not fit."""
+    """Return the gate of the settings; raise an error for a form or a gate that does not fit."""
     if given.form not in FORMS:
         raise UnknownNameError("form of the filter", given.form, FORMS)
     if given.switchable and given.form != "covariance":
@@ -375,9 +375,9 @@ def _gate(given: FilterSettings) -> Gate | None:
         return None
     if not given.gate > 0:
         raise UsageError(
-            f"a gate of {given.gate:g} standard deviations lets nothing in; give one greater than zero, or None."
+            f"a gate of {given.gate:g} standard deviations rejects every sample; give one greater than zero, or None."
         )
     patience = to_si(given.patience, "s", "the patience")
     if patience < 0:
-        raise UsageError(f"a patience of {given.patience} is over before it begins; give '0 s' or more.")
+        raise UsageError(f"a patience of {given.patience} is negative; give '0 s' or more.")
     return Gate(given.gate, patience)

@@ -1,4 +1,4 @@
-"""What can be wrong with a filter: one class a cause."""
+"""Errors of filters: one class for each cause."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ class NotMeasurableError(UsageError):
 
 
 class SensorRateError(UsageError):
-    """A sensor said to be read more often than the record has samples."""
+    """A sensor that is to be read more often than the record is sampled."""
 
 
 class FilterDivergedError(ShipidError):
-    """The estimate ran away to values that are not finite."""
+    """The estimate diverged: it is no longer finite."""
 
     exit_code = ExitCode.NO_CONVERGENCE
 

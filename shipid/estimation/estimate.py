@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from shipid.declaration.model import Entry
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import uncertain_text
 from shipid.foundation.statistics import interval_95, plain
 
 #: A coefficient whose standard deviation is a larger share of its size is not determined.
@@ -69,8 +70,8 @@ class Estimate:
         }
 
     def __str__(self) -> str:
-        value, std = (float("nan") if v is None else v for v in (self.value, self.std))
-        return f"{self.name:<12s}{value:11.4g} ± {std:.2g} {pretty(self.unit)}   {self.meaning}"
+        value = uncertain_text(self.value, self.std)
+        return f"{self.name:<12s}{value:>20s} {pretty(self.unit)}   {self.meaning}"
 
 
 def is_determined(value: float, std: float) -> bool:
@@ -116,7 +117,7 @@ def estimate_of(
     Returns
     -------
     Estimate
-        Determined where nothing speaks against it and the standard deviation is below half of the value.
+        Determined where `why` is empty and the standard deviation is below half of the value.
     """
     ends = tuple(plain(end) for end in ci95 or interval_95(value, std))
     return Estimate(

@@ -1,4 +1,4 @@
-"""The extended Kalman filter of a declared model: a list of sensors is all it takes."""
+"""The extended Kalman filter of a declared model; it needs only a list of sensors."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ class ExtendedKalmanFilter:
         Coefficients that go before the ship's, SI: those of a fit.
     measured : mapping of str to str or None, optional
         Standard deviation of one sample of each sensor, with units: ``{"psi": "0.2 deg"}``; None takes what a declared
-        output says. By default every declared output.
+        output states. By default every declared output.
     estimated : sequence of str, optional
         Parameters that are estimated as random walks, positive ones by their logarithm; by default those that are declared
         with noise.
     noise : mapping of str to str, optional
         What drives states, inputs and estimated parameters. In the quantity's own unit it is the standard deviation of one
         sample; per root second (``"0.01 deg/s^1.5"`` on a rate of turn) a density, of an input times root second. What the
-        declaration says holds where nothing is given.
+        declaration states holds where nothing is given.
     initial : mapping of str to str, optional
         Standard deviations of the first estimates, with units.
     start : mapping of str to str, optional
@@ -64,7 +64,7 @@ class ExtendedKalmanFilter:
     ranges : mapping of str to tuple of str, optional
         Smallest and largest value a sensor can show, with units; samples outside are left out and counted.
     gate : float or None
-        Samples whose innovation exceeds so many standard deviations are rejected and counted; None takes in all.
+        Samples whose innovation exceeds so many standard deviations are rejected and counted; None accepts all.
     patience : str
         After so long a sensor that keeps being rejected, and whose value changes, is accepted again.
     log : sequence of str, optional
@@ -88,7 +88,7 @@ class ExtendedKalmanFilter:
     Attributes
     ----------
     design : FilterDesign
-        Everything the settings say, read once.
+        The settings, read and checked once.
 
     Raises
     ------
@@ -205,7 +205,7 @@ class ExtendedKalmanFilter:
         Raises
         ------
         FilterDivergedError
-            If the estimate runs away.
+            If the estimate diverges.
         NotMeasurableError
             If the record lacks a sensor.
         UnstatedInputError
@@ -221,7 +221,7 @@ class ExtendedKalmanFilter:
         return FilterRun(design, columns_of(record)[1], arranged, control, start, out)
 
     def smooth(self, run: FilterRun) -> Smoothed:
-        """Return the estimate of each moment from every sample of a filtered record.
+        """Return the estimate at each sample from all samples of a filtered record.
 
         Parameters
         ----------
@@ -254,7 +254,7 @@ class ExtendedKalmanFilter:
 
     def _check_own(self, run: FilterRun) -> None:
         if run.design is not self.design and run.design.fingerprint != self.design.fingerprint:
-            raise UsageError(f"the run of record {run.record} is of another filter, {run.design!r}; ask that filter.")
+            raise UsageError(f"the run of record {run.record} is of another filter, {run.design!r}; use that filter.")
 
     def likelihood(self, record: FilterRecord, unknowns: Sequence[str]) -> Likelihood:
         """Return the likelihood of a record as a function of unknowns, with its exact gradient.
@@ -274,7 +274,7 @@ class ExtendedKalmanFilter:
         Parameters
         ----------
         lag : str, optional
-            Fixed lag, ``"10 s"``: estimates so long ago are smoothed by what came since.
+            Fixed lag, ``"10 s"``: estimates so long ago are smoothed with the samples since.
 
         Returns
         -------
@@ -302,7 +302,7 @@ class ExtendedKalmanFilter:
 
 
 def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -> None:
-    """Refuse estimates that ran away.
+    """Raise an error if the estimates diverged.
 
     Parameters
     ----------
@@ -321,6 +321,6 @@ def check_finite(design: FilterDesign, arranged: Arrangement, out: np.ndarray) -
     good = np.isfinite(out[:, : design.layout.full["var"].stop]).all(axis=1)
     if not good.all():
         raise FilterDivergedError(
-            f"the filter of model {design.base.name} runs away {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
-            "nearer to the truth (start, initial), let the states be driven by more noise, or estimate fewer parameters."
+            f"the filter of model {design.base.name} diverges {arranged.t[np.argmin(good)]:.5g} s into the record. Start "
+            "closer to the true state (start, initial), put more noise on the states, or estimate fewer parameters."
         )

@@ -83,6 +83,26 @@ def uncertain(value: float | None, std: float | None) -> str:
     return f"({both}) × 10{str(power).translate(_SUPERSCRIPT)}" if power else both
 
 
+def uncertain_text(value: float | None, std: float | None) -> str:
+    """Return the same for a terminal: an ASCII minus sign, and powers of ten as in ``1.2e-07``.
+
+    Parameters
+    ----------
+    value, std : float or None
+        The value and its standard deviation.
+    """
+    if value is None or not _is_number(value):
+        return NO_NUMBER
+    if std is None or not _is_number(std) or std < 1 / _LARGEST:
+        return f"{value:.6g}"
+    place = _last_place(std)
+    # Past six decimals or six figures before the point, powers of ten read better.
+    if 0 <= place <= 6 and abs(value) < 1e6:
+        return f"{value:.{place}f} ± {std:.{place}f}"
+    figures = max(1, floor(log10(max(abs(value), std))) + place + 1)
+    return f"{value:.{min(figures, 12)}g} ± {std:.2g}"
+
+
 def interval(ends: tuple[float, float] | None, std: float | None) -> str:
     """Return ``1.582 to 1.606``, to the place the standard deviation decides.
 
@@ -114,10 +134,15 @@ def _power(size: float) -> int:
 def _place(value: float, std: float) -> tuple[int, int | None]:
     """Power of ten to take out and the last decimal place; no place where the value would get too many digits."""
     power = _power(max(abs(value), std))
-    place = 1 - floor(log10(float(f"{std:.1e}")))
+    place = _last_place(std)
     if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
         return power, None
     return power, place
+
+
+def _last_place(std: float) -> int:
+    """The decimal place of the second digit of a standard deviation."""
+    return 1 - floor(log10(float(f"{std:.1e}")))
 
 
 def _fixed(value: float, power: int, place: int) -> str:

@@ -32,7 +32,7 @@ class CompilerNotice(UserWarning):
 
 
 @functools.cache
-def _compiler() -> tuple[str, str] | None:
+def find_compiler() -> tuple[str, str] | None:
     """Return the path and the version line of the C compiler, or None."""
     for candidate in (os.environ.get("CC"), "cc", "gcc", "clang"):
         path = shutil.which(candidate) if candidate else None
@@ -47,7 +47,14 @@ def _compiler() -> tuple[str, str] | None:
 
 
 @functools.cache
-def _notice(reason: str) -> None:
+def notice_once(reason: str) -> None:
+    """Warn that generated code is not compiled, once for each reason.
+
+    Parameters
+    ----------
+    reason : str
+        Why not.
+    """
     warnings.warn(
         f"generated code is not compiled ({reason}); it runs on CasADi's virtual machine, several times slower.",
         CompilerNotice,
@@ -98,9 +105,9 @@ def _compiled(
     """Generate, compile and load; None where that is not to be had."""
     if os.environ.get("SHIPID_COMPILE") == "0":
         return None
-    compiler = _compiler()
+    compiler = find_compiler()
     if compiler is None:
-        _notice("no C compiler found; install gcc or clang, or set CC")
+        notice_once("no C compiler found; install gcc or clang, or set CC")
         return None
     options: dict[str, Any] = {"with_header": False}
     if single:
@@ -114,7 +121,7 @@ def _compiled(
         return load(_build(source, key, compiler[0], flags))
     except (OSError, RuntimeError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", "") or str(error)
-        _notice(f"compiling failed: {detail.strip()[:200]}")
+        notice_once(f"compiling failed: {detail.strip()[:200]}")
         return None
 
 

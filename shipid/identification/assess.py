@@ -16,7 +16,7 @@ from shipid.identification.validation.trial_findings import findings_of
 
 
 def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = DRAWS, seed: int = 0) -> Fit:
-    """Assess a fit: weakly determined directions, residuals, prediction bands, and what is wrong with its trials.
+    """Assess a fit: weakly determined directions, residuals, prediction bands, and faults of its trials.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
     bands : bool
         Whether the manoeuvres of the trials are predicted with 95 % bands.
     findings : bool
-        Whether the trials' doctor is asked; it repairs nothing.
+        Whether the trials are checked for faults; nothing is repaired.
     draws : int
         Number of draws of the coefficients behind the bands.
     seed : int

@@ -22,9 +22,9 @@ class Assessment:
     residuals : mapping of str to Residuals
         Size and whiteness of the residuals of each signal.
     manoeuvres : mapping of str to PredictedManoeuvre, or None
-        The manoeuvre of each trial by its name, measured and predicted, with 95 % bands; None where they were not asked for.
+        The manoeuvre of each trial by its name, measured and predicted, with 95 % bands; None where they were not requested.
     findings : tuple of TrialFinding, or None
-        What the trials' doctor is sure of; None where it was not asked.
+        Faults found in the trials with confidence; None where they were not checked.
     """
 
     directions: tuple[NullDirection, ...]

@@ -1,4 +1,4 @@
-"""What can go wrong between trials and an identified ship."""
+"""Errors of identification: one class for each cause."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from shipid.foundation.errors import ShipidError
 
 
 class IdentificationError(ShipidError):
-    """The trials and the model do not make a problem that can be solved."""
+    """The trials and the model do not give a problem that can be solved."""
 
 
 class TrialTooShortError(IdentificationError):
@@ -26,4 +26,4 @@ class NotRegressableError(IdentificationError):
 
 
 class PosteriorError(IdentificationError):
-    """A posterior that cannot be sampled: no sampler, too many unknowns, or no end to it."""
+    """A posterior that cannot be sampled: no sampler, too many unknowns, or an improper density."""

@@ -36,7 +36,7 @@ class Fit:
     Attributes
     ----------
     model : Model
-        What was fitted.
+        The fitted model.
     ship : ParameterSet
         The identified ship: its particulars, and the coefficients with their standard deviations.
     method : str
@@ -44,7 +44,7 @@ class Fit:
     converged : bool
         Whether the search converged.
     message : str
-        What the search said, and what the reader has to know.
+        The message of the search, and notes for the reader.
     parameters : mapping of str to Estimate
         Fitted coefficients, then published ones that follow from them.
     fixed : mapping of str to float
@@ -64,17 +64,17 @@ class Fit:
     provenance : mapping
         Versions, and hashes of model and trials.
     identified : Identified
-        The record of the identification that everything else is worked out of.
+        The record of the identification, from which everything else is computed.
     ladder : tuple of Rung
-        What was tried, in order, and which of it was used.
+        The methods that were tried, in order, and which was used.
     loss : str
-        How residuals counted.
+        The loss of the residuals.
     levels : NoiseLevels or None
-        Noise that drives the states and noise of the sensors, where prediction error found them.
+        Noise that drives the states and noise of the sensors, where they were found by prediction error.
     assessment : Assessment or None
-        Bands, null directions, residuals and findings, where they were asked for (`shipid.assess`).
+        Bands, null directions, residuals and findings, where they were requested (`shipid.assess`).
     posterior : Posterior or None
-        A sampled posterior, where one was asked for (`sample_posterior`).
+        A sampled posterior, where one was requested (`sample_posterior`).
     """
 
     model: Model
@@ -159,7 +159,7 @@ class Fit:
         Parameters
         ----------
         draws : int
-            How many, over all walkers, after those that are thrown away.
+            Number of draws over all walkers, after the burn-in.
         seed : int
             Of the sampler.
 
@@ -168,7 +168,7 @@ class Fit:
         UsageError
             If the fit has no likelihood to sample, or the number of draws is too small.
         PosteriorError
-            If the sampler is not installed, the unknowns are too many, or some direction has no end.
+            If the sampler is not installed, the unknowns are too many, or the density is improper.
         """
         return posterior_of(self.identified, draws, seed)
 

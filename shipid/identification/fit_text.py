@@ -10,6 +10,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, to_display
 from shipid.estimation.estimate import Estimate
+from shipid.foundation.numbers import uncertain_text
 from shipid.identification.methods import METHODS
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -39,7 +40,7 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     comparisons : sequence of Comparison
         The trials beside their predictions.
     role : {"fitted", "predicted"}
-        What the fit did with them.
+        Whether they were fitted or predicted.
     """
     lines = []
     for c in comparisons:
@@ -121,20 +122,12 @@ def _angle(value: float | None) -> str:
 
 
 def _value_text(e: Estimate) -> str:
-    """A value with two digits of its standard deviation, and its unit."""
+    """A value with its standard deviation and its unit."""
     if e.value is None:
         return "runs to infinity"
-    unit = "" if pretty(e.unit) == "1" else f" {pretty(e.unit)}"
-    if not e.std:
-        return f"{e.value:.6g}{unit}"
-    decimals = 1 - int(np.floor(np.log10(e.std)))
-    # Past six decimals or six figures before the point, powers of ten read better.
-    if 0 <= decimals <= 6 and abs(e.value) < 1e6:
-        return f"{e.value:.{decimals}f} ± {e.std:.{decimals}f}{unit}"
-    figures = max(1, int(np.floor(np.log10(max(abs(e.value), e.std)))) + decimals + 1)
-    return f"{e.value:.{min(figures, 12)}g} ± {e.std:.2g}{unit}"
+    return uncertain_text(e.value, e.std) + ("" if pretty(e.unit) == "1" else f" {pretty(e.unit)}")
 
 
 def _error_text(signal: str, error: float) -> str:
-    """An error of a signal in the unit people read it in."""
+    """An error of a signal in its display unit."""
     return f"{signal} {shown(error, signal, digits=3)}" if np.isfinite(error) else f"{signal} runs away"

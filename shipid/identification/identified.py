@@ -1,6 +1,6 @@
-"""The record of an identification: the problem, where its search ended, and the ship that came of it.
+"""The record of an identification: the problem, its solution, and the identified ship.
 
-Everything that is worked out of an identification later (bands, directions, profiles, a posterior, predictions) reads this
+Everything that is computed from an identification later (bands, directions, profiles, a posterior, predictions) reads this
 record.
 """
 
@@ -23,7 +23,7 @@ from shipid.parameters.parameter_set import ParameterSet
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What was identified.
+    """The result of the search, before any assessment.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Identified:
     scale : Scale
         Its length and usual speed in the trials.
     solution : Solution
-        Where the search ended, with its problem.
+        The solution, with its problem.
     covariance : Covariance
         Covariance of all unknowns.
     parameters : mapping of str to Estimate

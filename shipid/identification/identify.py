@@ -1,4 +1,4 @@
-"""The verb: trials and a model in, an identified ship out."""
+"""Identification: from trials and a model to an identified ship."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def identify(
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Fit:
-    """Identify a model from trials, by output error unless told otherwise.
+    """Identify a model from trials, by output error unless another method is given.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def identify(
         By default the ladder of them: output error from several starts, one of them by equation error where the states
         are measured, and multiple shooting where it fails. A method that is named is the only one tried.
     loss : {"linear", "huber", "soft-l1"}
-        How residuals count: by their squares, or the largest less, so that wild samples decide nothing.
+        How residuals count: by their squares, or large ones less, so that outliers have little effect.
     rudder_bias : bool
         Whether each trial has a rudder bias of its own.
     starts : int
@@ -117,7 +117,7 @@ def identify(
     if purpose == "filter" and method is None:
         method = PURPOSES[purpose]
     if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
-        raise UsageError(f"the loss '{loss}' is one of output error; method {method} knows squares only.")
+        raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
     if not trials:
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
@@ -129,7 +129,7 @@ def identify(
         check_identifiable_input(trial)
         check_answer(trial, shown)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
-    # The trials to predict as well: what they lack is found before the search, not after it.
+    # The trials to predict are checked as well, so that missing columns are found before the search.
     everything = [prepare(setting.model, t, shown, own_speed, unit_time) for t in (*trials, *validate)]
     data = everything[: len(trials)]
     check_length(setting, trials)

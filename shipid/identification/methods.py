@@ -19,7 +19,7 @@ METHODS: dict[Method, str] = {
     "prediction-error": "prediction error through the Kalman filter",
 }
 #: Purpose: the method it leads to. None is the default: a fit for prediction is weighted by the errors of a low-order model and
-#: pools its biases; where the model is right its intervals hold the truth less often (`studies/coverage.py --for prediction`).
+#: pools its biases; where the model is exact its intervals contain the true value less often (`studies/coverage.py --for prediction`).
 PURPOSES: dict[Purpose, Method] = {"prediction": "output-error", "filter": "prediction-error"}
-#: Losses: squares, and two that count what lies far out less than by its square.
+#: Losses: squares, and two in which large residuals count less than their square.
 LOSSES: tuple[Loss, ...] = get_args(Loss)

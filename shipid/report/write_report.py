@@ -87,31 +87,31 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
     from shipid.identification.recursive.result import RecursiveIdentification
 
     if isinstance(result, Fit):
-        from shipid.report.views.fit import fit_page
+        from shipid.report.views.fit.page import fit_page
 
         return fit_page(result, criteria)
     if isinstance(result, FilterRun):
-        from shipid.report.views.filter import filter_page
+        from shipid.report.views.filter.page import filter_page
 
         return filter_page(result)
     if isinstance(result, Observability):
-        from shipid.report.views.filter import filter_page
+        from shipid.report.views.filter.page import filter_page
 
         return filter_page(result.run, result)
     if isinstance(result, RecursiveIdentification):
-        from shipid.report.views.recursive import recursive_page
+        from shipid.report.views.filter.recursive import recursive_page
 
         return recursive_page(result)
     if isinstance(result, Autopilot):
-        from shipid.report.views.tuning import design_page
+        from shipid.report.views.tuning.page import design_page
 
         return design_page(result)
     if isinstance(result, Judgement):
-        from shipid.report.views.tuning import tuning_page
+        from shipid.report.views.tuning.page import tuning_page
 
         return tuning_page(result)
     if isinstance(result, TuningComparison):
-        from shipid.report.views.tunings import comparison_page
+        from shipid.report.views.tuning.comparison import comparison_page
 
         return comparison_page(result)
     known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison"

@@ -17,7 +17,7 @@ CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
     ({"measured": {"delta": "1 deg"}}, NotMeasurableError, r"to measure called 'delta'.*It is given there"),
     ({"measured": {"psi": None}}, NoiseLevelError, r"sensor of 'psi' has no noise level.*as in psi='0\.2 deg'"),
     ({"measured": {"psi": "0 deg"}}, NoiseLevelError, r"noise of the sensor of 'psi' is 0 deg; a noise level is greater"),
-    ({"measured": {"psi": "-1 deg"}}, NoiseLevelError, r"is -1 deg; a noise level is greater than zero"),
+    ({"measured": {"psi": "-1 deg"}}, NoiseLevelError, r"is -1 deg; a noise level must be greater than zero"),
     ({"measured": {"psi": 0.2}}, UnitError, r"bare number 0\.2.*where the unit rad is needed"),
     ({"measured": {"psi": "0.2 m"}}, UnitError, r"needs the unit rad, and m does not fit it"),
     ({"noise": {"r": "0 deg/s"}}, NoiseLevelError, r"noise of 'r' is 0 deg/s; .*leave the noise out"),
@@ -29,18 +29,18 @@ CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
     ({"estimated": ["Kay"]}, UnknownNameError, r"no parameter in model yaw called 'Kay'"),
     ({"estimated": ["K"], "log": ["tau"]}, DeclarationError, r"'tau' is to be in log scale and is not among"),
     ({"initial": {"q": "1 deg"}}, UnknownNameError, r"no state of model yaw called 'q'"),
-    ({"initial": {"psi": "0 deg"}}, NoiseLevelError, r"first standard deviation of 'psi' is 0 deg; it is greater than zero"),
+    ({"initial": {"psi": "0 deg"}}, NoiseLevelError, r"first standard deviation of 'psi' is 0 deg; it must be greater than zero"),
     ({"start": {"q": "1 deg"}}, UnknownNameError, r"no state of model yaw to start called 'q'"),
     ({"rates": {"delta": "1 s"}}, NotMeasurableError, r"a rate is given for 'delta', which is not measured\. Measured: psi, r"),
-    ({"rates": {"psi": "0 s"}}, SensorRateError, r"'psi' is to be read every 0 s: an interval is longer than zero"),
+    ({"rates": {"psi": "0 s"}}, SensorRateError, r"'psi' is to be read every 0 s: an interval must be longer than zero"),
     ({"rates": {"psi": "-1 Hz"}}, SensorRateError, r"'psi' is to be read every -1 Hz"),
     ({"rates": {"psi": "1 m"}}, SensorRateError, r"interval of 'psi' needs the unit s, and m does not fit.*such as '0\.5 Hz'"),
     ({"ranges": {"psi": ("1 deg", "0 deg")}}, UsageError, r"range of 'psi' runs from 1 deg to 0 deg"),
     ({"ranges": {"delta": ("0 deg", "1 deg")}}, NotMeasurableError, r"a range is given for 'delta', which is not measured"),
     ({"inputs": {"rudder": "1 deg"}}, UnknownNameError, r"no input of model yaw called 'rudder'"),
     ({"lost": {"r": "1 deg/s"}}, UnknownNameError, r"no input of model yaw that can be lost called 'r'"),
-    ({"lost": {"delta": "0 deg"}}, NoiseLevelError, r"uncertainty of lost 'delta' is 0 deg; it is greater than zero"),
-    ({"gate": 0.0}, UsageError, r"a gate of 0 standard deviations lets nothing in"),
+    ({"lost": {"delta": "0 deg"}}, NoiseLevelError, r"uncertainty of lost 'delta' is 0 deg; it must be greater than zero"),
+    ({"gate": 0.0}, UsageError, r"a gate of 0 standard deviations rejects every sample"),
     ({"gate": -1.0}, UsageError, r"a gate of -1 standard deviations"),
     ({"patience": "-1 s"}, UsageError, r"patience of -1 s"),
     ({"form": "cholesky"}, UnknownNameError, r"no form of the filter 'cholesky'|form of the filter"),
@@ -73,9 +73,7 @@ def test_a_parameter_that_starts_at_zero_and_may_be_anything(setup: Any) -> None
     base = kalman.design.base
     entry = replace(base["b"], quantity=replace(base["b"].quantity, low=None, high=None))
     free = replace(base, entries={**base.entries, "b": entry})
-    with pytest.raises(
-        NoiseLevelError, match=r"'b' starts at zero, and nothing gives its standard deviation: give initial=\{'b'"
-    ):
+    with pytest.raises(NoiseLevelError, match=r"'b' starts at zero and has no standard deviation: give initial=\{'b'"):
         ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"])
     given = ExtendedKalmanFilter(free, kalman.design.ship, measured=SENSORS, estimated=["b"], initial={"b": "0.05 rad"})
     assert (
@@ -90,7 +88,7 @@ def test_a_parameter_that_starts_nowhere(models: Any) -> None:
     base = models["yaw"]
     entry = replace(base["b"], quantity=replace(base["b"].quantity, start=None))
     model = replace(base, entries={**base.entries, "b": entry})
-    with pytest.raises(NoiseLevelError, match=r"nothing says where the estimate of 'b' starts: give start=\{'b'"):
+    with pytest.raises(NoiseLevelError, match=r"the estimate of 'b' has no first value: give start=\{'b'"):
         ExtendedKalmanFilter(model, measured=SENSORS, estimated=["K", "tau", "b"])
 
 
@@ -127,7 +125,7 @@ def test_records(models: Any, ship: Any) -> None:
         kalman.filter(bare, adapt=False)
     with pytest.raises(UnknownNameError, match=r"no noise to scale called 'wind'"):
         kalman.filter(bare, scale={"wind": 2.0})
-    with pytest.raises(UsageError, match=r"factors on the noise of 'r': 3 of them, and the record has 20 samples"):
+    with pytest.raises(UsageError, match=r"factors on the noise of 'r': 3 values, and the record has 20 samples"):
         ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, noise={"r": "0.1 deg/s"}).filter(
             bare, scale={"r": np.ones(3)}
         )
@@ -135,7 +133,7 @@ def test_records(models: Any, ship: Any) -> None:
 
 def test_adapt_has_one_entry_a_sample(models: Any, ship: Any) -> None:
     kalman = ExtendedKalmanFilter(models["yaw"], ship, measured=SENSORS, estimated=["K"], switchable=True)
-    with pytest.raises(UsageError, match=r"'adapt': 3 of them, and the record has 20 samples"):
+    with pytest.raises(UsageError, match=r"'adapt': 3 values, and the record has 20 samples"):
         kalman.filter(record(), adapt=np.ones(3, dtype=bool))
 
 

@@ -172,7 +172,7 @@ def test_runs_away_is_an_error(setup: Any) -> None:
     hand = setup("surge", {"log": 50.0}, density={"u": 1e-6})
     t = np.arange(400.0)
     record = {"t": t, "thrust": np.full(400, -5.0), "log": np.where(t < 1, -1.0, np.nan)}
-    with pytest.raises(FilterDivergedError, match=r"model surge runs away .* s into the record\. Start nearer"):
+    with pytest.raises(FilterDivergedError, match=r"model surge diverges .* s into the record\. Start closer"):
         hand.kalman.filter(record)
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, uncertain
+from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, uncertain, uncertain_text
 from shipid.foundation.numbers import given as as_given
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
@@ -30,9 +30,32 @@ def test_two_digits_of_the_standard_deviation_decide(value, std, shown):
     assert uncertain(value, std) == shown
 
 
+@pytest.mark.parametrize(
+    ("value", "std", "shown"),
+    [
+        (1.5937, 0.00602, "1.5937 ± 0.0060"),
+        (-0.0247, 0.0215, "-0.025 ± 0.021"),
+        (0.99, 0.0996, "0.99 ± 0.10"),
+        (1.23456e-7, 2e-9, "1.235e-07 ± 2e-09"),
+        (7.654321e6, 1234.0, "7.6543e+06 ± 1.2e+03"),
+        (1.25, None, "1.25"),
+        (float("inf"), 1.0, NO_NUMBER),
+    ],
+)
+def test_the_same_for_a_terminal(value, std, shown):
+    assert uncertain_text(value, std) == shown
+
+
 @given(FLOATS, FLOATS)
 def test_no_number_is_ever_nan_or_infinite_text(value, std):
-    for text in (number(value), fixed(value, 2), uncertain(value, std), interval((value, value), std), as_given(value)):
+    for text in (
+        number(value),
+        fixed(value, 2),
+        uncertain(value, std),
+        interval((value, value), std),
+        as_given(value),
+        uncertain_text(value, std),
+    ):
         assert "nan" not in text
         assert "inf" not in text
 

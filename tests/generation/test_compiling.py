@@ -27,16 +27,16 @@ def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A cache folder of this test's own, and nothing remembered of the compiler or of notices."""
     monkeypatch.setenv("SHIPID_CACHE", str(tmp_path / "cache"))
     monkeypatch.delenv("SHIPID_COMPILE", raising=False)
-    for remembered in (compiling._compiler, compiling._notice, make_record):
+    for remembered in (compiling.find_compiler, compiling.notice_once, make_record):
         remembered.cache_clear()
     yield tmp_path / "cache"
-    for remembered in (compiling._compiler, compiling._notice, make_record):
+    for remembered in (compiling.find_compiler, compiling.notice_once, make_record):
         remembered.cache_clear()
 
 
 @pytest.fixture
 def compiler() -> None:
-    if compiling._compiler() is None:
+    if compiling.find_compiler() is None:
         pytest.skip("there is no C compiler on this machine")
 
 
@@ -89,7 +89,7 @@ def test_another_function_is_another_library(fresh: Path) -> None:
 def without_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CC", "/nowhere/cc")
     monkeypatch.setenv("PATH", "")
-    compiling._compiler.cache_clear()
+    compiling.find_compiler.cache_clear()
 
 
 def test_without_a_compiler_there_is_one_notice(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -137,7 +137,7 @@ def test_a_compiler_that_does_not_say_its_version_is_passed_over(
 ) -> None:
     monkeypatch.setenv("PATH", "")
     monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", "exit 1"))
-    assert compiling._compiler() is None
+    assert compiling.find_compiler() is None
 
 
 def test_a_cache_that_cannot_be_made_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

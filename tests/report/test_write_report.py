@@ -12,6 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
+from shipid.foundation.numbers import number
 from shipid.identification.uncertainty.posterior import Posterior
 from shipid.report import write_report as report
 from shipid.report.write_report import render, write_report
@@ -60,7 +61,7 @@ def test_every_section_and_trial_is_there(which, request, read_page):
 def test_the_answer_comes_first_in_words(fit, text, read_page):
     lead = read_page(text).text
     rms = np.rad2deg(fit.validation[0].rmse["psi"])
-    assert f"{rms:.2g} deg rms (second)" in lead[: lead.index("Coefficients")]
+    assert f"{number(rms, 2)} deg rms (second)" in lead[: lead.index("Coefficients")]
     assert "The search converged" in lead
     assert 'class="box warning"' not in text
 

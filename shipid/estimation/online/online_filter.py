@@ -28,7 +28,7 @@ from shipid.generation.loop import Stepper
 
 @dataclass(frozen=True, eq=False)
 class OnlineEstimate:
-    """What is known after a sample.
+    """The estimate after a sample.
 
     Attributes
     ----------
@@ -37,11 +37,11 @@ class OnlineEstimate:
     x, std : ndarray, shape (states,)
         Estimates and standard deviations, SI.
     taken, rejected : tuple of str
-        Sensors whose sample was taken in, and whose sample was beyond the gate or out of range.
+        Sensors whose sample was used, and whose sample was beyond the gate or out of range.
     refused : str
         Why the whole sample was refused; empty where it was not.
     lagged : tuple or None
-        ``(t, x, std)`` of the moment one lag ago, smoothed by what came since.
+        ``(t, x, std)`` one lag ago, smoothed with the samples since.
     design : FilterDesign
         Which filter.
     """
@@ -83,7 +83,7 @@ class OnlineEstimate:
 
 
 class _Row(NamedTuple):
-    """A row that the fixed-lag smoother runs back over."""
+    """A row of the fixed-lag smoother's window."""
 
     t: float
     before: np.ndarray
@@ -107,7 +107,7 @@ class OnlineFilter:
     rejected : dict of str to int
         Samples of each sensor beyond the gate or out of range so far.
     stepper : Stepper or None
-        The bare step on memory laid out once (`control`, `step()`, `out`), for a loop in which microseconds count; None
+        The step alone on fixed memory (`control`, `step()`, `out`), for a loop in which microseconds count; None
         before the first sample.
 
     Raises
@@ -118,7 +118,7 @@ class OnlineFilter:
 
     def __init__(self, design: FilterDesign, lag: float | None = None) -> None:
         if lag is not None and not lag > 0:
-            raise UsageError(f"a lag of {lag:g} s smooths nothing; give one greater than zero.")
+            raise UsageError(f"a lag of {lag:g} s is too short; give one greater than zero.")
         self.design, self.lag = design, lag
         self.rejected = dict.fromkeys(design.measured, 0)
         self.stepper: Stepper | None = None
@@ -146,12 +146,12 @@ class OnlineFilter:
     def update(
         self, sample: Mapping[str, float], *, adapt: bool = True, scale: Mapping[str, float] | None = None
     ) -> OnlineEstimate:
-        """Take in a sample.
+        """Process a sample.
 
         Parameters
         ----------
         sample : mapping of str to float
-            ``t`` in s and, SI, what there is of sensors and inputs. A sensor that is missing or NaN showed nothing; an input
+            ``t`` in s and, SI, the sensors and inputs there are. A sensor that is missing or NaN has no sample; an input
             that is missing keeps its last value.
         adapt : bool
             Whether parameters adapt (needs ``switchable=True``).
@@ -169,7 +169,7 @@ class OnlineFilter:
         UnstatedInputError
             If the first sample lacks an input that declares no default.
         FilterDivergedError
-            If the estimate runs away.
+            If the estimate diverges.
         """
         check_switch(self.design, not adapt)
         check_scale(self.design, scale)
@@ -206,7 +206,7 @@ class OnlineFilter:
         carried : ndarray, shape (carried,)
             What is known before the first sample.
         """
-        # What was known before and after each row is only needed to smooth; the brief step is the faster one.
+        # Estimates before and after each row are only needed to smooth; the brief step is faster.
         return self.design.loop(full=self.lag is not None).one_at_a_time(carried, self.design.constants)
 
     def _write(
@@ -237,7 +237,7 @@ class OnlineFilter:
         for name in tuple(self._unseen):
             i = self.design.measured.index(name)
             if there[i]:
-                # A state that nothing has shown so far starts where its sensor first shows it.
+                # A state that has had no sample so far starts at the first sample of its sensor.
                 self._unseen.remove(name)
                 state = self.design.instruments.quantity_of(name)
                 if state in states:
@@ -260,8 +260,8 @@ class OnlineFilter:
         estimate = self._estimate(tuple(n for n, f in zip(design.measured, fate) if f == TAKEN), rejected, "")
         if not math.isfinite(float(estimate.x.sum())):
             raise FilterDivergedError(
-                f"the filter of model {design.base.name} runs away at {self.t:.5g} s. Restore an earlier state, or start "
-                "nearer to the truth with more noise on the states."
+                f"the filter of model {design.base.name} diverges at {self.t:.5g} s. Restore an earlier state, or start "
+                "closer to the true state with more noise on the states."
             )
         return estimate
 
@@ -303,7 +303,7 @@ class OnlineFilter:
             If no sample has come yet.
         """
         if self.stepper is None:
-            raise UsageError("a filter that has taken no sample has no state to save.")
+            raise UsageError("a filter without a sample has no state to save.")
         out = self.stepper.out[: self.design.layout.brief["ll"].stop]
         state = self._reader.state | {
             "carried": [float(v).hex() for v in self.stepper.z],

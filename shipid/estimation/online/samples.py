@@ -18,7 +18,7 @@ from shipid.generation.simulator import unstated_input
 
 
 class SampleReader:
-    """What a filter or a recursion makes of samples before it estimates.
+    """The preparation of samples for a filter or a recursion.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class SampleReader:
 
     @property
     def state(self) -> dict[str, Plain]:
-        """Everything it remembers, as plain values; numbers as text that keeps every digit."""
+        """Its state as plain values; numbers as text that keeps every digit."""
         return {
             "began": float(self._began or 0.0).hex(),
             "clock": [[float(v).hex() for v in part] for part in self.clock.state],
@@ -92,7 +92,7 @@ class SampleReader:
         return elapsed
 
     def begin(self) -> None:
-        """Take the sample whose time was read last for the first one: nothing was wrong with it."""
+        """Take the sample whose time was read last as the first one; it is not counted as refused."""
         self._began = self.clock.now
 
     def why_refused(self, sample: Mapping[str, float]) -> str:

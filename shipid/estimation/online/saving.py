@@ -61,8 +61,8 @@ def read_state(path: Path, fingerprint: str, what: str) -> dict[str, Plain]:
         raise not_a_state(path, what)
     if state["schema"] != _SCHEMA or state.get("filter") != fingerprint:
         raise SavedStateError(
-            f"{path} was saved by another {what} (of model {state.get('model')}): model, ship, sensors, noise and options have "
-            "to be the same. Make it as it was, or start a new one."
+            f"{path} was saved by another {what} (of model {state.get('model')}): model, ship, sensors, noise and options must "
+            "be the same. Use the same settings, or start a new one."
         )
     return state
 
@@ -77,4 +77,4 @@ def not_a_state(path: Path, what: str) -> SavedStateError:
     what : str
         What it should be the state of.
     """
-    return SavedStateError(f"{path} is no saved state of a {what}: start a new one with start().")
+    return SavedStateError(f"{path} is not the saved state of a {what}: start a new one with start().")

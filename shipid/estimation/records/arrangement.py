@@ -1,6 +1,6 @@
 """From a record to the rows of a filter: inputs, intervals, what each sensor shows and when it is there.
 
-A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; what becomes of time stamps that
+A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; the treatment of time stamps that
 cannot be right is explained in `shipid.estimation.records.clock`.
 """
 
@@ -127,8 +127,8 @@ def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
     forward, t = filter_time(columns["t"])
     if not t.size or (t.size == 1 < forward.size):
         raise UsageError(
-            f"the times 't' of record {name} do not run forward: of {forward.size} stamps {t.size} can be used. They are in s, "
-            f"rise, and lie no more than {LONGEST_GAP:g} s apart."
+            f"the times 't' of record {name} do not increase: of {forward.size} stamps {t.size} can be used. They must be in s, "
+            f"increase, and lie no more than {LONGEST_GAP:g} s apart."
         )
     columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
     z, there, limited = _sensor_table(instruments, columns, name)
@@ -248,7 +248,7 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
         before = speed_before(columns["t"], columns["u"], columns.get("delta"), instruments.scale.unit_time)
         if before is not None:
             given["cruise"] = before.value
-    # A column without a number states nothing, unless the user said how uncertain the input is while it is missing.
+    # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
     given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
     given |= instruments.inputs
     return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T

@@ -1,4 +1,4 @@
-"""Time stamps that cannot be right: repeated, jumping back, or jumping ahead by more than a pause is long.
+"""Invalid time stamps: repeated, jumping back, or jumping ahead by more than the longest pause.
 
 One such stamp is left out. When three in a row agree with each other the clock itself has been set, and the filter goes on
 with the new one: otherwise it would leave out all samples until the old time is reached again, and one stamp far ahead
@@ -18,7 +18,7 @@ LONGEST_GAP, CONFIRMED = 600.0, 3
 LONGEST_STEP, MOST_STEPS = 4.0, 2000
 #: The sampling interval is the median of so many of the last.
 _RECENT = 9
-#: A stamp so many seconds from zero is no time: three thousand years, beyond which a double loses the milliseconds as well.
+#: Longest time from zero in s that is valid: three thousand years, beyond which a double loses the milliseconds as well.
 LATEST = 1e11
 
 
@@ -35,7 +35,7 @@ class FilterClock:
     last : float or None
         The last stamp that was used, in s; None before the first.
     shift : float
-        What the filter's time is ahead of the stamps, in s: the clocks that were set back since the first sample.
+        How far the filter's time is ahead of the stamps, in s: the sum of all clock changes since the first sample.
     """
 
     def __init__(self, typical: float = 0.0) -> None:
@@ -56,7 +56,7 @@ class FilterClock:
 
     @property
     def state(self) -> list[list[float]]:
-        """Everything it remembers, as numbers."""
+        """Its state, as numbers."""
         return [[self.last or 0.0, self.shift], self._recent, self._suspect]
 
     @state.setter
@@ -129,7 +129,7 @@ def filter_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     t : ndarray, shape (N,)
         Time stamps in s.
     """
-    with np.errstate(invalid="ignore"):  # what is no number follows nothing
+    with np.errstate(invalid="ignore"):  # NaN and infinity are not used
         t = np.where(np.abs(t) < LATEST, t, np.nan)
         d = np.diff(t)
     bad = np.flatnonzero(~((d > 0) & (d <= LONGEST_GAP)))
@@ -138,7 +138,7 @@ def filter_time(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     kept, own = np.zeros(t.size, dtype=bool), np.array(t, dtype=float)
     good = d[(d > 0) & (d <= LONGEST_GAP)]
     clock = FilterClock(float(np.median(good)) if good.size else 0.0)
-    # Between two stamps that cannot be right all follow each other: where one of them is used, so is the rest.
+    # Between two invalid stamps all follow each other: where one of them is used, so are the others.
     for a, b in zip([0, *(bad + 1)], [*(bad + 1), t.size]):
         first = next((k for k in range(a, b) if clock.elapsed(float(t[k])) is not None), b)
         kept[first:b] = True

@@ -6,9 +6,9 @@ import numpy as np
 
 from shipid.foundation.statistics import ljung_box
 
-#: Lags of the whiteness test: enough for a swing of a ship sampled a few times a second, few enough for a short record.
+#: Lags of the whiteness test: enough for a ship's oscillation sampled a few times a second, few enough for a short record.
 _LAGS = 20
-#: Fewer values say nothing about their correlation.
+#: Smallest number of values that is tested.
 _FEWEST = 30
 
 

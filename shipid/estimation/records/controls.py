@@ -60,7 +60,7 @@ def controls_of(
 
 
 def check_switch(design: FilterDesign, off: bool) -> None:
-    """Refuse to switch adaptation off where the filter was not made for it.
+    """Raise an error if adaptation is switched off and the filter was not made for it.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def check_switch(design: FilterDesign, off: bool) -> None:
 
 
 def check_scale(design: FilterDesign, scale: Collection[str] | None) -> None:
-    """Refuse a factor on a noise that the filter does not have.
+    """Raise an error for a factor on a noise that the filter does not have.
 
     Parameters
     ----------
@@ -103,5 +103,5 @@ def _each(values: np.ndarray, arranged: Arrangement, what: str) -> np.ndarray:
     if not values.ndim:
         return np.broadcast_to(values, arranged.forward.sum())
     if values.shape != arranged.forward.shape:
-        raise UsageError(f"{what}: {values.size} of them, and the record has {arranged.forward.size} samples.")
+        raise UsageError(f"{what}: {values.size} values, and the record has {arranged.forward.size} samples.")
     return np.asarray(values[arranged.forward])

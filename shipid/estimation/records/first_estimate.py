@@ -1,4 +1,4 @@
-"""The estimate before the first sample, from what the settings and that sample say."""
+"""The estimate before the first sample, from the settings and from that sample."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def first_estimate(design: FilterDesign, sample: Mapping[str, float]) -> tuple[n
     design : FilterDesign
         The filter.
     sample : mapping of str to float
-        The first sample: what it shows of a state is where the state starts.
+        The first sample: a state that it measures starts at the measured value.
     """
     first, states = design.first, design.model.states
     sensors = {design.instruments.quantity_of(n): float(level) for n, level in zip(design.measured, design.r)}
@@ -83,7 +83,7 @@ def carried_vector(design: FilterDesign, sample: Mapping[str, float], inputs: np
     joint = np.zeros(layout.joint)
     joint[: layout.n] = deviation
     z[places["P"]] = _diagonal(joint, design.form)
-    # Nothing is remembered yet: no last value, and no difference of two.
+    # The gate's memory is empty: no last value, and no difference of two.
     z[places["last"]] = z[places["grain"]] = np.inf
     return z
 

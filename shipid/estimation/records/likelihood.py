@@ -57,7 +57,7 @@ class Likelihood:
         Returns
         -------
         value : float
-            Logarithm of the likelihood; minus infinity where the filter runs away.
+            Logarithm of the likelihood; minus infinity where the filter diverges.
         gradient : ndarray, shape (unknowns,)
         information : ndarray, shape (unknowns, unknowns)
             Fisher's, summed over the record.
@@ -104,7 +104,7 @@ def make_likelihood(design: FilterDesign, record: FilterRecord, unknowns: Sequen
     Raises
     ------
     UnknownNameError
-        If an unknown is none of the filter.
+        If the filter has no such unknown.
     """
     layout = StepLayout(design.equations, bare(design.step_settings))
     places = tuple(_place(design, layout, n) for n in unknowns)

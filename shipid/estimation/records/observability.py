@@ -1,8 +1,8 @@
 """Which directions of the state the sensors do not show, at the points where the filter was linearised.
 
-The observability Gramian adds up what every sample shows of the first state, ``W = sum Phi' H' R^-1 H Phi``, with the exact
+The observability Gramian sums the information of every sample on the first state, ``W = sum Phi' H' R^-1 H Phi``, with the exact
 transitions and sensor rows of the run. Scaled by the first standard deviations its eigenvalues are the information gained in
-that of the first estimate. Along a direction whose eigenvalue is zero no sample shows anything: the error of the first
+that of the first estimate. Along a direction whose eigenvalue is zero the samples hold no information: the error of the first
 estimate stays, even where the filter's covariance shrinks.
 """
 
@@ -18,13 +18,13 @@ from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
 
-#: Eigenvalue, as a share of the largest, that rounding leaves of a zero.
+#: Eigenvalue, as a share of the largest, below which it is zero but for rounding.
 _NULL = 1e-12
 #: Information below which a record hardly reduces the first standard deviation along a direction.
 _WEAK = 1e-2
 #: Part of a direction below which a state is not named in it.
 _NAMED = 0.05
-#: Samples that are looked at: transitions of an unstable ship over a long record would overflow.
+#: Largest number of samples used: transitions of an unstable ship over a long record would overflow.
 _ENOUGH = 4000
 
 
@@ -37,7 +37,7 @@ class UnseenDirection:
     weights : mapping of str to float
         What changes together along it, in first standard deviations, largest 1.
     information : float
-        Gained in that of the first estimate: 1 halves the variance; 0 for a direction that no sensor shows.
+        Information gained, in units of that of the first estimate: 1 halves the variance; 0 if no sensor shows the direction.
     """
 
     weights: dict[str, float]
@@ -76,7 +76,7 @@ class Observability:
 
     @property
     def messages(self) -> tuple[str, ...]:
-        """One sentence for each direction that is not observed."""
+        """One sentence for each direction that is not observable."""
         said = []
         for d in self.unobservable:
             if len(d.weights) == 1:
@@ -130,7 +130,7 @@ def observability(run: FilterRun) -> Observability:
     gramian = end[n * n :].reshape(n, n, order="F")
     values, vectors = np.linalg.eigh((gramian + gramian.T) / 2)
     values = np.maximum(values, 0.0)
-    # A zero is one beside what the same states are shown in other directions.
+    # An eigenvalue is zero in relation to the information on the same states in other directions.
     null = values <= _NULL * max(float(values[-1]), 1.0)
     names = design.model.states
     unobservable = tuple(UnseenDirection(w, 0.0) for w in _described(vectors[:, null], names))

@@ -1,4 +1,4 @@
-"""What a filter made of a record."""
+"""The result of a filter on a record."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from shipid.foundation.statistics import interval_95
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What is reported of an estimate as plain values.
+#: The fields of an estimate that are reported as plain values.
 _REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
 
 
 @dataclass(frozen=True)
 class Innovations:
-    """Innovations of one sensor: what it showed less what was expected, given the sensors before it in the same sample.
+    """Innovations of one sensor: measured less predicted value, given the sensors before it in the same sample.
 
     Attributes
     ----------
@@ -36,13 +36,13 @@ class Innovations:
     values, variances : ndarray, shape (M,)
         SI.
     taken : ndarray of bool, shape (M,)
-        Which of them were taken in.
+        Which of them were used.
     rejected : int
         How many were beyond the gate.
     limited : int
         How many were outside the sensor's range (these are not among the M).
     nis_mean : float or None
-        Mean of the squared normalised innovations that were taken in; 1 for a consistent filter.
+        Mean of the squared normalised innovations that were used; 1 for a consistent filter.
     nis_band : tuple of float or None
         The 95 % band of that mean.
     white_p : float or None
@@ -61,13 +61,13 @@ class Innovations:
 
     @property
     def normalised(self) -> np.ndarray:
-        """The innovations that were taken in, in standard deviations."""
+        """The innovations that were used, in standard deviations."""
         return np.asarray(self.values[self.taken] / np.sqrt(self.variances[self.taken]))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FilterRun:
-    """A record and what the filter made of it; N samples.
+    """A record and the result of the filter; N samples.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class FilterRun:
     start : ndarray, shape (carried,)
         What it carried into the first row (`StepLayout.carried`).
     out : ndarray, shape (rows, outputs)
-        What it returned of each row (`StepLayout.full`).
+        What it returned for each row (`StepLayout.full`).
     smoothable : bool
         Whether the rows are those of one filter, so that it can be run back over them; a mixture of several is not.
     """
@@ -96,7 +96,7 @@ class FilterRun:
     smoothable: ClassVar[bool] = True
 
     def rows(self, name: str) -> np.ndarray:
-        """Return a part of what the step returned, at the samples of the record, shape (N, part).
+        """Return a part of the step's outputs, at the samples of the record, shape (N, part).
 
         Parameters
         ----------
@@ -168,7 +168,7 @@ class FilterRun:
 
     @property
     def log_likelihood(self) -> float:
-        """Logarithm of the likelihood of what was taken in, given the model and the noise levels."""
+        """Logarithm of the likelihood of the samples used, given the model and the noise levels."""
         return float(self.out[:, self.design.layout.full["ll"]].sum())
 
     @functools.cached_property
@@ -179,7 +179,7 @@ class FilterRun:
 
     @property
     def nis(self) -> np.ndarray:
-        """Sum of the squared normalised innovations taken in at each sample, shape (N,)."""
+        """Sum of the squared normalised innovations used at each sample, shape (N,)."""
         fate = self.rows("fate") == TAKEN
         return np.asarray(np.where(fate, self.rows("e") ** 2 / self.rows("S"), 0.0).sum(axis=1))
 
@@ -200,7 +200,7 @@ class FilterRun:
             result[name] = estimate_of(self.design.base[name], value, spread, ci95=ends)
         for name in self._published:
             value, spread = (float(column[-1]) for column in self.quantity(name))
-            # A gain or a time constant that passes infinity is no number.
+            # A gain or a time constant that passes through infinity has no value.
             if np.isfinite([value, spread]).all():
                 result[name] = estimate_of(self.design.base[name], value, spread, follows=True)
         return result

@@ -1,9 +1,9 @@
-"""Smoothing: the estimate of each moment from every sample of the record.
+"""Smoothing: the estimate at each sample from all samples of the record.
 
 The backward recursion is that of `shipid.estimation.recursion.backward`. Where adaptation was switched off, every sample that was
-taken in counts all the same.
+used counts nevertheless.
 
-The smoothed covariance is the difference of the filter's and of what came later: where the standard deviation of a state falls
+The smoothed covariance is the filter's less a term from the later samples: where the standard deviation of a state falls
 a million times over the record, the first ones keep few digits.
 """
 
@@ -160,7 +160,7 @@ def smooth(run: FilterRun) -> Smoothed:
     Parameters
     ----------
     run : FilterRun
-        What the filter made of it.
+        The result of the filter on the record.
 
     Returns
     -------
@@ -172,6 +172,6 @@ def smooth(run: FilterRun) -> Smoothed:
         If the run is a mixture of several filters.
     """
     if not run.smoothable:
-        raise UsageError("an adaptive filter has no smoother; smooth the run of the filter it was made of.")
+        raise UsageError("an adaptive filter has no smoother; smooth the run of the filter it is based on.")
     x, packed = run_back(run.design, run.control, run.out, run.start)
     return Smoothed(run.design, run.t, x[run.arranged.shown], packed[run.arranged.shown])

@@ -52,7 +52,7 @@ def make_backward_step(equations: Equations, settings: StepSettings) -> CasadiFu
     smoothed = x_after - (after @ adjoint)[: layout.n]
     shrunk = after - after @ spread @ after
 
-    # The sensors of this row once more, forward, to have every gain; then back through them in reverse.
+    # The update of this row is repeated to get every gain; then the sensors are taken in reverse order.
     sensitivity = ca.substitute(eq.sensitivity, eq.joint, ahead)
     shown = ca.substitute(eq.shown, eq.joint, ahead)
     covariance, correction, passed = covariance_form.unpack(packed_ahead, n), ca.SX.zeros(n), []

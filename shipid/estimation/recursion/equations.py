@@ -1,7 +1,7 @@
 """What a filter needs of a model, as expressions: the step with its noise, the sensors, and their exact Jacobians.
 
 The noise of an input that a sensor shows as well (waves move the heading the compass reads) belongs to the sample and to
-the step that follows it. It is carried as an unknown of its own from the one to the other, so that both see the same
+the step that follows it. It is carried as an unknown of its own from the one to the other, so that both use the same
 noise; the joint vector is ``[x, w]``.
 """
 
@@ -78,7 +78,7 @@ class Equations:
 
     @property
     def sampled(self) -> bool:
-        """Whether a state moves at a sample even when no time passes."""
+        """Whether a state changes at a sample even when no time passes."""
         return bool(self.system.nexts)
 
     @property

@@ -1,6 +1,6 @@
 """The gate of a filter: which samples are rejected, and when a sensor that was rejected is accepted again.
 
-A sample is beyond the gate where its innovation is too many standard deviations large. A sensor that repeats one value is
+A sample is beyond the gate where its innovation exceeds a number of standard deviations. A sensor that repeats one value is
 stuck, and its gate is narrower. One that stays beyond the gate while its value changes is accepted after a time: the
 estimate was wrong, not the sensor.
 """
@@ -17,11 +17,11 @@ from shipid.foundation.aliases import Expression
 
 #: What became of a sample: taken in, not there, beyond the gate.
 TAKEN, MISSING, REJECTED = 1, 0, -1
-#: So many equal values in a row make a sensor suspect, and its gate this part as wide.
+#: After so many equal values in a row a sensor may be stuck, and its gate is narrowed to this share.
 _SUSPECT, _NARROW = 5, 0.5
 #: Values are equal within this part of the sensor's noise; a sensor whose values differ by less than that part is a fine one.
 _EQUAL, _FINE = 1e-6, 0.1
-#: What is remembered of each sensor: its last value, how often it has been repeated and for how long, how long the sensor has
+#: What is stored for each sensor: its last value, how often it has been repeated and for how long, how long the sensor has
 #: been rejected, and the smallest difference of two of its values.
 MEMORY = ("last", "same", "rejecting", "held", "grain")
 
@@ -37,7 +37,7 @@ class Gate:
     patience : float
         Seconds of rejections after which a sensor whose value changes is accepted again. The covariance of the states it
         shows is then inflated until the innovation is one standard deviation, so that the estimate follows at once with a
-        standard deviation to match.
+        matching standard deviation.
     """
 
     width: float
@@ -54,18 +54,18 @@ def apply_gate(
     interval: Expression,
     deviation: Expression,
 ) -> tuple[Expression, Expression, list[Expression]]:
-    """Return whether a sample counts, whether it is beyond the gate, and what is remembered of its sensor.
+    """Return whether a sample counts, whether it is beyond the gate, and what is stored for its sensor.
 
     Parameters
     ----------
     gate : Gate or None
-        The gate; None takes in every sample.
+        The gate; None accepts every sample.
     e, variance : casadi.SX
         Innovation and its variance.
     z, there : casadi.SX
         What the sensor shows, and 1 where it shows something.
     memory : sequence of casadi.SX
-        What was remembered, in the order of `MEMORY`; nothing without a gate.
+        What was stored, in the order of `MEMORY`; nothing without a gate.
     interval : casadi.SX
         Seconds since the sample before.
     deviation : casadi.SX
@@ -87,8 +87,8 @@ def apply_gate(
     holding = ca.if_else(there, ca.if_else(equal, held + interval, 0), held)
     width = ca.if_else(repeats >= _SUSPECT, _NARROW * gate.width, gate.width)
     outside = e**2 > width**2 * variance
-    # Once it was rejected, it is stuck for as long as it repeats itself, even where the ship passes through its value. A fine
-    # sensor does not show the same noise for so long at all.
+    # Once rejected, it counts as stuck for as long as its value repeats, even where the ship passes through that value. A fine
+    # sensor never repeats the same value for so long.
     stuck = ca.fmax((repeats >= _SUSPECT) * (rejecting > 0), (holding >= patience) * (grain < _FINE * deviation))
     beyond = ca.fmax(outside, stuck)
     waited = rejecting + interval
@@ -97,7 +97,7 @@ def apply_gate(
     remembered = [
         ca.if_else(there, z, last),
         repeats,
-        # Between the samples of a slow sensor the waiting goes on.
+        # The time also counts between the samples of a slow sensor.
         ca.if_else(there, beyond, rejecting > 0) * waited,
         holding,
         ca.if_else(there * (1 - equal), ca.fmin(grain, change), grain),

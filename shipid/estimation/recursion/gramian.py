@@ -24,7 +24,7 @@ def make_gramian_step(equations: Equations) -> CasadiFunction:
     """
     eq = equations
     n, sensors = eq.system.x.shape[0], len(eq.measured)
-    # Carried noise is no state: its first value is not asked for.
+    # Carried noise is no state: its first value is left out.
     phi, gramian = ca.SX.sym("F", n, n), ca.SX.sym("W", n, n)
     before, ahead = ca.SX.sym("xb", eq.joint.shape[0]), ca.SX.sym("xp", eq.joint.shape[0])
     taken, deviation = ca.SX.sym("m", sensors), ca.SX.sym("r", sensors)

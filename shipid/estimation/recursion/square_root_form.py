@@ -12,7 +12,7 @@ import casadi as ca
 from shipid.estimation.recursion.equations import Equations
 from shipid.foundation.aliases import Expression
 
-#: Stands for a norm of zero, where nothing is uncertain and nothing is to be divided.
+#: Replaces a norm of zero, where the variance is zero, to avoid a division by zero.
 _TINY = 1e-30
 
 
@@ -146,7 +146,7 @@ def updated(
     taken : casadi.SX
         1 or 0.
     adapting : None
-        A gain that is not the optimal one has no square-root form here.
+        Not available: the square-root form supports the optimal gain only.
     """
     seen = root.T @ row.T
     spread = ca.sumsqr(seen) + variance

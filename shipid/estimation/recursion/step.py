@@ -1,4 +1,4 @@
-"""One filter step as a generated function: predict to a sample, gate it, take it in.
+"""One filter step as a generated function: predict to a sample, gate it, update.
 
 What is carried from sample to sample is one vector, what comes with a sample another, so that a record is a loop in C and
 an arriving sample one call.
@@ -84,11 +84,11 @@ def _parts(vector: Expression, places: Places) -> dict[str, Expression]:
 
 
 def _prediction(equations: Equations, layout: StepLayout, form: ModuleType) -> CasadiFunction:
-    """Return the prediction to a sample, as a function of what was known after the sample before."""
+    """Return the prediction to a sample, as a function of the estimate after the sample before."""
     packed, root = form.symbol(layout.joint)
     ahead, root_ahead = equations.advanced, form.predicted(equations, root)
     if equations.sampled:
-        # A sampled state moves whenever its step is run; where no time passes between two samples, it is not run.
+        # A sampled state changes whenever its step is run; where no time passes between two samples, it is not run.
         n, moves = layout.n, equations.T > 0
         ahead = ca.if_else(moves, ahead, equations.joint[:n])
         kept = root + 0
@@ -101,7 +101,7 @@ def _prediction(equations: Equations, layout: StepLayout, form: ModuleType) -> C
 
 
 def _update(equations: Equations, layout: StepLayout, form: ModuleType, settings: StepSettings) -> CasadiFunction:
-    """Return the update by all sensors, one after the other, as a function of what was predicted."""
+    """Return the update by all sensors, one after the other, as a function of the prediction."""
     gate = settings.gate
     packed, root = form.symbol(layout.joint)
     z, there, deviation = (ca.SX.sym(n, layout.sensors) for n in ("z", "m", "r"))

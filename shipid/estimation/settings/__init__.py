@@ -1,1 +1,1 @@
-"""What a user says of a filter, read and checked: sensors, noise, first estimates."""
+"""The settings of a filter, read and checked: sensors, noise, first estimates."""

@@ -1,4 +1,4 @@
-"""What a filter takes when nobody says: which sensors a record holds, and which parameters a model lets be estimated."""
+"""Default settings of a filter: the sensors that a record holds, and the parameters that a model declares as estimated."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Amount
     else:
         known = [*model.states, *model.derived]
         found = {n: (v, model[n].unit) for n, v in standard_noise().items() if n in known and n in columns}
-        # A fix bears on a yaw model only through a drift it does not describe.
+        # A position depends on the state of a yaw model only through the drift, which the model does not describe.
         found = {n: v for n, v in found.items() if n not in _TRACK} or found
     if not found:
         wanted = model.outputs or tuple(n for n in standard_noise() if n in model.entries)
         raise NotMeasurableError(
-            f"the record holds nothing a standard sensor shows of model {model.name} ({', '.join(wanted)}); it has "
+            f"the record holds no quantity that a standard sensor measures of model {model.name} ({', '.join(wanted)}); it has "
             f"{', '.join(columns)}. Say what is measured, as in measured={{'psi': '0.2 deg'}} (--measured 'psi=0.2 deg')."
         )
     return found

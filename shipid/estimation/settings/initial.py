@@ -15,9 +15,9 @@ from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.parameters.parameter_set import ParameterSet
 
-#: Default standard deviation of a first estimate: a share of a parameter, and of what L and U make of any other unit.
+#: Default standard deviation of a first estimate: a share of a parameter, and of the scale by L and U of any other quantity.
 PARAMETER_SHARE, STATE_SHARE = 0.5, 0.1
-#: A state that starts from a first sample has so many times its standard deviation: one part in a hundred of it counts twice.
+#: A state that starts from a first sample has so many times its standard deviation: the sample counts twice by 1 %.
 WIDER = 10.0
 
 
@@ -119,7 +119,7 @@ def parameter_starts(
         elif declared is not None:
             value = declared
         else:
-            raise NoiseLevelError(f"nothing says where the estimate of '{name}' starts: give start={{'{name}': ...}}.")
+            raise NoiseLevelError(f"the estimate of '{name}' has no first value: give start={{'{name}': ...}}.")
         spread = entry.number("spread")
         held = ship.find(base, name)
         if held is not None and held.std is not None and name not in given:
@@ -139,9 +139,9 @@ def _usual_size(entry: Entry, scale: Scale) -> float:
     nominal, (low, high) = entry.number("nominal"), scale.bounds_of(entry)
     size = abs(nominal) * scale.factor_of(entry) if nominal else (high - low) / 4
     if not np.isfinite(size):
-        # It would never move: what is certain to be zero is not estimated.
+        # With a standard deviation of zero the estimate would never change.
         raise NoiseLevelError(
-            f"the estimate of '{entry.name}' starts at zero, and nothing gives its standard deviation: give "
+            f"the estimate of '{entry.name}' starts at zero and has no standard deviation: give "
             f"initial={{'{entry.name}': ...}}, its first standard deviation."
         )
     return size
@@ -164,7 +164,7 @@ def state_spreads(model: Model, scale: Scale, sensors: Mapping[str, float]) -> n
         spread, nominal = model[name].number("spread"), model[name].number("nominal")
         wider = 1.0
         if spread is None:
-            # The sample the estimate starts from is taken in as well: a start hardly wider than that would count it twice.
+            # The first sample is also used in an update: a start hardly wider than its noise would count it twice.
             wider = WIDER
             try:
                 spread = STATE_SHARE * scale.factor(model[name].unit) if scale.known else None
@@ -201,7 +201,7 @@ def read_deviations(model: Model, given: Mapping[str, Amount], estimated: Mappin
         level = to_si(value, model[name].unit, f"first standard deviation of '{name}'")
         if not level > 0:
             raise NoiseLevelError(
-                f"the first standard deviation of '{name}' is {value}; it is greater than zero. What is known exactly "
+                f"the first standard deviation of '{name}' is {value}; it must be greater than zero. What is known exactly "
                 "belongs among the ship's values."
             )
         result[name] = level

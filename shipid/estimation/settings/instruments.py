@@ -1,4 +1,4 @@
-"""What a record or a sample shows a filter: its sensors, how often and in which range they are read, and its inputs."""
+"""The sensors of a filter, how often and in which range they are read, and its inputs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Instruments:
     lost : mapping of str to float
         Standard deviation of an input while it is missing.
     scale : Scale
-        Length and speed of the ship; the speed stands in where a record tells none.
+        Length and speed of the ship; the speed is used where a record has none.
     """
 
     model: Model
@@ -124,7 +124,7 @@ def read_rates(sensors: tuple[str, ...], rates: Mapping[str, Amount]) -> dict[st
         _check_measured(name, sensors, "rate")
         seconds = _interval(value, name)
         if not seconds > 0:
-            raise SensorRateError(f"'{name}' is to be read every {value}: an interval is longer than zero.")
+            raise SensorRateError(f"'{name}' is to be read every {value}: an interval must be longer than zero.")
         result[name] = seconds
     return result
 
@@ -185,7 +185,7 @@ def read_lost(model: Model, lost: Mapping[str, Amount]) -> dict[str, float]:
     result = _of_inputs(model, lost, "input of model {} that can be lost called", "uncertainty of lost")
     for name, level in result.items():
         if not level > 0:
-            raise NoiseLevelError(f"the uncertainty of lost '{name}' is {lost[name]}; it is greater than zero.")
+            raise NoiseLevelError(f"the uncertainty of lost '{name}' is {lost[name]}; it must be greater than zero.")
     return result
 
 

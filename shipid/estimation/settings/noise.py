@@ -20,7 +20,7 @@ from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.generation.linearisation import COORDINATES
 
-#: Default density of the noise that drives a state, in the prime system: a model of low order is wrong by about as much.
+#: Default density of the noise that drives a state, in the prime system: about the error of a model of low order.
 MODEL_NOISE = 0.005
 
 
@@ -57,8 +57,8 @@ def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[s
     model : Model
         The model.
     measured : mapping of str to str or None
-        States, derived quantities or outputs, each with a level such as ``"0.2 deg"``; None takes what a declared
-        output says.
+        States, derived quantities or outputs, each with a level such as ``"0.2 deg"``; None takes the level that a declared
+        output states.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def _positive(value: Amount, units: Sequence[str], what: str) -> tuple[float, in
             continue
         if not level > 0:
             raise NoiseLevelError(
-                f"the {what} is {value}; a noise level is greater than zero. For a quantity that is known exactly, "
+                f"the {what} is {value}; a noise level must be greater than zero. For a quantity that is known exactly, "
                 "leave the noise out."
             )
         return level, i

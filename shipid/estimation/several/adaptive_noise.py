@@ -1,8 +1,8 @@
-"""Noise that changes level by itself: a quiet filter and a lively one that share what they learn.
+"""Noise that changes its level at random: several filters with different noise levels, mixed by their probabilities.
 
-How much noise drives a slowly changing quantity (a current, a wind) is a trade: little makes a quiet estimate, much one that
+The noise of a slowly changing quantity (a current, a wind) is a compromise: little makes a smooth estimate, much one that
 recovers fast when the quantity jumps. Here the level is itself unknown: it changes at random between a few levels, each of
-which lasts so long on average, and the innovations tell which it is. One filter for each level runs along; before each sample
+which lasts so long on average, and the innovations show which it is. One filter runs for each level; before each sample
 each starts from the mixture of all, weighted by how probable it is that its level was reached from theirs. These are the
 interacting multiple models of Blom and Bar-Shalom (1988), with models that differ in their noise only. The whole is one
 generated step, so a record stays one loop in C.
@@ -35,14 +35,14 @@ from shipid.generation.loop import Loop, Stepper, make_loop
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AdaptiveRun(FilterRun):
-    """What an adaptive filter made of a record: estimates and covariances of the mixture.
+    """The result of an adaptive filter on a record: estimates and covariances of the mixture.
 
     Attributes
     ----------
     probabilities : ndarray, shape (N, levels)
         Of each level, after each sample.
     smoothable : bool
-        Never: no smoother runs back over the mixture of several filters.
+        Always False: there is no smoother for a mixture of several filters.
     """
 
     probabilities: np.ndarray
@@ -50,7 +50,7 @@ class AdaptiveRun(FilterRun):
 
 
 class AdaptiveFilter:
-    """A Kalman filter some of whose noise changes its level by itself.
+    """A Kalman filter in which the level of some noise changes at random.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class AdaptiveFilter:
     factors : sequence of float
         The levels, as multiples of the noise of quiet times.
     lasting : sequence of str
-        How long each level lasts on average; at first they are as probable as they last long.
+        How long each level lasts on average; the first probabilities are proportional to these times.
 
     Raises
     ------
@@ -91,14 +91,14 @@ class AdaptiveFilter:
             )
         if not all(f > 0 for f in factors):
             raise UsageError(
-                f"the factors {', '.join(f'{f:g}' for f in factors)} multiply a noise: each is above zero."
+                f"the factors {', '.join(f'{f:g}' for f in factors)} multiply a noise: each must be above zero."
             )
         if design.form != "covariance":
             raise UsageError("an adaptive filter mixes covariances: make its filter with form='covariance'.")
         self.design, self.raised, self.factors = design, tuple(raised), tuple(float(f) for f in factors)
         self.lasting = tuple(to_si(v, "s", "how long a level lasts") for v in lasting)
         if not all(v > 0 for v in self.lasting):
-            raise UsageError(f"levels that last {', '.join(lasting)}: each lasts longer than zero.")
+            raise UsageError(f"levels that last {', '.join(lasting)}: each time must be longer than zero.")
         self._sources = [i for i, s in enumerate(design.sources) if s.name in raised]
 
     def __repr__(self) -> str:
@@ -133,7 +133,7 @@ class AdaptiveFilter:
         best = ca.mmax(logs)
         after = ahead * ca.exp(logs - best)
         evidence = ca.sum1(after)
-        # A level never becomes impossible: it could not come back in finite time.
+        # A probability never becomes zero: the level could not come back in finite time.
         after = ca.fmax(after / evidence, 1e-9)
         after = after / ca.sum1(after)
         places = layout.full if full else layout.brief
@@ -166,7 +166,7 @@ class AdaptiveFilter:
         return mixed
 
     def _log_likelihood(self, out: Expression, there: Expression) -> Expression:
-        """Logarithm of the likelihood of a sample; what one filter would reject counts for all as beyond the gate."""
+        """Logarithm of the likelihood of a sample; a sample that one filter rejects counts as rejected for all."""
         brief, gate = self.design.layout.brief, self.design.gate
         squares = out[brief["e"]] ** 2 / out[brief["S"]]
         if gate is not None:
@@ -295,12 +295,12 @@ class OnlineAdaptive(OnlineFilter):
         return self.adaptive.loop().one_at_a_time(self.adaptive.mixed_start(carried), self.design.constants)
 
     def save(self, path: str | Path) -> None:
-        """Refuse: the state of several filters is not one that `ExtendedKalmanFilter.restore` reads.
+        """Raise an error: `ExtendedKalmanFilter.restore` cannot read the state of several filters.
 
         Parameters
         ----------
         path : str or Path
-            Where it would go.
+            The file.
 
         Raises
         ------

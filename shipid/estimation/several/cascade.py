@@ -1,4 +1,4 @@
-"""Filters in a row, each at its own rate: what one estimates is an input of those after it.
+"""Filters in series, each at its own rate: the estimates of one are inputs of those after it.
 
 One filter of all states carries the covariance of each with each. Where two parts are hardly correlated (the position of a
 ship and her yaw), two small filters do nearly as well: n (n + 1) / 2 elements each, after Passenier (1989), sections 5.2 and
@@ -71,7 +71,7 @@ class Cascade:
                 raise UnknownNameError("filter of the cascade called", name, self.filters)
             self.every[name] = to_si(value, "s", f"interval of '{name}'")
             if not self.every[name] > 0:
-                raise SensorRateError(f"'{name}' is to run every {value}: an interval is longer than zero.")
+                raise SensorRateError(f"'{name}' is to run every {value}: an interval must be longer than zero.")
         self.passed: dict[str, dict[str, str]] = {}
         estimated: dict[str, str] = {}
         for name, design in self.designs.items():
@@ -90,7 +90,7 @@ class Cascade:
 
     @property
     def covariance_elements(self) -> int:
-        """How many elements of covariances it carries from sample to sample."""
+        """Number of covariance elements carried from sample to sample."""
         levels = {n: len(f.factors) if isinstance(f, AdaptiveFilter) else 1 for n, f in self.filters.items()}
         return sum(levels[n] * covariance_form.size(d.layout.joint) for n, d in self.designs.items())
 
@@ -165,7 +165,7 @@ class OnlineCascade:
     Attributes
     ----------
     latest : dict of str to OnlineEstimate
-        What each filter made of the last sample it ran at.
+        The estimate of each filter at the last sample it ran at.
     """
 
     def __init__(self, cascade: Cascade) -> None:
@@ -177,7 +177,7 @@ class OnlineCascade:
         self._counts = dict.fromkeys(cascade.every, -1)
 
     def update(self, sample: Mapping[str, float]) -> dict[str, OnlineEstimate]:
-        """Take in a sample; every filter whose turn it is runs.
+        """Process a sample; every filter that is due runs.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What the filters of a cascade made of a record."""
+"""The results of a cascade of filters on a record."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class CascadeRun:
-    """A record and what the filters of a cascade made of it.
+    """A record and the results of the filters of a cascade.
 
     Attributes
     ----------

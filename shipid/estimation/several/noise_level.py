@@ -84,13 +84,13 @@ class LevelEstimator:
         Raises
         ------
         UsageError
-            If its clock goes back.
+            If its time decreases.
         """
         columns, name = columns_of(record)
         table = hold_last(input_table(self.instruments, columns, name))
         intervals = np.diff(columns["t"], prepend=columns["t"][0])
         if (intervals < 0).any():
-            raise UsageError(f"the clock of record {name} goes back; a level is estimated forward in time.")
+            raise UsageError(f"the time of record {name} decreases; a level is estimated forward in time.")
         _, out = self.loop(self.carried(table[0]), np.column_stack([table, intervals]), self.coefficients)
         return LevelRun(columns["t"], out[:, 0], self.level, self.unit)
 
@@ -130,7 +130,7 @@ class LevelRun:
         source : str
             The noise of the filter.
         least : float
-            Smallest factor on it: a sea that is too calm to be seen is not taken for none.
+            Smallest factor on it, so that the noise never becomes zero in a calm sea.
         """
         return {source: factor_of(self.values, _given_level(kalman, source), least)}
 
@@ -160,7 +160,7 @@ class OnlineLevel:
     _held: dict[str, float] = field(default_factory=dict, repr=False)
 
     def update(self, sample: Mapping[str, float]) -> float:
-        """Take in one sample and return the level after it, SI; one that is not later than the last changes nothing.
+        """Process one sample and return the level after it, SI; one that is not later than the last changes nothing.
 
         Parameters
         ----------

@@ -59,7 +59,7 @@ class _Pieces:
     def __init__(self, symbols: Mapping[str, str]) -> None:
         from sympy.printing.mathml import MathMLPresentationPrinter
 
-        class Printer(MathMLPresentationPrinter):
+        class Printer(MathMLPresentationPrinter):  # type: ignore[misc]
             """SymPy's printer with the declared symbols, and cases side by side."""
 
             def text(self, expression: sympy.Expr) -> str:

@@ -1,8 +1,8 @@
-"""Robust losses: the square of a small residual, less than the square of a large one, so that outliers count little.
+"""Robust losses: the square of a small residual, and less than the square of a large one, so that outliers count little.
 
 Minimised by iteratively reweighted least squares: each sample is weighted by the size of its residual, in turns with the
 search. A residual is large in comparison with the median size of the residuals of its signal, which a minority of outliers
-hardly moves.
+hardly changes.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def weights_of(loss: str, residual: np.ndarray, scale: float) -> np.ndarray:
     residual : ndarray
         Residuals.
     scale : float
-        Their standard deviation without the wild ones.
+        Their standard deviation without the outliers.
     """
     if loss == "linear":
         return np.ones_like(residual)
@@ -39,7 +39,7 @@ def weights_of(loss: str, residual: np.ndarray, scale: float) -> np.ndarray:
 
 
 def curvature_of(loss: str, weights: np.ndarray) -> np.ndarray:
-    """Return the second derivative of the loss by the residual, by which a sample informs, from its weight.
+    """Return the second derivative of the loss by the residual, which sets the information of a sample, from its weight.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def curvature_of(loss: str, weights: np.ndarray) -> np.ndarray:
 
 
 def robust_scale(residual: np.ndarray) -> float:
-    """Return the standard deviation that residuals have without the wild ones, from their median size.
+    """Return the standard deviation that residuals have without the outliers, from their median size.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def unweighted(problem: Problem, residual: np.ndarray) -> list[list[np.ndarray]]
 
 
 def reweighted(problem: Problem, residual: np.ndarray) -> Problem:
-    """Return the problem with the weights that its residuals ask for.
+    """Return the problem with the weights that follow from its residuals.
 
     Parameters
     ----------
@@ -112,9 +112,9 @@ def change_of(one: Problem, other: Problem) -> float:
 
 
 def bends(problem: Problem) -> list[float]:
-    """Return for each signal the root of the mean curvature of the loss: 1 where no residual lies far out.
+    """Return for each signal the root of the mean curvature of the loss: 1 where no residual is large.
 
-    The search sees the weights as fixed, and so it sees more information than there is.
+    The search takes the weights as fixed, and so it overstates the information.
 
     Parameters
     ----------

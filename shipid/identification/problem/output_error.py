@@ -21,7 +21,7 @@ from shipid.identification.problem.trial_data import TrialData
 
 #: Weighted residual of a sample at which the model has run away.
 RUNAWAY = 1e6
-#: How much wider the prior of the speed before the manoeuvre, and of a state nobody measures, is where a trial begins in the
+#: How much wider the prior of the speed before the manoeuvre, and of a state that is not measured, is where a trial begins in the
 #: middle of a manoeuvre.
 _UNSETTLED = 20.0
 #: Slope beyond which squares would overflow.
@@ -114,7 +114,7 @@ class Problem:
         Parameters
         ----------
         q : ndarray, shape (unknowns,)
-            The unknowns; those of the trials are passed over.
+            The unknowns; those of the trials are not used.
         """
         return {**self.fixed, **dict(zip(self.estimated, q.tolist()))}
 
@@ -205,7 +205,7 @@ class Problem:
                 if self.weights is not None:
                     root = np.sqrt(self.weights[i])
                     residual, slope = residual * root, slope * root[:, None, :]
-                # NaN compares as false, so what is not finite is not good either.
+                # NaN compares as false, so values that are not finite are excluded as well.
                 good = (np.abs(residual) < RUNAWAY) & (np.abs(slope) < _STEEP).all(axis=1)
             residual = np.where(good, residual, RUNAWAY)
             slope = np.where(good[:, None, :], slope, 0.0)
@@ -240,7 +240,7 @@ class Problem:
         """
         count = len(self.trials)
         slopes, offsets = [], []
-        # Sensor noise is not correlated: what it adds to a guess counts sample by sample.
+        # Sensor noise is not correlated: its part of the variance of a first guess counts sample by sample.
         noise = np.sqrt(prior.strength)
 
         def add(weights: Mapping[int, float], target: float, deviation: float) -> None:
@@ -264,7 +264,7 @@ class Problem:
         for k, name in enumerate(self.initial):
             if name in prior.initial:
                 for i, data in enumerate(self.trials):
-                    # In the middle of a manoeuvre nobody knows what is not measured.
+                    # In the middle of a manoeuvre a state that is not measured is unknown.
                     known = data.settled or data.trial.has(name)
                     deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
                     deviation = float(np.hypot(deviation, noise * data.start_std[name]))

@@ -1,8 +1,8 @@
 """The prior of a trial's own unknowns: small rudder biases that trials share, and initial states as measured.
 
-A bias that is free in every trial takes up what the model cannot describe, and the coefficients are off by as much: in
-clean tank data the fitted biases of mirrored runs come out with opposite signs, which no rudder has. The prior of all ships is
-the same in shares of their size: angles in degrees, speeds in shares of the ship's own, and one independent sample in one and a half L/U.
+A bias that is free in every trial absorbs the model's error, and the coefficients are biased by it: in
+clean tank data the fitted biases of mirrored runs have opposite signs, which no rudder has. The prior of all ships is
+the same in relative terms: angles in degrees, speeds as shares of the ship's speed, and one independent sample in 1.5 L/U.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from shipid.identification.problem.trial_data import TrialData
 RUDDER_BIAS = np.deg2rad(0.08)
 MEAN_RUDDER_BIAS = np.deg2rad(3.0)
 #: Standard deviation of a measured initial heading (and drift) in rad, of an initial speed in shares of the ship's; of the
-#: speed before the manoeuvre, which the approach shows.
+#: speed before the manoeuvre, which is measured in the approach.
 INITIAL_ANGLE = np.deg2rad(0.3)
 INITIAL_SPEED = 0.01
 CRUISE = 0.005
-#: Error at which a low-order model is as good as can be hoped: angles in rad, speeds in shares of the ship's.
+#: Error that a good low-order model still has: angles in rad, speeds in shares of the ship's.
 STRUCTURE_ANGLE = np.deg2rad(1.0)
 STRUCTURE_SPEED = 0.03
 #: Time between two independent samples of a residual, in L/U: the residuals of fitted trials last for 0.9 to 3.
@@ -48,8 +48,8 @@ class Prior:
     parameters : mapping of str to tuple of float
         Mean and standard deviation of a shared parameter, SI.
     strength : float
-        How many samples of the record one term of the prior is worth: residuals are correlated, and samples that repeat each
-        other would outvote it.
+        Number of samples of the record that one term of the prior counts as: residuals are correlated, and repeated samples
+        would outweigh it.
     """
 
     biases: Mapping[str, float]
@@ -94,7 +94,7 @@ def prior_of(
         "u": INITIAL_SPEED * speed,
         "v": INITIAL_ANGLE * speed,
     }
-    # A state nobody measures starts near zero, within its nominal size; a position without one stays free.
+    # A state that is not measured starts near zero, within its nominal size; a position without one stays free.
     nominal = {s: n for s in initial if s not in spread and (n := model[s].number("nominal")) is not None}
     scale = Scale(speed * unit_time, speed)
     return Prior(
@@ -115,10 +115,10 @@ def _declared(model: Model, name: str, scale: Scale) -> tuple[float, float] | No
 
 
 def structural_errors(signals: tuple[str, ...], data: TrialData, unit_time: float) -> np.ndarray:
-    """Return the error of each signal at which a low-order model is as good as can be hoped, SI, shape (signals,).
+    """Return the error of each signal that a good low-order model still has, SI, shape (signals,).
 
-    What such a model leaves unexplained is its structure, not noise: weighting by the smallest residuals a fit can reach
-    would let it bend its coefficients to them.
+    The residuals of such a model come from its structure, not from noise: weights from the smallest residuals of a fit
+    would bias its coefficients.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is settled before the search: the model, what of it is known, what is to be found and within which bounds."""
+"""The setting of a search: the model, its known values, the coefficients to estimate and their bounds."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from shipid.trials.trial import Trial
 
 @dataclass(frozen=True)
 class Setting:
-    """What is known before the search.
+    """The model and its known values before the search.
 
     Attributes
     ----------
     model : Model
-        What is fitted; published coefficients that are held have taken the place of declared ones.
+        The fitted model; published coefficients that are held have taken the place of declared ones.
     ship : ParameterSet
         As given.
     known : dict of str to float
@@ -35,7 +35,7 @@ class Setting:
     scale : Scale
         Length and usual speed of the ship.
     notes : tuple of str
-        What the reader has to know.
+        Notes for the reader.
     """
 
     model: Model
@@ -58,7 +58,7 @@ def settle(
     estimate: Sequence[str] | None,
     fixed: Mapping[str, str | float],
 ) -> Setting:
-    """Settle what is fitted, and what is known of it.
+    """Return the setting: the fitted model and its known values.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def settle(
     known = given.values(whole, speed=usual_speed(given, trials)) | held
     length = known.get("L", given.particular("L", "m"))
     if length is not None and not length > 0:
-        raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; a ship is longer than that.")
+        raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; it must be greater than zero.")
     scale = scale_of(given, trials, length)
     estimated = estimated_parameters(whole, estimate, held)
     notes = []
@@ -115,14 +115,14 @@ def estimated_parameters(
     model : Model
         The model.
     wanted : sequence of str, optional
-        Parameters, or published coefficients that stand for them; by default all that the model declares as estimated.
+        Parameters, or published coefficients that replace them; by default all that the model declares as estimated.
     held : mapping of str to float, optional
         Coefficients that are not estimated.
 
     Raises
     ------
     UnknownNameError
-        If a wanted one is no parameter and stands for none.
+        If a wanted one is no parameter and replaces none.
     UsageError
         If a wanted one is held, or nothing is left.
     """
@@ -140,8 +140,8 @@ def estimated_parameters(
             chosen.append(partner)
     if not chosen:
         if held:
-            raise UsageError(f"nothing is left to estimate in model {model.name}: every parameter is fixed.")
-        raise UsageError(f"model {model.name} has nothing to estimate: name a parameter of it.")
+            raise UsageError(f"model {model.name} has no parameter left to estimate: every parameter is fixed.")
+        raise UsageError(f"model {model.name} declares no parameter as estimated: name one of its parameters.")
     return tuple(n for n in model.parameters if n in chosen)
 
 
@@ -181,7 +181,7 @@ def box_around(model: Model, scale: Scale, values: Mapping[str, float]) -> Box:
 
 
 def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
-    """Refuse a trial that ends before the ship has answered its rudder.
+    """Raise an error for a trial that ends before the ship has responded to its rudder.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
         if trial.duration < needed:
             raise TrialTooShortError(
                 f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "
-                "answered its rudder. Give a longer trial, or a wider window."
+                "responded to its rudder. Give a longer trial, or a wider window."
             )
 
 

@@ -1,4 +1,4 @@
-"""The scale of a ship in her trials: her usual speed U, and her length L or what stands in for it."""
+"""The scale of a ship in her trials: her usual speed U, and her length L or an estimate of it."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
 
 
 def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
-    """Return the usual speed of the trials in m/s, the ship's own where they record none, 1 where nobody knows it.
+    """Return the usual speed of the trials in m/s, the ship's own where they record none, 1 where neither is known.
 
     Parameters
     ----------
@@ -54,12 +54,12 @@ def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
 
 
 def guessed_unit_time(trials: Sequence[Trial]) -> float:
-    """Return L/U in s, guessed from the rudder's period: zig-zags of ships take 7 to 12 L/U.
+    """Return L/U in s, estimated from the rudder's period: zig-zags of ships have periods of 7 to 12 L/U.
 
     Parameters
     ----------
     trials : sequence of Trial
-        Of a ship whose length is unknown; the guess only scales the first search.
+        Of a ship whose length is unknown; the estimate only scales the first search.
     """
     guesses = []
     for trial in trials:
@@ -71,7 +71,7 @@ def guessed_unit_time(trials: Sequence[Trial]) -> float:
 
 
 def scale_of(ship: ParameterSet, trials: Sequence[Trial], length: float | None = None) -> Scale:
-    """Return length and usual speed, the length guessed from the rudder's period where it is unknown.
+    """Return length and usual speed, the length estimated from the rudder's period where it is unknown.
 
     Parameters
     ----------

@@ -15,7 +15,7 @@ from shipid.trials.trial import Trial
 SIGNALS = ("psi", "r", "u", "v")
 #: Signals that are fitted where the sway speed is predicted and not measured.
 TRACK = ("x", "y")
-#: What is shown of a prediction beside the fitted signals.
+#: Signals of a prediction that are shown beside the fitted ones.
 SHOWN = (*SIGNALS, *TRACK)
 
 
@@ -33,7 +33,7 @@ def is_predicted(model: Model, name: str) -> bool:
 
 
 def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
-    """Return the signals that are fitted unless others are asked for.
+    """Return the signals that are fitted unless others are requested.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
     -------
     tuple of str
         Heading, rate of turn, forward and sway speed, as far as they are measured and predicted. Where the sway speed is
-        predicted and not measured, the track stands in for it, with a constant current of its own in each trial.
+        predicted and not measured, the track replaces it, with a constant current of its own in each trial.
     """
     predicted = {n for n in model.entries if is_predicted(model, n)}
     found = tuple(n for n in SIGNALS if n in predicted and n in measured)
@@ -65,14 +65,14 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
     trials : sequence of Trial
         The trials.
     wanted : sequence of str, optional
-        Signals that are asked for; `usual_signals` by default.
+        Signals that are requested; `usual_signals` by default.
 
     Raises
     ------
     UnknownNameError
-        If a signal asked for is none the model predicts.
+        If a signal requested is none the model predicts.
     NothingToFitError
-        If there is none, or a trial does not measure a signal asked for.
+        If there is none, or a trial does not measure a signal requested.
     """
     predicted = [n for n in model.entries if is_predicted(model, n)]
     for name in wanted or ():
@@ -95,7 +95,7 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
 
 
 def check_answer(trial: Trial, signals: Sequence[str]) -> None:
-    """Refuse a trial whose heading or rate of turn never changes: the ship did not answer, or the sensor stood still.
+    """Raise an error if the heading or rate of turn of a trial never changes: the ship did not respond, or the sensor is stuck.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from shipid.identification.problem.ship_scale import recorded_speed
 from shipid.trials.speed import PUT_OVER, speed_before
 from shipid.trials.trial import Trial
 
-#: The first seconds of a trial, in ship lengths' time L/U: what an initial state may be taken from.
+#: The first seconds of a trial, in L/U, from which an initial state may be taken.
 WARM_UP = 0.25
 
 
@@ -37,9 +37,9 @@ class TrialData:
     cruise_std : float
         Standard error of the speed before the manoeuvre by sensor noise, in m/s.
     speed : float
-        Median speed in m/s (1 where neither trial nor ship knows it).
+        Median speed in m/s (1 where neither trial nor ship states it).
     settled : bool
-        Whether it begins on a steady course, rudder amidships: then states that nobody measures begin near zero.
+        Whether it begins on a steady course, rudder amidships: then states that are not measured begin near zero.
     """
 
     trial: Trial
@@ -122,7 +122,7 @@ def prepare(
     trial : Trial
         The record; an input the model reads and the trial lacks takes its declared default.
     signals : sequence of str
-        What is fitted.
+        The fitted signals.
     own_speed : float or None
         Speed of the ship in m/s, for trials that do not record it.
     unit_time : float, optional
@@ -141,7 +141,7 @@ def prepare(
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
     recorded = recorded_speed(trial)
     measured = None if recorded is None else speed_before(t, recorded, rudder, unit_time)
-    # A model that takes the speed as given keeps that before the manoeuvre: the measured one would be a hidden answer.
+    # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
     needed = generate(model).inputs_behind(signals)
     given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
@@ -166,7 +166,7 @@ def prepare(
 
 
 def _settled(trial: Trial, first: int) -> bool:
-    """Whether the rudder rests near amidships and the rate of turn is small beside what the trial goes on to."""
+    """Whether the rudder is near amidships and the rate of turn is small compared with that of the later trial."""
     still = not trial.has("delta") or float(np.abs(trial["delta"][:first]).max()) < 1.5 * PUT_OVER
     if not trial.has("r"):
         return still

@@ -1,4 +1,4 @@
-"""The design of a recursion: everything its settings say, read once, and the functions that are generated from it.
+"""The design of a recursion: its settings, read and checked once, and the functions that are generated from them.
 
 A design never changes. The identifier, its results and the saved state of an online recursion all read it.
 """
@@ -66,7 +66,7 @@ class RecursiveSettings:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecursiveDesign:
-    """A recursion as its settings make it, SI; n parameters. Made by `design_recursion`.
+    """A recursion as its settings define it, SI; n parameters. Made by `design_recursion`.
 
     Attributes
     ----------
@@ -75,13 +75,13 @@ class RecursiveDesign:
     ship : ParameterSet
         Particulars and known coefficients.
     regression : StateRegression
-        What is predicted, from what.
+        The regression of the measured state.
     instruments : Instruments
         The sensor and the inputs.
     level : float or None
-        Standard deviation of a sample of the measured state; None where the record has to show it.
+        Standard deviation of a sample of the measured state; None where it is estimated from the record.
     forgetting : float
-        Factor on the weight of what is a sample older.
+        Factor on the weight of samples, for each sample of age.
     first_output : float or None
         First estimate of the measured state; None where it is the first sample.
     output_deviation : float or None
@@ -137,7 +137,7 @@ class RecursiveDesign:
 
     @property
     def sensor(self) -> str:
-        """What shows the measured state."""
+        """The sensor or state that is measured."""
         return self.instruments.sensors[0]
 
     @functools.cached_property
@@ -180,7 +180,7 @@ class RecursiveDesign:
 
     @property
     def first_gain(self) -> np.ndarray:
-        """First variances of the parameters as the gains count them, shape (n,)."""
+        """First variances of the parameters as used by the gains, shape (n,)."""
         return self.deviation**2 * self.method.first_factor
 
     @property
@@ -206,7 +206,7 @@ class RecursiveDesign:
         if samples is None:
             unit = self.model[self.output].unit.replace("rad", "deg")
             raise NoiseLevelError(
-                f"samples of '{self.sensor}' that arrive one by one do not say how noisy they are: give the standard deviation "
+                f"samples of '{self.sensor}' that arrive one by one have no known noise level: give the standard deviation "
                 f"of one, as in measured={{'{self.sensor}': '0.02 {unit}'}}."
             )
         return noise_of(samples)
@@ -286,7 +286,7 @@ def design_recursion(
     ShipidError
         For names, units and levels that do not fit, and for parameters that enter nonlinearly.
     UnknownNameError
-        If a first estimate is given of something else.
+        If a first estimate is given for another quantity.
     """
     given = settings or RecursiveSettings()
     method = _method(given)
@@ -332,7 +332,7 @@ def design_recursion(
         np.array([starts[n][0] for n in names]),
         np.array([deviations[n] for n in names]),
         known,
-        # What the equation does not read may stay unknown.
+        # Coefficients that the equation does not read may stay unknown.
         system.vector(system.coefficients, known, default=0.0),
         q,
         q_density,
@@ -344,7 +344,7 @@ def _method(given: RecursiveSettings) -> Method:
     method = find_method(given.method)
     if not 0 < given.forgetting <= 1:
         raise ForgettingError(
-            f"a forgetting factor lies above 0 and is at most 1 (0.995, say), and got {given.forgetting:g}."
+            f"a forgetting factor must be above 0 and at most 1 (for example 0.995), and got {given.forgetting:g}."
         )
     if given.forgetting != 1 and not method.forgets:
         raise ForgettingError(

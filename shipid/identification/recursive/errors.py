@@ -1,4 +1,4 @@
-"""What can be wrong with a recursive identification: one class a cause."""
+"""Errors of recursive identification: one class for each cause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verb: a model and a record in, parameters along the record out; and the same for samples that arrive one by one."""
+"""Recursive identification: parameters along a record, or from samples that arrive one by one."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class RecursiveIdentifier:
     inputs : mapping of str to str, optional
         Constant inputs with units, such as the cruising speed.
     forgetting : float
-        Factor on the weight of what is a sample older, for the methods that forget; 1 forgets nothing.
+        Forgetting factor: factor on the weight of samples for each sample of age, for the methods that take one; 1 is none.
     integration, hold : str
         See `shipid.generation.step.make_step`.
     compiled : bool
@@ -56,7 +56,7 @@ class RecursiveIdentifier:
     Attributes
     ----------
     design : RecursiveDesign
-        Everything the settings say, read once.
+        The settings, read and checked once.
 
     Raises
     ------
@@ -65,8 +65,8 @@ class RecursiveIdentifier:
 
     Notes
     -----
-    A first standard deviation is best about as large as the distance to the truth may be. Where it is much larger, the
-    extended Kalman filter diverges now and then; least squares and MRAS do not (``studies/passenier_ch4.py`` counts both).
+    A first standard deviation is best about as large as the expected error of the first estimate. Where it is much larger, the
+    extended Kalman filter sometimes diverges; least squares and MRAS do not (``studies/passenier_ch4.py`` counts both).
     """
 
     def __init__(

@@ -2,7 +2,7 @@
 
 All of them predict one output a sample ahead with the model, ``ybar = psi' theta``, and correct output and parameters by the
 innovation: ``yhat = ybar + K_y e``, ``theta = theta + K_theta e``. Passenier (1989), section 4.5.3, shows each as an extended
-Kalman filter in which something is left out of the covariance; here each is written as just that.
+Kalman filter with parts of the covariance left out; here each is written in that way.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class Method:
         """First variances of the gains in those given.
 
         One equation error holds little information where a ship is sampled finely: with the first variances as they are given,
-        least squares would hardly leave its start.
+        least squares would hardly move from its first estimates.
         """
         return 100.0 if self.previous_output == "measured" and not self.uses_noise_level else 1.0
 
@@ -116,7 +116,7 @@ _ALL = (
     ),
     Method(
         "instrumental-variables",
-        "least squares along an auxiliary model's output: without bias; wants a manoeuvre from the start",
+        "least squares along an auxiliary model's output: without bias; needs a manoeuvre from the start",
         "Young (1970); Söderström and Stoica (1989), section 9.3",
         "measured",
         forgets=True,

@@ -17,7 +17,7 @@ def noise_of(samples: np.ndarray) -> float:
     """Return the standard deviation of white noise in a record of a smooth motion.
 
     Third differences of a smooth motion are small, those of white noise have twenty times its variance; the median of their
-    size is not moved by the few at the corners of a manoeuvre.
+    size is not changed by the few at the corners of a manoeuvre.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def noise_of(samples: np.ndarray) -> float:
     """
     if samples.size < 10 or not np.ptp(samples) > 0:
         raise NoiseLevelError(
-            f"{samples.size} samples that span {np.ptp(samples) if samples.size else 0:g} do not say how noisy they are: give "
+            f"{samples.size} samples that span {np.ptp(samples) if samples.size else 0:g} have no known noise level: give "
             "the standard deviation of one (measured=...)."
         )
     third = np.diff(samples, 3)

@@ -22,14 +22,14 @@ from shipid.identification.recursive.recursion import FEW
 
 @dataclass(frozen=True, eq=False)
 class RecursiveEstimate:
-    """What is known after a sample.
+    """The estimate after a sample.
 
     Attributes
     ----------
     t : float
         Time of the sample in s.
     y : float
-        The measured state as the recursion estimates it, SI.
+        Estimate of the measured state, SI.
     theta : ndarray, shape (parameters,)
         Estimates, SI.
     covariance : ndarray, shape (parameters, parameters)
@@ -111,7 +111,7 @@ class OnlineIdentifier:
         return self._reader.refused
 
     def update(self, sample: Mapping[str, float]) -> RecursiveEstimate:
-        """Take in one sample.
+        """Process one sample.
 
         Parameters
         ----------
@@ -154,7 +154,7 @@ class OnlineIdentifier:
 
     @property
     def estimate(self) -> RecursiveEstimate | None:
-        """What is known after the last sample; None before the first."""
+        """The estimate after the last sample; None before the first."""
         return None if self._stepper is None else self._estimate("")
 
     def _estimate(self, refused: str) -> RecursiveEstimate:
@@ -181,7 +181,7 @@ class OnlineIdentifier:
             If no sample has come yet.
         """
         if self._stepper is None:
-            raise UsageError("a recursion that has taken no sample has no state to save.")
+            raise UsageError("a recursion without a sample has no state to save.")
         state = self._reader.state | {"carried": [float(v).hex() for v in self._stepper.z]}
         write_state(Path(path), self.design.fingerprint, self.design.model.name, state)
 

@@ -1,6 +1,6 @@
 """One sample of a recursive identification, as a generated function ``(carried, control, constants) -> (carried, outputs)``.
 
-Every method is a gain in one frame. The frame also carries the covariance that output and parameters really have under that
+The methods differ in their gain only. The recursion also carries the covariance that output and parameters have under that
 gain (Joseph's form, which holds for any gain), so that the standard deviations of all methods mean the same.
 """
 
@@ -16,13 +16,13 @@ from shipid.identification.recursive.regression import StateRegression
 
 #: The pole of the model that is run stays within this: a time constant of ten thousand samples.
 LARGEST_POLE = 0.9999
-#: Samples of least squares before instruments take over, and of instruments before their model follows the estimate; times the
+#: Samples of least squares before instruments are used, and of instruments before their model follows the estimate; times the
 #: number of parameters. Both wait besides until the gains' variances are this share of their first ones: a straight course
 #: holds no information, however long it is.
 WARM_UP, SETTLING, KNOWN = 20, 80, 1e-3
-#: Share of the newest estimate in the auxiliary model's parameters: its noise must not be that of the sample.
+#: Share of the newest estimate in the auxiliary model's parameters: small, so that their noise is not that of the sample.
 AUXILIARY_SHARE = 0.02
-#: Innovations before their size is trusted to say how large the noise is, times the number of parameters.
+#: Innovations before their size is used as an estimate of the noise, times the number of parameters.
 FEW = 10
 
 
@@ -74,9 +74,9 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
     Parameters
     ----------
     regression : StateRegression
-        What is predicted.
+        The regression that predicts.
     method : Method
-        Which gain.
+        The method, which sets the gain.
     layout : RecursionLayout
         Where everything stands.
 
@@ -86,7 +86,7 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
 
     Notes
     -----
-    The numbers of the equations are those of Passenier (1989). Without a measurement the model is run and nothing else.
+    The numbers of the equations are those of Passenier (1989). Without a measurement only the model is run.
     """
     before, control, constants = (
         ca.SX.sym(name, total(places))
@@ -102,7 +102,7 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
     p, q_sample, q_density, first, r, forgetting, settles = (constants[s] for s in layout.constants.values())
     # A density enters half before and half after the transition, as in the filter (trapezoidal rule).
     half, added = q_density * T / 2, q_density * T / 2 + q_sample * (T > 0)
-    # Where nothing else is known of it, the state starts at its first sample, which then gives no innovation.
+    # Without another first estimate the state starts at its first sample, which then gives no innovation.
     begins = settles * there * (old["age"] == 0)
     there = there - begins
 
@@ -121,7 +121,7 @@ def make_recursion(regression: StateRegression, method: Method, layout: Recursio
         begin = (phase == 0) * (waited > WARM_UP * n) * known
         follow = (phase == 1) * (waited > SETTLING * n) * known
         phase, waited = phase + begin + follow, ca.if_else(begin, 0.0, waited)
-        # What least squares learned to get the auxiliary model started is biased: its weight is given back.
+        # The least-squares estimate that starts the auxiliary model is biased: its weight is removed.
         weights = ca.if_else(begin, ca.diag(first), weights)
         y_aux, theta_aux, direction = _instruments(regression, phase, old, psi, u1, p, T)
     along = weights @ direction
@@ -204,7 +204,7 @@ def _gains(
 
 
 def _updated(joint: Expression, gains: Expression, spread: Expression) -> Expression:
-    """Joseph's form for one measurement of the first unknown: what any gain makes of a covariance."""
+    """Joseph's form for one measurement of the first unknown: the covariance after an update with any gain."""
     column = joint[:, 0]
     return covariance_form.symmetric(joint - gains @ column.T - column @ gains.T + (gains * spread) @ gains.T)
 
@@ -220,7 +220,7 @@ def _instruments(
 ) -> tuple[Expression, Expression, Expression]:
     """The auxiliary model's output and parameters, and the direction in which the parameters are corrected.
 
-    First it has the parameters of least squares. It keeps them while the estimates along its output, wild at the beginning,
+    First it has the parameters of least squares. It keeps them while the estimates along its output, scattered at the beginning,
     settle, and follows those slowly then.
     """
     share = ca.if_else(phase == 0, 1.0, ca.if_else(phase == 1, 0.0, AUXILIARY_SHARE))
@@ -251,7 +251,7 @@ def _stable(
     pole, slope = limits(y, theta, u0, u1, p, T)
     beyond = pole - ca.fmax(ca.fmin(pole, LARGEST_POLE), -LARGEST_POLE)
     along = metric @ slope
-    # Where no parameter moves the pole there is nothing to project.
+    # Where no parameter changes the pole no projection is needed.
     power = ca.dot(slope, along)
     share = ca.if_else((T > 0) * (power > 0), beyond / ca.if_else(power > 0, power, 1.0), 0.0)
     return theta - along * share

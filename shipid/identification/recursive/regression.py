@@ -1,7 +1,7 @@
 """The regression of a declared model: one state, predicted over one sampling interval, and its exact derivatives.
 
-A model is fit for it where the equation of the state is linear in the chosen parameters. That is found by differentiating,
-as is the regressor: what multiplies the parameters is the derivative by them.
+A model is suitable where the equation of the state is linear in the chosen parameters. That is found by differentiating,
+as is the regressor: the factors of the parameters are the derivatives by them.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def make_regression(
     model : Model
         A joined model.
     output : str, optional
-        The state that is measured; by default the one that the parameters move.
+        The state that is measured; by default the one whose equation has the parameters.
     estimate : sequence of str, optional
         The parameters; by default all that the model declares as estimated and the equation of the state reads.
     linear : bool
@@ -122,14 +122,14 @@ def make_regression(
 
 
 def _alone(model: Model, output: str) -> Model:
-    """The model in which every other state is given: it is what the record holds of it."""
+    """The model in which every other state is an input, taken from the record."""
     system = generate(model)
 
     def role(entry: Entry) -> Entry:
         if entry.quantity.kind != "state" or entry.name == output:
             return entry
         row = system.states.index(entry.name)
-        # A state that only noise moves stays where it starts, if the record does not know better.
+        # A state that only noise drives stays at its first value, unless the record holds it.
         still = row not in system.nexts and system.rates[row].is_zero()
         default = (entry.number("start") or 0.0) if still else None
         return Entry(replace(entry.quantity, kind="given", default=default), entry.owner)
@@ -149,10 +149,10 @@ def _coefficients_of(alone: Model, output: str) -> tuple[str, ...]:
 
 
 def _moved(model: Model, estimate: Sequence[str] | None) -> str:
-    """The one state that the parameters move."""
+    """The one state whose equation has the parameters."""
     wanted = set(estimate or (n for n in model.parameters if model[n].quantity.estimated))
     moved = [s for s in model.states if wanted & set(_coefficients_of(_alone(model, s), s))]
-    # Position and heading sum up what other states do; they are regressed only where that is asked for.
+    # Position and heading are integrals of other states; they are regressed only on request.
     own = [s for s in moved if s not in COORDINATES] or moved
     if len(own) != 1:
         found = f"the parameters move {', '.join(own)}" if own else "no state is moved by the parameters"
@@ -185,7 +185,7 @@ def _check_linear(model: Model, output: str, names: tuple[str, ...], system: Sys
         return
     function = ca.Function("curvature", [system.x, system.u, system.p, system.T], [curvature])
     bent = np.zeros((len(names), len(names)), dtype=bool)
-    # What is zero everywhere may have a place in the sparsity pattern: points decide.
+    # A derivative that is zero everywhere may be in the sparsity pattern: it is evaluated at points.
     for seed in range(3):
         point = [np.random.default_rng([seed, i]).uniform(0.5, 1.5, function.size_in(i)) for i in range(4)]
         bent |= np.abs(np.nan_to_num(function(*point).full(), nan=1.0)) > 1e-12
@@ -211,7 +211,7 @@ def _predictor(system: System, output: str, names: tuple[str, ...], integration:
     ahead = step(ca.vertcat(*(places[s] for s in system.states)), u0, u1, system.p, system.T)[row]
     by_y, by_theta = ca.jacobian(ahead, y), ca.jacobian(ahead, theta).T
     if row in system.nexts:
-        # A sampled state moves when its step is run; with no time between two samples it is not.
+        # A sampled state changes when its step is run; with no time between two samples it is not run.
         moves = system.T > 0
         ahead, by_y = ca.if_else(moves, ahead, y), ca.if_else(moves, by_y, 1.0)
         by_theta = ca.if_else(moves, by_theta, ca.SX.zeros(by_theta.shape))

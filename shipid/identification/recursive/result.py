@@ -22,18 +22,18 @@ from shipid.identification.recursive.recursion import FEW
 if TYPE_CHECKING:
     import pandas as pd
 
-#: A recursion is lost where, in the last quarter of the record, innovations are so many times as large as expected, and what they
-#: have too much is such a share of the variance of the motion. A model that is a little wrong does the one and not the other.
+#: A recursion has diverged where, in the last quarter of the record, innovations are so many times as large as expected, and their
+#: excess power is such a share of the variance of the motion. A slightly wrong model meets only the first condition.
 _LARGE, _UNEXPLAINED = 1.4, 0.1
-#: Intervals widened by less than this are those of white innovations, but for chance.
+#: A widening below this is within the scatter for white innovations.
 _WORTH_SAYING = 1.25
-#: What is reported of an estimate as plain values.
+#: The fields of an estimate that are reported as plain values.
 _REPORTED = ("value", "unit", "std", "ci95", "identifiable", "why", "follows", "meaning")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RecursiveIdentification:
-    """A record and what the recursion made of it; N samples, n parameters.
+    """A record and the result of the recursion; N samples, n parameters.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class RecursiveIdentification:
     noise_level : float
         Standard deviation of a sample of the measured state, given or found in the record, SI.
     out : ndarray, shape (rows, outputs)
-        What the recursion returned of each row (`RecursionLayout.outputs`).
+        What the recursion returned for each row (`RecursionLayout.outputs`).
     """
 
     design: RecursiveDesign
@@ -75,12 +75,12 @@ class RecursiveIdentification:
 
     @property
     def y(self) -> np.ndarray:
-        """The measured state as the recursion estimates it after each sample, SI, shape (N,)."""
+        """Estimate of the measured state after each sample, SI, shape (N,)."""
         return self._rows("y")[:, 0]
 
     @functools.cached_property
     def noise_ratio(self) -> np.ndarray:
-        """Size of the innovations so far, in that expected: 1 where the noise level is right; shape (N,).
+        """Size of the innovations so far over that expected: 1 where the noise level is right; shape (N,).
 
         The intervals of methods that do not use the noise level are scaled by it.
         """
@@ -89,7 +89,7 @@ class RecursiveIdentification:
 
     @functools.cached_property
     def covariance(self) -> np.ndarray:
-        """Covariance of the parameters after each sample, SI, shape (N, n, n): what the gains that were taken make of it.
+        """Covariance of the parameters after each sample, SI, shape (N, n, n), under the gains that were used.
 
         It counts the scatter by noise and by the unknown start. The bias of a method that has one is not in it.
         """
@@ -108,7 +108,7 @@ class RecursiveIdentification:
 
     @property
     def innovation_variances(self) -> np.ndarray:
-        """Their variances as the gains and the noise level make them, SI, shape (N,)."""
+        """Their variances by the gains and the noise level, SI, shape (N,)."""
         return self._rows("S")[:, 0]
 
     @property
@@ -137,7 +137,7 @@ class RecursiveIdentification:
 
     @property
     def _excess(self) -> tuple[float, float]:
-        """Size of the last innovations in that expected, and their excess power as a share of the motion's variance."""
+        """Size of the last innovations over that expected, and their excess power as a share of the motion's variance."""
         last = slice(-max(1, self._normalised.size // 4), None)
         e, spread, z = (
             a[self._taken][last] for a in (self._rows("e")[:, 0], self.innovation_variances, self._measured)
@@ -155,7 +155,7 @@ class RecursiveIdentification:
         """Why the last estimate is not reliable; empty where it is."""
         if not np.isfinite(self._rows("theta")).all() or not np.isfinite(self._rows("S")).all():
             lost = ~np.isfinite(self._rows("theta")).all(axis=1) | ~np.isfinite(self._rows("S")[:, 0])
-            return f"the estimates run away {self.t[int(np.argmax(lost))]:.5g} s into the record."
+            return f"the estimates diverge {self.t[int(np.argmax(lost))]:.5g} s into the record."
         model, scale = self.design.model, self.design.instruments.scale
         for i, name in enumerate(self.names):
             value, (low, high) = float(self.theta[-1, i]), scale.bounds_of(model[name])
@@ -167,8 +167,8 @@ class RecursiveIdentification:
         size, share = self._excess
         if size > _LARGE and share > _UNEXPLAINED:
             return (
-                f"at the end the innovations are {size:.3g} times as large as expected, and what they have too much is "
-                f"{share:.0%} of the motion's variance: the recursion has lost the ship. Start it nearer to the truth, with "
+                f"at the end the innovations are {size:.3g} times as large as expected, and their excess power is "
+                f"{share:.0%} of the motion's variance: the recursion has diverged. Start it closer to the true values, with "
                 "another first standard deviation (start, initial), or with noise on the parameters (noise)."
             )
         return ""
@@ -208,14 +208,14 @@ class RecursiveIdentification:
     def widening(self) -> float:
         """Factor on the last intervals, 1 or more: for innovations larger than expected, or correlated in time.
 
-        A model that is a little wrong is wrong for many samples in a row, and those are not independent. The factor is the
-        root of the innovations' power in that expected, times the length of their correlation. It is a rough figure: how much
+        The error of a slightly wrong model lasts for many samples, which are then not independent. The factor is the
+        root of the innovations' power over that expected, times the length of their correlation. It is a rough figure: how much
         correlated noise disturbs a parameter depends on its spectrum.
         """
         method, count = self.design.method, self._normalised.size
         late = self._normalised[count // 4 :]
         if method.instruments:
-            # Instruments come with a model that is run alone: its error shows what that of one sample ahead is blind to.
+            # The auxiliary model is run without measurements: its error shows slow errors that the error one sample ahead does not.
             late = self._rows("e_aux")[self._taken, 0][3 * count // 4 :] / self.noise_level
         if late.size < 4 * FEW or not np.isfinite(late).all():
             return 1.0
@@ -293,12 +293,12 @@ class RecursiveIdentification:
                 "larger than it, or not white"
             )
         if self.diverged:
-            lines.append(f"  NOT TO BE BELIEVED: {self.why_diverged}")
+            lines.append(f"  NOT RELIABLE: {self.why_diverged}")
         return "\n".join(lines)
 
 
 def correlation_length(values: np.ndarray) -> float:
-    """Return how many samples in a row say the same, ``1 + 2 sum r_k`` up to the first correlation that is not positive.
+    """Return how many successive samples count as one, ``1 + 2 sum r_k`` up to the first correlation that is not positive.
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ from shipid.identification.uncertainty.autoregression import autoregression_of
 
 _STEPS = 30
 _TURNS = 6
-#: Relative change of the coefficients at which the instruments have settled.
+#: Relative change of the coefficients at which the instruments have converged.
 _SETTLED = 1e-3
 #: Error of an equation that counts as none, in shares of its left side.
 _BALANCED = 1e-4
@@ -42,9 +42,9 @@ class EquationErrorResult:
     sigma : ndarray, shape (equations,)
         Standard deviation of each equation's error.
     instruments : list of ndarray
-        What the errors are uncorrelated with, by trial, shapes (equations, windows, size).
+        The regressors with which the errors are uncorrelated, by trial, shapes (equations, windows, size).
     converged : bool
-        Whether it settled, on numbers.
+        Whether it converged to finite numbers.
     message : str
         How it went.
     """
@@ -147,7 +147,9 @@ def instrumental_variables(first: EquationErrorResult, box: Box) -> EquationErro
         before = result.theta
         result = _uncorrelated(result, simulated)
         if not np.isfinite(result.theta).all():
-            return replace(first, converged=False, message="the instruments tell the coefficients nothing.")
+            return replace(
+                first, converged=False, message="the instruments hold no information about the coefficients."
+            )
         moved = float(np.max(np.abs(result.theta - before) / (np.abs(result.theta) + np.abs(before) + 1e-12)))
         if moved < _SETTLED:
             break
@@ -194,7 +196,7 @@ def _simulated(result: EquationErrorResult, box: Box) -> list[np.ndarray] | None
 
 
 def _scatter(regression: Regression, theta: np.ndarray) -> np.ndarray:
-    """Standard deviation of each equation's error; an equation that balances to rounding does not weigh infinitely more."""
+    """Standard deviation of each equation's error, at least that of rounding, so that no weight is infinite."""
     errors = np.concatenate([e for e, _ in regression.rows(theta)], axis=1)
     found = np.sqrt(np.mean(np.nan_to_num(errors, nan=RUNAWAY) ** 2, axis=1))
     return np.asarray(np.maximum(found, _BALANCED * _size(regression)))

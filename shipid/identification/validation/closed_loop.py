@@ -33,7 +33,7 @@ _NEVER = 1e9
 
 
 @dataclass(frozen=True, eq=False)
-class Helmsman:
+class ZigzagHelmsman:
     """The helmsman of a recorded zig-zag: angles held, headings of reversal, rudder rate; SI.
 
     Attributes
@@ -60,7 +60,7 @@ class Helmsman:
     delay: float
 
 
-def helmsman_of(trial: Trial, measured: ZigZag) -> Helmsman | None:
+def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     """Return the helmsman of a zig-zag, or None where the rudder itself was not recorded.
 
     Parameters
@@ -93,7 +93,7 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> Helmsman | None:
             early = float(when[last[-1]])
             rates.append(0.7 * (abs(one.angle) + abs(two.angle)) / max(late - early, 0.1 * trial.sampling))
     executes = [e for e in measured.executes[:reversals] if e is not None]
-    return Helmsman(
+    return ZigzagHelmsman(
         begin,
         held[0].side,
         np.array([plate.angle for plate in held]),
@@ -109,7 +109,7 @@ class ZigzagSimulator:
 
     Attributes
     ----------
-    helmsman : Helmsman
+    helmsman : ZigzagHelmsman
         Who steers.
     t : ndarray, shape (N,)
         The clock of the simulation.
@@ -119,7 +119,7 @@ class ZigzagSimulator:
         Ship, rudder and helmsman over the whole clock.
     """
 
-    helmsman: Helmsman
+    helmsman: ZigzagHelmsman
     t: np.ndarray
     controls: np.ndarray
     loop: Loop
@@ -154,7 +154,7 @@ class ZigzagSimulator:
 
 
 def zigzag_simulator(
-    model: Model, trial: Trial, inputs: np.ndarray, helmsman: Helmsman, unit_time: float
+    model: Model, trial: Trial, inputs: np.ndarray, helmsman: ZigzagHelmsman, unit_time: float
 ) -> ZigzagSimulator | None:
     """Prepare a model for a zig-zag in closed loop.
 
@@ -166,7 +166,7 @@ def zigzag_simulator(
         The record.
     inputs : ndarray, shape (inputs, samples)
         Inputs of the model at the samples.
-    helmsman : Helmsman
+    helmsman : ZigzagHelmsman
         Who steers.
     unit_time : float
         L/U in s, for the clock.

@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.foundation.aliases import Plain
-from shipid.report.figures.svg import MUTED, WIDTH, axis_range, legend, svg, thin
+from shipid.report.figures.svg import MUTED, WIDTH, axis_range, legend, panel_title, svg, thin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -97,7 +97,7 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
             shown = [line.y for line in panel.lines if len(line.y)]
             if shown:
                 ax.set_ylim(*_limits(np.concatenate(shown)))
-            ax.set_title(f"{panel.label} [{panel.unit}]" if panel.unit else panel.label, loc="left", fontsize=9, pad=3)
+            ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
             ax.margins(x=0.02)
             ax.locator_params(axis="y", nbins=5)
         axes[-1].set_xlabel(across)

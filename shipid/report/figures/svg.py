@@ -86,6 +86,17 @@ def axis_range(values: Sequence[np.ndarray]) -> tuple[float, float]:
     return low - pad, high + pad
 
 
+def panel_title(label: str, unit: str) -> str:
+    """Return what a panel shows, with its unit in brackets where there is one.
+
+    Parameters
+    ----------
+    label, unit : str
+        What the vertical axis shows.
+    """
+    return label if unit in ("", "1") else f"{label} [{unit}]"
+
+
 def legend(figure: Figure, axes: Iterable[Panels]) -> None:
     """Put one legend above the panels, where there is more than one kind of line.
 

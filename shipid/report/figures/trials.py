@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.foundation.aliases import Plain
-from shipid.report.figures.svg import MOST_POINTS, MUTED, WIDTH, axis_range, legend, svg, thin
+from shipid.report.figures.svg import MOST_POINTS, MUTED, WIDTH, axis_range, legend, panel_title, svg, thin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -82,7 +82,7 @@ def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
             for curve in panel.curves:
                 kept = thin(curve.y)
                 ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
-            ax.set_title(f"{panel.label} [{panel.unit}]", loc="left", fontsize=9, pad=3)
+            ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
             ax.set_ylim(*axis_range([c.y for c in panel.curves]))
             ax.margins(x=0.01)
             ax.locator_params(axis="y", nbins=5)

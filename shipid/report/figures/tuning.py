@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from markupsafe import Markup
@@ -12,11 +13,12 @@ from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, SHOWN_CHANGES, Judgement
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
-from shipid.declaration.vocabulary import to_display
 from shipid.report.figures.charts import Axes, Line, chart, nyquist
+from shipid.report.typography.quantities import shown_field
 
 #: Unit of a gain in a figure, whose numbers have two decimals, and the factor to it.
 _GAIN_UNITS = {"Kp": ("", 1.0), "Kd": ("s", 1.0), "Ki": ("1/1000 s", 1000.0)}
+_HEADING, _RUDDER = shown_field("psi"), shown_field("delta")
 
 
 def design_figures(pilot: Autopilot) -> dict[str, Markup]:
@@ -87,7 +89,7 @@ def _margin_axes(judged: Judgement) -> list[Axes]:
     ends = np.array([pilot.speeds[0], pilot.speeds[-1]])
     disk.append(Line("limit", ends, np.full(2, LIMITS["disk margin"]), "limit"))
     phase.append(Line("", ends, np.full(2, LIMITS["phase margin"]), "limit"))
-    return [Axes("Disk margin", "", disk), Axes("Phase margin", "deg", phase), Axes("Delay margin", "s", delay)]
+    return [Axes("Disk margin", "", disk), Axes("Phase margin", _HEADING.unit, phase), Axes("Delay margin", "s", delay)]
 
 
 def _nyquist_lines(judged: Judgement) -> list[Line]:
@@ -97,55 +99,68 @@ def _nyquist_lines(judged: Judgement) -> list[Line]:
     ]
 
 
-def _step_axes(judged: list[Judgement], names: list[str]) -> list[Axes]:
-    heading: list[Line] = []
-    rudder: list[Line] = []
+def _step_axes(judged: Sequence[Judgement], names: Sequence[str]) -> list[Axes]:
+    """Course changes at the ship's own speed; of several designs a colour each, of one a colour for each change."""
+    runs = []
     for k, (one, name) in enumerate(zip(judged, names)):
-        shown = one.histories
-        last = _until(shown, np.deg2rad(SHOWN_CHANGES))
+        last = _until(one.histories, SHOWN_CHANGES)
         for i, change in enumerate(SHOWN_CHANGES):
-            t, psi, delta = (shown[n][i] for n in ("t", "psi", "delta"))
-            kept = np.isfinite(psi) & (t <= last)
-            colour, label = (k, name if i == 0 else "") if name else (i, f"{change:.0f} deg")
-            look = "line" if k == 0 else "dashed"
-            heading.append(Line(label, t[kept], to_display(psi[kept], "psi"), look, colour))
-            rudder.append(Line("", t[kept], to_display(delta[kept], "delta"), look, colour))
-    return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
-
-
-def _until(shown: Mapping[str, np.ndarray], changes: np.ndarray) -> float:
-    """Until when a course change is worth showing: half as long again as the slowest takes."""
-    last = 0.0
-    for t, psi, change in zip(shown["t"], shown["psi"], changes):
-        out = np.flatnonzero(~(np.abs(psi - change) < 0.01 * abs(change)))
-        last = max(last, float(t[out[-1]]) if out.size else 0.0)
-    return min(1.4 * last, float(shown["t"].max()))
+            label, colour = (name if i == 0 else "", k) if name else (f"{change:.0f} {_HEADING.unit}", i)
+            run = {n: values[i] for n, values in one.histories.items()}
+            runs.append(_Run(label, run, "line" if k == 0 else "dashed", colour, last))
+    return _heading_and_rudder(runs)
 
 
 def _drawn_axes(drawn: Mapping[str, np.ndarray]) -> list[Axes]:
-    heading, rudder = [], []
-    last = _until(drawn, np.full(len(drawn["t"]), np.deg2rad(SAMPLE_CHANGE)))
-    for k in (*range(1, len(drawn["t"])), 0):
-        kept = np.isfinite(drawn["psi"][k]) & (drawn["t"][k] <= last)
+    """A course change of each ship drawn, faint, and in front of them the ship as it is."""
+    count = len(drawn["t"])
+    last = _until(drawn, [SAMPLE_CHANGE] * count)
+    runs = []
+    for k in (*range(1, count), 0):
         look, label = ("line", "as designed") if k == 0 else ("faint", "draws" if k == 1 else "")
-        t = drawn["t"][k][kept]
-        heading.append(Line(label, t, to_display(drawn["psi"][k][kept], "psi"), look))
-        rudder.append(Line("", t, to_display(drawn["delta"][k][kept], "delta"), look))
-    return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
+        runs.append(_Run(label, {n: values[k] for n, values in drawn.items()}, look, last=last))
+    return _heading_and_rudder(runs)
 
 
 def _on_board_axes(found: OnBoardRuns) -> list[Axes]:
-    """Heading and rudder of the voyages in weather: by the instruments faint, by the filter in front."""
+    """The voyages in weather: by the instruments faint, by the filter in front."""
+    return _heading_and_rudder(
+        [
+            _Run(f"by the {run.feedback}", run.histories, "faint" if run.feedback == "instruments" else "line")
+            for run in found.runs
+            if run.weather != "calm"
+        ]
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Run:
+    """A run to draw: its heading and rudder against time, until `last`."""
+
+    label: str
+    histories: Mapping[str, np.ndarray]
+    look: str
+    colour: int = 0
+    last: float = np.inf
+
+
+def _heading_and_rudder(runs: Sequence[_Run]) -> list[Axes]:
     heading, rudder = [], []
-    for run in found.runs:
-        if run.weather == "calm":
-            continue
-        look = "faint" if run.feedback == "instruments" else "line"
+    for run in runs:
         t, psi, delta = (run.histories[n] for n in ("t", "psi", "delta"))
-        kept = np.isfinite(psi)
-        heading.append(Line(f"by the {run.feedback}", t[kept], to_display(psi[kept], "psi"), look))
-        rudder.append(Line("", t[kept], to_display(delta[kept], "delta"), look))
-    return [Axes("Heading", "deg", heading), Axes("Rudder", "deg", rudder)]
+        kept = np.isfinite(psi) & (t <= run.last)
+        heading.append(Line(run.label, t[kept], psi[kept] * _HEADING.factor, run.look, run.colour))
+        rudder.append(Line("", t[kept], delta[kept] * _RUDDER.factor, run.look, run.colour))
+    return [Axes(_HEADING.label, _HEADING.unit, heading), Axes(_RUDDER.label, _RUDDER.unit, rudder)]
+
+
+def _until(histories: Mapping[str, np.ndarray], changes: Sequence[float]) -> float:
+    """Until when a course change is worth showing: half as long again as the slowest takes."""
+    last = 0.0
+    for t, psi, change in zip(histories["t"], histories["psi"], changes):
+        out = np.flatnonzero(~(np.abs(psi * _HEADING.factor - change) < 0.01 * abs(change)))
+        last = max(last, float(t[out[-1]]) if out.size else 0.0)
+    return min(1.4 * last, float(histories["t"].max()))
 
 
 def comparison_figures(found: TuningComparison) -> dict[str, Markup]:

@@ -44,6 +44,17 @@ class Shown:
         return number(value * self.factor, digits)
 
 
+def shown_field(name: str) -> Shown:
+    """Return how a field of the vocabulary is shown.
+
+    Parameters
+    ----------
+    name : str
+        The field.
+    """
+    return Shown(FIELDS[name].label, pretty(FIELDS[name].display), display_factor(name, FIELDS[name].unit))
+
+
 def shown(model: Model, name: str) -> Shown:
     """Return how a quantity of a model, or a field of a record, is shown.
 
@@ -54,10 +65,11 @@ def shown(model: Model, name: str) -> Shown:
     name : str
         The quantity.
     """
-    entry = model.entries.get(name)
-    inside = FIELDS[name].unit if name in FIELDS else entry.unit if entry is not None else "1"
-    called = label(name, "" if entry is None else entry.quantity.meaning)
-    return Shown(called, pretty(display_unit(name, inside)), display_factor(name, inside))
+    if name in FIELDS:
+        return shown_field(name)
+    entry = model[name]
+    unit = pretty(display_unit(name, entry.unit))
+    return Shown(label(name, entry.quantity.meaning), unit, display_factor(name, entry.unit))
 
 
 def symbol_markup(model: Model, name: str) -> Markup:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from importlib import metadata
 
 import shipid
+from shipid.declaration.units import pretty
+from shipid.foundation.numbers import number
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
 
@@ -43,6 +45,30 @@ def sentence(text: str) -> str:
         Words.
     """
     return text[:1].upper() + text[1:]
+
+
+def with_unit(text: str, unit: str) -> str:
+    """Return a number with its unit, which is left out where it is one.
+
+    Parameters
+    ----------
+    text : str
+        The number.
+    unit : str
+        As declared.
+    """
+    return text if pretty(unit) == "1" else f"{text} {pretty(unit)}"
+
+
+def probability(p: float) -> str:
+    """Return a probability, and of a very small one only that it is small.
+
+    Parameters
+    ----------
+    p : float
+        The probability.
+    """
+    return "below 0.0001" if p < 1e-4 else number(p, 2)
 
 
 def versions_now() -> str:

@@ -138,7 +138,7 @@ def test_time_stamps(setup: Any, swing: Any, case: str) -> None:
 def test_a_clock_that_never_runs_is_an_error(setup: Any) -> None:
     kalman = setup("yaw", SENSORS, **OPTIONS).kalman
     column = np.zeros(4)
-    with pytest.raises(UsageError, match=r"do not run forward: of 4 stamps 1 can be used\. They are in s, rise"):
+    with pytest.raises(UsageError, match=r"do not increase: of 4 stamps 1 can be used\. They must be in s, increase"):
         kalman.filter({"t": np.array([5.0, 5.0, 5.0, 5.0]), "psi": column, "r": column, "delta": column})
 
 
@@ -214,13 +214,13 @@ def test_a_restored_filter_says_what_it_knew(setup: Any, swing: Any, tmp_path: P
 def test_saved_states_that_do_not_fit(setup: Any, swing: Any, tmp_path: Path) -> None:
     hand = setup("yaw", SENSORS, **OPTIONS)
     path = tmp_path / "state.json"
-    with pytest.raises(UsageError, match="taken no sample has no state to save"):
+    with pytest.raises(UsageError, match="without a sample has no state to save"):
         hand.kalman.start().save(path)
     with pytest.raises(SavedStateError, match=r"state\.json cannot be read: No such file"):
         hand.kalman.restore(path)
     for text in ("{", "[]", '{"schema": 2}', '{"carried": ["x"]}', "null"):
         path.write_text(text)
-        with pytest.raises(SavedStateError, match=r"is no saved state of a filter: start a new one"):
+        with pytest.raises(SavedStateError, match=r"is not the saved state of a filter: start a new one"):
             hand.kalman.restore(path)
     online = hand.kalman.start()
     online.update({"t": 0.0, "psi": 0.1, "r": 0.0, "delta": 0.0})
@@ -255,13 +255,13 @@ def test_what_a_sample_needs(setup: Any) -> None:
 def test_a_lag_is_longer_than_zero(setup: Any) -> None:
     kalman = setup("yaw", SENSORS, **OPTIONS).kalman
     for lag in ("0 s", "-3 s"):
-        with pytest.raises(UsageError, match="smooths nothing; give one greater than zero"):
+        with pytest.raises(UsageError, match="is too short; give one greater than zero"):
             kalman.start(lag=lag)
 
 
 def test_running_away_online_is_an_error(setup: Any) -> None:
     online = setup("surge", {"log": 50.0}, density={"u": 1e-6}).kalman.start()
-    with pytest.raises(FilterDivergedError, match=r"model surge runs away at \d+ s\. Restore an earlier state"):
+    with pytest.raises(FilterDivergedError, match=r"model surge diverges at \d+ s\. Restore an earlier state"):
         for k in range(400):
             online.update({"t": float(k), "thrust": -5.0, "log": -1.0 if k < 1 else np.nan})
 

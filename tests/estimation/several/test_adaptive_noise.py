@@ -152,9 +152,9 @@ def test_what_does_not_fit_is_said(quiet: ExtendedKalmanFilter) -> None:
         AdaptiveFilter(quiet, ["drift"], factors=(1.0,), lasting=("10 s",))
     with pytest.raises(UsageError, match=r"as many times they last \(3\)"):
         AdaptiveFilter(quiet, ["drift"], lasting=("10 s", "10 s", "10 s"))
-    with pytest.raises(UsageError, match="each is above zero"):
+    with pytest.raises(UsageError, match="each must be above zero"):
         AdaptiveFilter(quiet, ["drift"], factors=(1.0, 0.0))
-    with pytest.raises(UsageError, match="each lasts longer than zero"):
+    with pytest.raises(UsageError, match="each time must be longer than zero"):
         AdaptiveFilter(quiet, ["drift"], lasting=("10 s", "0 s"))
     square = ExtendedKalmanFilter(MODEL, model_noise=False, form="square-root")
     with pytest.raises(UsageError, match="form='covariance'"):

@@ -12,11 +12,11 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import to_display
 from shipid.foundation.numbers import fixed, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
-from shipid.report.views.judgement import (
+from shipid.report.typography.quantities import shown_field
+from shipid.report.views.tuning.judgement import (
     margins_section,
     on_board_section,
     points_section,
@@ -182,13 +182,14 @@ def _poles(poles: np.ndarray) -> str:
 def _method(pilot: Autopilot) -> Section:
     names = {"omega_n": ("Natural frequency at the ship's own speed", "rad/s"), "damping": ("Damping ratio", ""),
              "integral": ("Third pole over the natural frequency", ""), "rudder_weight": ("Weight of the rudder", "")}  # fmt: skip
+    rudder = shown_field("delta")
     facts = {
         "Design": _DESIGNS[pilot.design],
         **{names[n][0]: f"{number(v, 4)} {names[n][1]}".strip() for n, v in pilot.request.items()},
         "Ship's own speed": f"{number(pilot.service_speed, 4)} m/s",
-        "Rudder limit of the autopilot": f"{fixed(to_display(pilot.rudder_limit, 'delta'), 1)} deg",
-        "Largest rudder angle": f"{fixed(to_display(pilot.limits['delta_max'], 'delta'), 1)} deg",
-        "Largest rudder rate": f"{fixed(to_display(pilot.limits['delta_rate'], '', 'rad/s'), 2)} deg/s",
+        "Rudder limit of the autopilot": f"{fixed(pilot.rudder_limit * rudder.factor, 1)} {rudder.unit}",
+        "Largest rudder angle": f"{fixed(pilot.limits['delta_max'] * rudder.factor, 1)} {rudder.unit}",
+        "Largest rudder rate": f"{fixed(pilot.limits['delta_rate'] * rudder.factor, 2)} {rudder.unit}/s",
         "Steering machine": pilot.actuator.__name__,
     }
     view = {

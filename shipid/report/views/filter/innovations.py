@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid.foundation.numbers import number
 from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel
 from shipid.report.page import Row
 from shipid.report.typography.quantities import Shown
+from shipid.report.views.words import probability
 
 #: Probability below which innovations are called coloured.
 COLOURED = 0.01
@@ -33,7 +33,7 @@ def innovation_row(how: Shown, values: np.ndarray, white_p: float | None, **othe
         "label": how.label,
         "unit": how.unit,
         "rms": rms,
-        "p": "" if white_p is None else number(white_p, 2),
+        "p": "" if white_p is None else probability(white_p),
         "white": None if white_p is None else white_p >= COLOURED,
         **others,
     }

@@ -8,7 +8,6 @@ import numpy as np
 from markupsafe import Markup
 from scipy.special import chdtri
 
-from shipid.declaration.units import pretty
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.numbers import fixed, uncertain
@@ -16,9 +15,9 @@ from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
-from shipid.report.views.parameters import parameters_section
-from shipid.report.views.words import versions_now
+from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.parameters import parameters_section
+from shipid.report.views.words import probability, versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
@@ -57,7 +56,7 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
 def _answer(run: FilterRun) -> list[str]:
     kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
     said = [f"The {kind} of model {run.design.base.name} went through {run.t.size} samples of {run.record}."]
-    return said + [f"{n} ended at {uncertain(p.value, p.std)} {pretty(p.unit)}." for n, p in run.parameters.items()]
+    return said + [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
 
 
 def _cautions(run: FilterRun) -> list[str]:
@@ -78,7 +77,7 @@ def _cautions(run: FilterRun) -> list[str]:
             )
         if i.white_p is not None and i.white_p < COLOURED:
             said.append(
-                f"The innovations of {name} are not white (p {i.white_p:.1g}): the model leaves something in them, and the "
+                f"The innovations of {name} are not white (p {probability(i.white_p)}): the model leaves something in them, and the "
                 "standard deviations count it as noise."
             )
     if run.arranged.back:

@@ -9,7 +9,7 @@ import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
-from shipid.identification.validation.compare_models import compare_models
+from shipid.identification.compare_models import compare_models
 from shipid.identification.validation.ranking import MEASURES, Rank, Ranking, tied_models
 
 

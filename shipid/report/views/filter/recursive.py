@@ -12,9 +12,9 @@ from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.innovations import COLOURED, innovation_panel, innovation_row
-from shipid.report.views.parameters import parameters_section
-from shipid.report.views.words import sentence, versions_now
+from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.parameters import parameters_section
+from shipid.report.views.words import probability, sentence, versions_now, with_unit
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[RecursiveIdentification], Section | None]] = [
@@ -36,14 +36,16 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     """
     design, white = run.design, run.white_p
     answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
-    answer += [f"{n} ended at {uncertain(p.value, p.std)}." for n, p in run.parameters.items()]
-    coloured = white is not None and white < COLOURED
+    answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
+    cautions = []
+    if white is not None and white < COLOURED:
+        cautions.append(f"The innovations are not white (p {probability(white)}): the model leaves something in them.")
     return Page(
         f"{design.model.name} on {run.record}, by {design.method.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
-        [f"The innovations are not white (p {white:.1g}): the model leaves something in them."] if coloured else [],
+        cautions,
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
 

@@ -13,12 +13,12 @@ from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
-from shipid.report.views.coefficients import coefficients_section, correlation_section, sign_is_open
-from shipid.report.views.criteria import criteria_section
 from shipid.report.views.equations import equations_section
-from shipid.report.views.runaway import runaway
-from shipid.report.views.search import check_section, noise_section, posterior_section
-from shipid.report.views.trial import trials_section
+from shipid.report.views.fit.coefficients import coefficients_section, correlation_section, sign_is_open
+from shipid.report.views.fit.criteria import criteria_section
+from shipid.report.views.fit.runaway import runaway
+from shipid.report.views.fit.search import check_section, noise_section, posterior_section
+from shipid.report.views.fit.trial import trials_section
 from shipid.report.views.words import count, listed
 from shipid.trials.trial import Trial
 

@@ -9,7 +9,7 @@ from shipid.autopilot.judgement.compare_tunings import TuningComparison
 from shipid.foundation.numbers import number
 from shipid.report.figures.tuning import comparison_figures
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.tuning import answer
+from shipid.report.views.tuning.page import answer
 from shipid.report.views.words import sentence
 
 
@@ -25,7 +25,7 @@ def comparison_page(found: TuningComparison) -> Page:
         f"Two tunings: {found.names[0]} and {found.names[1]}",
         [(name, answer(judged)) for name, judged in zip(found.names, found.judged)],
         [_rows(found), Section("Figures", "tuning/figures.html", comparison_figures(found))],
-        cautions=[sentence(w) for w in found.warnings],
+        cautions=[w if w.startswith(found.names) else sentence(w) for w in found.warnings],
         footer=f"shipid {shipid.__version__}",
     )
 

@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.vocabulary import to_display
 from shipid.foundation.numbers import fixed, number
 from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.report.page import Row, Section
-from shipid.report.typography.quantities import shown
-from shipid.report.views.runaway import runaway
-from shipid.report.views.trial_figures import histories_of, predicted_signals, residuals_of, track_of
-from shipid.report.views.turning_circle import turn_rows
+from shipid.report.typography.quantities import shown, shown_field
+from shipid.report.views.fit.runaway import runaway
+from shipid.report.views.fit.trial_figures import histories_of, predicted_signals, residuals_of, track_of
+from shipid.report.views.fit.turning_circle import turn_rows
 from shipid.trials.trial import Trial
+
+_HEADING = shown_field("psi")
 
 
 def trials_section(fit: Fit) -> Section:
@@ -103,7 +104,7 @@ def _errors(comparison: Comparison, model: Model, lost: float | None) -> list[Ro
 def _bias(comparison: Comparison, model: Model, role: str) -> str:
     if "delta" not in model or not np.isfinite(comparison.bias):
         return ""
-    how = shown(model, "delta")
+    how = shown_field("delta")
     words = f"Rudder bias {fixed(comparison.bias * how.factor, 2)} {how.unit}"
     words += " (estimated with this trial)." if role == "fitted" else " (mean of the fitted trials)."
     if comparison.refitted_bias is not None and np.isfinite(comparison.refitted_bias):
@@ -118,7 +119,7 @@ def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) ->
     rows: list[Row] = []
     for k, measured in enumerate(comparison.overshoots):
         predicted = foreseen[k] if k < len(foreseen) else None
-        error = np.nan if predicted is None else float(to_display(predicted - measured, "psi"))
+        error = np.nan if predicted is None else (predicted - measured) * _HEADING.factor
         rows.append(
             {
                 "number": k + 1,
@@ -134,8 +135,8 @@ def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) ->
 
 
 def _angle(value: float | None) -> str:
-    return "not reached" if value is None or not np.isfinite(value) else fixed(to_display(value, "psi"), 2)
+    return "not reached" if value is None or not np.isfinite(value) else fixed(value * _HEADING.factor, 2)
 
 
 def _band(band: tuple[float, float] | None) -> str:
-    return "" if band is None else " to ".join(fixed(to_display(b, "psi"), 2) for b in band)
+    return "" if band is None else " to ".join(fixed(b * _HEADING.factor, 2) for b in band)

@@ -10,8 +10,8 @@ from markupsafe import Markup
 from shipid.declaration.model import Model
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
-from shipid.report.typography.quantities import shown
-from shipid.report.views.runaway import good_samples
+from shipid.report.typography.quantities import shown, shown_field
+from shipid.report.views.fit.runaway import good_samples
 from shipid.trials.measuring.track import track
 
 #: Signals that come first, whether or not they were fitted.
@@ -52,7 +52,7 @@ def histories_of(comparison: Comparison, model: Model, key: str) -> Markup:
             curves.append(Curve("predicted", t[:count], own[name][:count] * how.factor))
         if curves:
             panels.append(Panel(how.label, how.unit, curves))
-    how = shown(model, "delta")
+    how = shown_field("delta")
     rudder = [
         Curve(kind, t, trial[n] * how.factor)
         for n, kind in (("delta", "rudder"), ("delta_order", "order"))

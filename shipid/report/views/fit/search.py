@@ -9,6 +9,7 @@ from shipid.foundation.numbers import fixed, given, number
 from shipid.identification.fit import Fit
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
+from shipid.report.views.words import probability
 
 _OUTPUT_ERROR = (
     "Output error: the model is run over the recorded rudder from an initial state of its own in each trial, and the "
@@ -111,7 +112,7 @@ def _signals(fit: Fit) -> list[Row]:
                 **row,
                 "effective": f"{found.effective:.0f} of {found.samples}",
                 "time": number(found.autocorrelation_time_s, 2),
-                "p": "below 0.0001" if found.p_value < 1e-4 else fixed(found.p_value, 4),
+                "p": probability(found.p_value),
                 "white": found.white,
                 "chi": number(found.chi_square, 3),
             }

@@ -1,0 +1,1 @@
+"""A filtered record, or a recursion, as a page."""

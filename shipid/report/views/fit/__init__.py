@@ -1,0 +1,1 @@
+"""An identified model as a page: sections, one file a subject."""

@@ -1,0 +1,1 @@
+"""A design, its judgement, or two of them, as a page."""
