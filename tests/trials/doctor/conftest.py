@@ -26,7 +26,7 @@ def faults():
 
 
 @pytest.fixture(scope="session")
-def sailed():
+def simulated():
     """Simulated trials, made once: manoeuvre, noise."""
     made = {}
 

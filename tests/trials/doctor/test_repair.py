@@ -22,8 +22,8 @@ REPAIRED = [
 
 
 @pytest.mark.parametrize(("what", "size", "within"), REPAIRED)
-def test_repair_gives_the_numbers_back(faults, sailed, tmp_path, what, size, within):
-    truth = sailed(noise="none")
+def test_repair_gives_the_numbers_back(faults, simulated, tmp_path, what, size, within):
+    truth = simulated(noise="none")
     plant, _, kind, _ = faults.FAULTS[what]
     log = faults.Log(truth, "soesterberg", 1)
     plant(log, size)
@@ -45,8 +45,8 @@ def test_repair_gives_the_numbers_back(faults, sailed, tmp_path, what, size, wit
         assert np.max(np.abs(off)) <= within * span, column
 
 
-def test_quantised_clock_is_rebuilt(faults, sailed, tmp_path):
-    log = faults.Log(sailed(noise="none"), "soesterberg", 1)
+def test_quantised_clock_is_rebuilt(faults, simulated, tmp_path):
+    log = faults.Log(simulated(noise="none"), "soesterberg", 1)
     interval = 1.0373 * log.dt
     faults.FAULTS["clock-quantised"][0](log, 1.5)
     broken, fixed = tmp_path / "broken.csv", tmp_path / "fixed.csv"
@@ -58,8 +58,8 @@ def test_quantised_clock_is_rebuilt(faults, sailed, tmp_path):
     assert np.diff(t) == pytest.approx(interval, rel=2e-4)
 
 
-def test_earth_fixed_velocities_are_rotated(faults, sailed, tmp_path):
-    log = faults.Log(sailed(noise="none"), "soesterberg", 1)
+def test_earth_fixed_velocities_are_rotated(faults, simulated, tmp_path):
+    log = faults.Log(simulated(noise="none"), "soesterberg", 1)
     u, v = log["u"].copy(), log["v"].copy()
     faults.FAULTS["earth-fixed-velocity"][0](log, 1)
     broken, fixed = tmp_path / "broken.csv", tmp_path / "fixed.csv"
@@ -70,8 +70,8 @@ def test_earth_fixed_velocities_are_rotated(faults, sailed, tmp_path):
     np.testing.assert_allclose(trial["v"], v, atol=1e-3 * np.max(u))
 
 
-def test_what_has_no_safe_repair_is_not_written(faults, sailed, tmp_path):
-    log = faults.Log(sailed(noise="none"), "soesterberg", 1)
+def test_what_has_no_safe_repair_is_not_written(faults, simulated, tmp_path):
+    log = faults.Log(simulated(noise="none"), "soesterberg", 1)
     faults.FAULTS["gap"][0](log, 0.15)
     log.frame().to_csv(tmp_path / "broken.csv", index=False)
     with pytest.raises(NoSafeRepairError, match="gap"):
@@ -79,16 +79,16 @@ def test_what_has_no_safe_repair_is_not_written(faults, sailed, tmp_path):
     assert not (tmp_path / "fixed.csv").exists()
 
 
-def test_nothing_is_overwritten(sailed, tmp_path):
+def test_nothing_is_overwritten(simulated, tmp_path):
     there = tmp_path / "there.csv"
     there.write_text("mine")
     with pytest.raises(OverwriteError, match="never overwrites"):
-        fix_trial(sailed(), there)
+        fix_trial(simulated(), there)
     assert there.read_text() == "mine"
 
 
-def test_a_trial_in_memory_is_repaired_too(sailed, tmp_path):
-    trial = sailed(noise="none")
+def test_a_trial_in_memory_is_repaired_too(simulated, tmp_path):
+    trial = simulated(noise="none")
     table = trial.table.copy()
     table["r"] = -table["r"]
     turned = shipid.Trial("turned", table)

@@ -9,8 +9,6 @@ from shipid import ParameterSet, Trial, find_ship, read_trial, simulate, write_t
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
-from shipid.parts.sensors import standard_noise
-from shipid.trials.manoeuvres.noise import parse_noise
 from shipid.trials.manoeuvres.simulate import SimulationDivergedError
 
 DEG = np.pi / 180
@@ -120,39 +118,6 @@ def test_the_telegraph_is_reproducible() -> None:
     trial = sail("telegraph:10", seed=1)
     after = trial["t"] >= 226 / 9.5
     assert set(np.round(trial["delta_order"][after] / DEG, 9)) == {-10.0, 10.0}
-
-
-def test_noise_has_the_stated_standard_deviation() -> None:
-    """A standard deviation of N samples scatters by 1/sqrt(2 N): 0.7 % at 10 001 samples, of which five are allowed."""
-    clean = sail("zigzag:20/20", duration="1000 s", sampling="0.1 s")
-    noisy = sail("zigzag:20/20", duration="1000 s", sampling="0.1 s", noise="psi=0.2 deg,r=0.02 deg/s,u=0.1 m/s")
-    for name, deviation in (("psi", 0.2 * DEG), ("r", 0.02 * DEG), ("u", 0.1)):
-        error = noisy[name] - clean[name]
-        assert error.std() == pytest.approx(deviation, rel=0.035)
-        assert abs(error.mean()) < 5 * deviation / 100
-        assert abs(np.corrcoef(error[1:], error[:-1])[0, 1]) < 0.05
-    for name in ("x", "y", "delta"):
-        assert np.array_equal(noisy[name], clean[name])
-
-
-def test_noise_on_one_column_leaves_the_others_alone() -> None:
-    one, both = (sail("zigzag:20/20", noise=n) for n in ("psi=0.2 deg", "psi=0.2 deg,r=0.02 deg/s"))
-    assert np.array_equal(one["psi"], both["psi"])
-    assert not np.array_equal(one["r"], both["r"])
-
-
-def test_sensors_do_not_show_the_sway() -> None:
-    assert {"u", "v"} <= set(sail("zigzag:20/20").table)
-    assert "v" not in sail("zigzag:20/20", noise="standard").table
-    assert {"u", "v"}.isdisjoint(sail("zigzag:20/20", noise="psi=0.2 deg").table)
-
-
-def test_standard_noise() -> None:
-    wanted = {"psi": 0.2 * DEG, "r": 0.02 * DEG, "u": 0.1, "x": 10.0, "y": 10.0}
-    assert standard_noise() == pytest.approx(wanted)
-    assert parse_noise("standard") == pytest.approx(wanted)
-    assert parse_noise("none") == parse_noise(None) == {}
-    assert parse_noise({"psi": 0.01, "r": "1 deg/s"}) == pytest.approx({"psi": 0.01, "r": DEG})
 
 
 @pytest.mark.parametrize("model", ["de-keizer", "nomoto", "van-leeuwen"])

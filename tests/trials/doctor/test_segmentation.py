@@ -24,20 +24,20 @@ def real(campaign, file):
     [("zigzag:20/20", 20, 20, "starboard"), ("zigzag:-10/10", 10, 10, "port"), ("zigzag:20/10", 20, 10, "starboard")],
 )
 @pytest.mark.parametrize("noise", ["none", "standard"])
-def test_zigzag_has_its_angles(sailed, manoeuvre, rudder, heading, side, noise):
-    found = [m for m in check_trial(sailed(manoeuvre, noise)).manoeuvres if m.kind == "zigzag"]
+def test_zigzag_has_its_angles(simulated, manoeuvre, rudder, heading, side, noise):
+    found = [m for m in check_trial(simulated(manoeuvre, noise)).manoeuvres if m.kind == "zigzag"]
     assert len(found) == 1
     assert (found[0].rudder_deg, found[0].heading_deg, found[0].side) == (rudder, heading, side)
     assert found[0].regular
 
 
-def test_turn_with_pull_out(sailed):
-    kinds = [m.kind for m in check_trial(sailed("turn:35", "none")).manoeuvres]
+def test_turn_with_pull_out(simulated):
+    kinds = [m.kind for m in check_trial(simulated("turn:35", "none")).manoeuvres]
     assert kinds[:3] == ["steady", "turn", "pull-out"]
 
 
-def test_telegraph_is_no_regular_zigzag(sailed):
-    found = check_trial(sailed("telegraph:10", "none")).manoeuvres
+def test_telegraph_is_no_regular_zigzag(simulated):
+    found = check_trial(simulated("telegraph:10", "none")).manoeuvres
     assert not any(m.kind == "zigzag" and m.regular for m in found)
 
 

@@ -94,10 +94,10 @@ def test_stamps_that_all_stand_still(tmp_path):
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_whatever_a_record_holds_it_is_examined(sailed, seed):
+def test_whatever_a_record_holds_it_is_examined(simulated, seed):
     """Columns missing, constant, noise, NaN, huge; clocks shuffled, still, with holes: a diagnosis, JSON and all."""
     rng = np.random.default_rng(seed)
-    record = from_trial(sailed()).record
+    record = from_trial(simulated()).record
     n = int(rng.choice([1, 2, 3, 11, 29, 31, 70, 700]))
     kept = ["t", *(c for c in record.values if c != "t" and rng.random() < 0.7)]
     record = replace(record, values={c: record.values[c][:n].copy() for c in kept})

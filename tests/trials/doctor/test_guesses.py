@@ -8,11 +8,11 @@ import pytest
 from shipid.trials.doctor.check_trial import check_trial
 
 
-def test_an_nmea_log_is_examined(sailed, tmp_path):
+def test_an_nmea_log_is_examined(simulated, tmp_path):
     pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
-    trial = sailed("zigzag:20/20", "none")
+    trial = simulated("zigzag:20/20", "none")
     path = write_nmea(trial, tmp_path / "log.nmea")
     diagnosis = check_trial(path, format="nmea")
     assert diagnosis.serious == ()
@@ -20,28 +20,28 @@ def test_an_nmea_log_is_examined(sailed, tmp_path):
     assert any(note.startswith("NMEA 0183, resampled") for note in diagnosis.notes)
 
 
-def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(sailed, tmp_path):
+def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(simulated, tmp_path):
     pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
-    log = write_nmea(sailed("zigzag:20/20", "none"), tmp_path / "log.nmea")
+    log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")
     (tmp_path / "format.toml").write_text("[nmea.rudder]\nsign = -1\n")
     assert "rudder-sign" in check_trial(log, format=tmp_path / "format.toml").kinds
 
 
-def test_a_rate_in_another_unit_than_it_is_said_to_be_in(sailed, tmp_path):
+def test_a_rate_in_another_unit_than_it_is_said_to_be_in(simulated, tmp_path):
     pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
-    log = write_nmea(sailed("zigzag:20/20", "none"), tmp_path / "log.nmea")
+    log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")
     (tmp_path / "format.toml").write_text("[nmea.rate]\nunit = 'rad/s'\n")
     diagnosis = check_trial(log, format=tmp_path / "format.toml")
     assert any(f.kind == "unit" and f.channel == "r" for f in diagnosis.findings)
 
 
-def test_headers_of_a_parquet_file_are_guessed(sailed, tmp_path):
+def test_headers_of_a_parquet_file_are_guessed(simulated, tmp_path):
     pytest.importorskip("pyarrow")
-    trial = sailed("zigzag:20/20", "none")
+    trial = simulated("zigzag:20/20", "none")
     frame = trial.to_frame()[["t [s]", "psi [deg]", "r [deg/s]", "delta [deg]"]]
     frame.columns = ["time", "heading [deg]", "rot [deg/s]", "rudder [deg]"]
     frame.to_parquet(tmp_path / "log.parquet")
@@ -53,9 +53,9 @@ def test_headers_of_a_parquet_file_are_guessed(sailed, tmp_path):
     assert [m.kind for m in diagnosis.manoeuvres if m.kind == "zigzag"] == ["zigzag"]
 
 
-def test_text_in_a_parquet_file_is_a_hole(sailed, tmp_path):
+def test_text_in_a_parquet_file_is_a_hole(simulated, tmp_path):
     pytest.importorskip("pyarrow")
-    frame = sailed("zigzag:20/20", "none").to_frame()[["t [s]", "psi [deg]", "r [deg/s]", "delta [deg]"]]
+    frame = simulated("zigzag:20/20", "none").to_frame()[["t [s]", "psi [deg]", "r [deg/s]", "delta [deg]"]]
     printed = frame["r [deg/s]"].map("{:.9g}".format)
     printed[40] = "broken"
     frame["r [deg/s]"] = printed

@@ -29,9 +29,9 @@ def sure(diagnosis):
 
 
 @pytest.mark.parametrize("what", SIMPLE)
-def test_planted_fault_is_found(faults, sailed, tmp_path, what):
+def test_planted_fault_is_found(faults, simulated, tmp_path, what):
     plant, sizes, kind, _ = faults.FAULTS[what]
-    log = faults.Log(sailed(noise="none"), "soesterberg", 1)
+    log = faults.Log(simulated(noise="none"), "soesterberg", 1)
     plant(log, sizes[2])
     diagnosis = examine(log, tmp_path / "log.csv")
     assert kind in sure(diagnosis)
@@ -45,16 +45,16 @@ def test_asymmetric_ship_is_found(faults, tmp_path):
     assert "asymmetric" in sure(examine(faults.Log(trial, "zeefakkel", 0), tmp_path / "log.csv"))
 
 
-def test_current_is_found(faults, sailed, tmp_path):
-    log = faults.Log(sailed("turn:35", "none"), "soesterberg", 1)
+def test_current_is_found(faults, simulated, tmp_path):
+    log = faults.Log(simulated("turn:35", "none"), "soesterberg", 1)
     faults.FAULTS["track-inconsistent"][0](log, 0.2)
     assert "track-inconsistent" in sure(examine(log, tmp_path / "log.csv"))
 
 
 @pytest.mark.parametrize("noise", ["none", "standard"])
 @pytest.mark.parametrize("manoeuvre", ["zigzag:20/20", "zigzag:-10/10", "turn:35", "course:60", "spiral:25"])
-def test_clean_trial_has_no_finding(sailed, manoeuvre, noise):
-    diagnosis = check_trial(sailed(manoeuvre, noise))
+def test_clean_trial_has_no_finding(simulated, manoeuvre, noise):
+    diagnosis = check_trial(simulated(manoeuvre, noise))
     assert sure(diagnosis) == set()
     assert diagnosis.serious == ()
 
@@ -68,18 +68,18 @@ def test_clean_trial_has_no_finding(sailed, manoeuvre, noise):
     noise=st.sampled_from(["none", "standard"]),
 )
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_clean_trial_stays_clean_in_any_unit(sailed, tmp_path, angle, rate, speed, helm, first, noise):
-    trial = sailed(first, noise)
+def test_clean_trial_stays_clean_in_any_unit(simulated, tmp_path, angle, rate, speed, helm, first, noise):
+    trial = simulated(first, noise)
     path = tmp_path / "log.csv"
     units = {"psi": angle, "r": rate, "u": speed, "delta": helm, "delta_order": helm}
     shipid.write_trial(trial, path, units, overwrite=True)
     assert sure(check_trial(path)) == set()
 
 
-def test_the_confidence_of_a_fault_far_larger_is_no_smaller(faults, sailed, tmp_path):
+def test_the_confidence_of_a_fault_far_larger_is_no_smaller(faults, simulated, tmp_path):
     seen = []
     for size in (1.05, 1.5):
-        log = faults.Log(sailed(noise="none"), "soesterberg", 1)
+        log = faults.Log(simulated(noise="none"), "soesterberg", 1)
         faults.FAULTS["rate-scale"][0](log, size)
         diagnosis = examine(log, tmp_path / "log.csv")
         seen.append(next(f.confidence for f in diagnosis.findings if f.kind == "rate-scale"))
