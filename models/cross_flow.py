@@ -66,7 +66,7 @@ class CrossFlow(SpeedScaled):
         prime=True,
         latex=r"\tau_\delta",
     )
-    # 1.7 degrees: every helmsman would notice a propeller that needs more rudder.
+    # Spread 1.7 degrees: every helmsman would notice a propeller that needs more rudder.
     delta_p = parameter(
         "rad",
         "rudder angle equivalent to the propeller's side force, per U0/u - 1",

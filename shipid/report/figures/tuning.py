@@ -114,7 +114,7 @@ def _step_axes(judged: list[Judgement], names: list[str]) -> list[Axes]:
 
 
 def _until(shown: Mapping[str, np.ndarray], changes: np.ndarray) -> float:
-    """Until when a course change is worth showing: half as long again as the slowest takes."""
+    """End of the time axis of course changes: 1.5 times the time of the slowest."""
     last = 0.0
     for t, psi, change in zip(shown["t"], shown["psi"], changes):
         out = np.flatnonzero(~(np.abs(psi - change) < 0.01 * abs(change)))
@@ -135,7 +135,7 @@ def _drawn_axes(drawn: Mapping[str, np.ndarray]) -> list[Axes]:
 
 
 def _on_board_axes(found: OnBoardRuns) -> list[Axes]:
-    """Heading and rudder of the voyages in weather: by the instruments faint, by the filter in front."""
+    """Heading and rudder of the runs in weather: by the instruments (faint) and by the filter."""
     heading, rudder = [], []
     for run in found.runs:
         if run.weather == "calm":

@@ -34,7 +34,7 @@ _ADVICE = {
     "gain margin": "A lower natural frequency raises it.",
     "phase margin": "A lower natural frequency or a higher damping raises it.",
     "overshoot": "A higher damping lowers it.",
-    "steady error in wind": "An integral (--design pid) takes it out.",
+    "steady error in wind": "An integral (--design pid) removes it.",
     "course change": "A smaller rudder limit keeps the ship within what its model describes.",
 }
 _DESIGNS = {
