@@ -1,4 +1,4 @@
-"""Ship models, declared once each: one file a family, found without being listed.
+"""Ship models: one file for each family; a new file needs no registration.
 
 ``from shipid.models import DeKeizer`` looks through the files of this folder for the name, then through the parts that
 every ship joins (`shipid.parts`).

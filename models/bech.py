@@ -17,7 +17,7 @@ class Bech(Component):
     """Second-order rate of turn at one speed, poles of either sign, a lead, and a cubic damping."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
-    w = state("rad/s^2", "yaw acceleration owed to the sway and the rudder of the past", nominal="0.05 deg/s^2")
+    w = state("rad/s^2", "yaw acceleration by earlier sway and rudder angles", nominal="0.05 deg/s^2")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     d1 = parameter(
@@ -25,7 +25,7 @@ class Bech(Component):
     )
     d0 = parameter(
         "1/s^3",
-        "its growth per rudder angle as the sway builds up",
+        "growth of the yaw acceleration per rudder angle",
         start=1.0,
         low=0.01,
         high=50.0,
@@ -34,7 +34,7 @@ class Bech(Component):
     )
     c1 = parameter(
         "1/s",
-        "damping, the sum of the poles with the sign turned",
+        "damping: minus the sum of the poles",
         start=2.5,
         low=-5.0,
         high=50.0,
@@ -59,7 +59,7 @@ class Bech(Component):
 
     @r.rate
     def yaw(self):
-        """Bech (1969), second order, split so that the rudder enters both states and is never derived."""
+        """Bech (1969), second order, as two states, so that the rudder angle is not differentiated."""
         return self.w + self.d1 * self.delta - self.c1 * self.r + self.r_disturbance
 
     @w.rate

@@ -2,12 +2,12 @@
 
 Bech and Wagner Smitt (1969) in regular coefficients, so that the ship may change its stability, made dimensionless
 with L/u as in Passenier (1989), section 2.3.3; the surge balances thrust, resistance and the resistance of the turn.
-Neither part is enough alone: at constant speed the loss of speed hides in the cubic damping, and a first-order yaw
+Both parts are needed: a model at constant speed takes the loss of speed for cubic damping, and a first-order yaw
 lacks the lag of the sway. At a constant speed it is `bech` with d1 = B1 (u/L)^2, d0 = B0 (u/L)^3, c1 = A1 u/L,
 c0 = A0 (u/L)^2 and c3 = A3.
 
 A steady turn at rudder delta has A0 r* + A3 r*^3 = B0 delta and u = U0 / sqrt(1 + r*^2 X_rr/X0), so that no rudder
-angle stops her.
+angle stops the ship.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 class Surge(SpeedScaled):
     """Surge: thrust and resistance that balance at the cruising speed, and the resistance of the turn.
 
-    The thrust is taken as constant. The resistance of the turn is that of sway times rate of turn, which goes by the
-    rate squared as the sway follows it.
+    The thrust is taken as constant. The resistance of the turn is X_vr v r; it is proportional to
+    r squared, as the sway speed follows the rate of turn.
     """
 
     u = state("m/s", "forward speed through the water", nominal=1.0)
@@ -36,7 +36,7 @@ class Surge(SpeedScaled):
     def surge(self):
         """Resistance by the square of the speed, and X_vr v r of Norrbin (1971) for a sway that follows the turn.
 
-        Below `LEAST_WAY` the one goes by the speed and the other fades with it: a ship at rest or astern gathers way.
+        Below `LEAST_WAY` both are in proportion to the speed, so that a ship at rest or astern gathers way.
         """
         balance = self.X0 * (self.cruise**2 - self.u * self.way)
         return (balance - self.X_rr * (self.r * self.L) ** 2 * self.way_left) / self.L + self.u_disturbance
@@ -46,14 +46,12 @@ class BechYaw(SpeedScaled):
     """Second-order yaw of either course stability with a cubic damping, scaled by a speed that surge lowers in the turn."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
-    w = state("1", "dimensionless yaw acceleration owed to the sway and the rudder of the past", nominal=0.02)
+    w = state("1", "dimensionless yaw acceleration by earlier sway and rudder angles", nominal=0.02)
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     B1 = parameter("1", "yaw acceleration per rudder angle", start=1.0, low=-5.0, high=20.0, latex="B_1")
-    B0 = parameter("1", "its growth as the sway builds up", start=1.3, low=0.01, high=50.0, latex="B_0")
-    A1 = parameter(
-        "1", "sum of the poles with the sign turned", start=2.5, low=-5.0, high=50.0, spread=0.5, latex="A_1"
-    )
+    B0 = parameter("1", "growth of the yaw acceleration per rudder angle", start=1.3, low=0.01, high=50.0, latex="B_0")
+    A1 = parameter("1", "minus the sum of the poles", start=2.5, low=-5.0, high=50.0, spread=0.5, latex="A_1")
     A0 = parameter(
         "1",
         "product of the poles, negative for an unstable ship",
@@ -72,12 +70,12 @@ class BechYaw(SpeedScaled):
         return self.r * self.L / self.way
 
     def rudder(self):
-        """Rudder angle that counts: its force goes by the square of the ship's speed."""
+        """Effective rudder angle: its force is proportional to the square of the ship's speed."""
         return self.delta
 
     @r.rate
     def yaw(self):
-        """Bech (1969), second order, scaled as in Passenier (1989), eq. (2.42); the rudder is never derived."""
+        """Bech (1969), second order, scaled as in Passenier (1989), eq. (2.42); the rudder is not differentiated."""
         pace = self.way / self.L
         return pace**2 * (self.w + self.B1 * self.rudder()) - pace * self.A1 * self.r + self.r_disturbance
 
@@ -98,7 +96,7 @@ class SlipstreamYaw(BechYaw):
 
     m = parameter(
         "1",
-        "share of the slipstream: 0 by the ship's speed, 2 by the propeller's",
+        "exponent of the slipstream: rudder force by u^(2-m) U0^m",
         start=0.5,
         low=-0.5,
         high=2.5,
@@ -106,7 +104,7 @@ class SlipstreamYaw(BechYaw):
     )
 
     def rudder(self):
-        """Rudder angle that counts: its force goes by u^(2-m) U0^m."""
+        """Effective rudder angle: its force is proportional to u^(2-m) U0^m."""
         return self.delta * (self.cruise / self.way) ** self.m
 
 

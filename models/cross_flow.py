@@ -4,8 +4,8 @@ The linear part is Pershitz's in sway speed instead of drift angle; the drag of 
 of the local cross-flow along the length, as in Norrbin (1971) and Oltmann and Sharma (1984). Rudder, sway and rate of
 turn are positive to starboard, so s21 and s31 are negative, as in `pershitz`.
 
-A zig-zag or two do not tell the linear part from the drag: a ship that is too unstable and braked too hard fits them as
-well, and is wrong at every other amplitude. What hulls have in common is therefore believed (``spread``): linear
+One or two zig-zags do not separate the linear part from the drag: a model that is too unstable and has too much drag fits
+them as well, but is wrong at other amplitudes. Therefore the coefficients have priors (``spread``): linear
 derivatives as the regressions of Clarke, Gedling and Hine (1982) give them for hulls from container ship to tanker, whose
 scatter is about the spread; a drag coefficient of the section near 1; slipstream and loss of speed as Yasukawa and Yoshimura
 (2015) print them for KVLCC2. Turned into the coefficients here, all divided by masses that include the added ones.
@@ -32,7 +32,7 @@ class CrossFlow(SpeedScaled):
     u = state("m/s", "forward speed through the water", nominal=1.0)
     v = state("m/s", "sway speed through the water, positive to starboard", nominal=0.5)
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
-    delta_lagged = state("rad", "rudder angle that has come to act", nominal="10 deg", latex=r"\delta_l")
+    delta_lagged = state("rad", "rudder angle behind the lag of its force", nominal="10 deg", latex=r"\delta_l")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     u_disturbance = given(
@@ -48,13 +48,13 @@ class CrossFlow(SpeedScaled):
     c_z = parameter("1", "cross-flow drag in yaw", start=35.0, low=0.0, high=300.0, spread=12.0, latex="c_z")
     m = parameter(
         "1",
-        "share of the slipstream: 0 by the ship's speed, 2 by the propeller's",
+        "exponent of the slipstream: rudder force by u^(2-m) U0^m",
         start=1.3,
         low=-0.5,
         high=2.5,
         spread=0.3,
     )
-    # In seconds, as an actuator knows nothing of the speed; its bounds count in ship lengths. Below the least, steps of a
+    # In seconds, as the lag of an actuator does not depend on the speed; bounds in L/U. Below the lowest, steps of a
     # tenth of L/U would be unstable, and the flow past rudder and stern needs about that long to build up a force.
     t_delta = parameter(
         "s",
@@ -66,10 +66,10 @@ class CrossFlow(SpeedScaled):
         prime=True,
         latex=r"\tau_\delta",
     )
-    # One degree and a half: a propeller that asks for more would be noticed by every helmsman.
+    # Spread 1.7 degrees: every helmsman would notice a propeller that needs more rudder.
     delta_p = parameter(
         "rad",
-        "rudder angle the propeller's side force is worth, for each share U0/u - 1 of lost speed",
+        "rudder angle equivalent to the propeller's side force, per U0/u - 1",
         start=0.0,
         low=-0.3,
         high=0.3,
@@ -79,11 +79,11 @@ class CrossFlow(SpeedScaled):
     )
     X0 = parameter("1", "resistance and thrust", start=0.06, low=0.002, high=2.0, latex="X_0")
     X_vr = parameter("1", "resistance of the turn", start=1.65, low=0.0, high=20.0, spread=0.12, latex="X_{vr}")
-    w_0 = constant(
-        "1", "cross-flow, in shares of the forward speed, at which its drag is 0.7 of a full one", default=0.4
+    w_0 = constant("1", "cross-flow over forward speed at which the drag is 0.7 of its full value", default=0.4)
+    k_T = constant("1", "relative growth of the thrust per relative loss of speed", default=0.8)
+    k_delta = constant(
+        "1/rad", "drag of the rudder over its side force, per rudder angle", default=0.77, latex=r"k_\delta"
     )
-    k_T = constant("1", "growth of the thrust with the share of lost speed", default=0.8)
-    k_delta = constant("1/rad", "drag of the rudder over its side force, by angle", default=0.77, latex=r"k_\delta")
 
     def rudder(self):
         """Square of the speed at the rudder times its angle, by u^(2-m) U0^m, with the propeller's side force."""
@@ -93,9 +93,9 @@ class CrossFlow(SpeedScaled):
     def drag(self, power):
         """Integral of xi^power |w| w along the hull, w the local cross-flow, where it is fast enough.
 
-        A section that has only just met the flow has hardly any drag: it grows with the way the flow went across it, which
-        is w/u times the distance from the bow (the impulsively started cylinder of Sarpkaya, 1966). So it goes by w^3 where
-        w/u is small, as the cubic models have it, and by |w| w where it is large.
+        The drag of a section grows with the distance that the flow has moved across it, which is w/u times the distance from
+        the bow (the impulsively started cylinder of Sarpkaya, 1966). So it is proportional to w^3 where w/u is small, as in
+        the cubic models, and to |w| w where it is large.
 
         Parameters
         ----------
@@ -104,7 +104,7 @@ class CrossFlow(SpeedScaled):
         """
         flow = [self.v + xi * self.L * self.r for xi in _POINTS]
         late = (self.w_0 * self.way) ** 2
-        # A ship that lies still has no cross-flow and no way: the billionth keeps 0/0 out, and out of the derivatives.
+        # At rest, cross-flow and speed are both zero: the small number avoids 0/0, in the derivatives too.
         least = (1e-9 * self.cruise) ** 2
         return sum(
             weight * xi**power * w**3 / np.sqrt(w**2 + late + least) for xi, weight, w in zip(_POINTS, _WEIGHTS, flow)
@@ -132,7 +132,7 @@ class CrossFlow(SpeedScaled):
         """Thrust at constant revolutions, resistance, rudder drag, and X_vr v r of Norrbin (1971).
 
         The thrust grows as the ship slows and the resistance falls with the square of the speed. Below `LEAST_WAY` the
-        resistance goes by the speed and what turning takes fades with it, as in `bech_surge`.
+        resistances of hull and turn are in proportion to the speed, as in `bech_surge`.
         """
         thrust = self.cruise**2 + self.k_T * self.cruise * (self.cruise - self.u)
         balance = self.X0 * (thrust - self.u * self.way)

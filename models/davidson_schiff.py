@@ -75,8 +75,8 @@ class DavidsonSchiff(Component):
         latex=r"N_{\dot r}'",
     )
 
-    Y = derived("1", "sway force, the centrifugal force taken to its side", latex="Y'")
-    N = derived("1", "yaw moment, the centrifugal moment taken to its side", latex="N'")
+    Y = derived("1", "sway force less the centrifugal force", latex="Y'")
+    N = derived("1", "yaw moment less the centrifugal moment", latex="N'")
 
     @property
     def mass_matrix(self):

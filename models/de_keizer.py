@@ -4,7 +4,7 @@ De Keizer (1977), as in Passenier (1989), section 2.3.3. It differs from Van Lee
 has the lag, and not its dimensionless form, which gives more overshoot of the rate in a turning circle.
 
 A steady turn is stable only while u*_ss = K_u (K delta)^2 stays below (1 + tau_u/tau) / (3 + tau_u/tau) (found by
-linearising; the thesis does not say it): a harder turn than that runs down to u = 0. See `kinematics.LEAST_WAY`.
+linearising; the thesis does not say it): in a harder turn u falls to 0. See `planar_motion.LEAST_WAY`.
 """
 
 from __future__ import annotations

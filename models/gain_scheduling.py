@@ -31,7 +31,7 @@ class GainSchedule(SpeedScaled):
     )
     gamma_star = parameter(
         "1",
-        "sway constant gamma*: a turn to starboard sways to port",
+        "sway constant gamma*: sway to port in a turn to starboard",
         start=0.45,
         low=-2.0,
         high=5.0,

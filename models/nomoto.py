@@ -1,7 +1,7 @@
 """Nomoto's models: the rate of turn as a linear filter of the rudder, at one speed.
 
 Nomoto et al. (1957), "On the steering qualities of ships"; the first-order form as in Passenier (1989), eq. (2.22).
-A ship that does not keep its course has negative time constants, which these forms reach only through infinity:
+A course-unstable ship has negative time constants, which a search from positive ones reaches only through infinity:
 fit such a ship with `norrbin` or `bech`, whose coefficients pass through zero.
 """
 
@@ -33,7 +33,7 @@ class NomotoSecondOrder(Component):
     """
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
-    w = state("rad/s^2", "yaw acceleration owed to the sway and the rudder of the past", nominal="0.05 deg/s^2")
+    w = state("rad/s^2", "yaw acceleration by earlier sway and rudder angles", nominal="0.05 deg/s^2")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
     r_disturbance = given("rad/s^2", "yaw acceleration by wind or another disturbance", default=0.0, latex=r"\dot r_d")
     K = parameter("1/s", "rate of turn per rudder angle", start=1.0, low=0.02, high=50.0, prime=True)
@@ -43,7 +43,7 @@ class NomotoSecondOrder(Component):
 
     @r.rate
     def yaw(self):
-        """Nomoto et al. (1957), second order, split so that the rudder enters both states and is never derived."""
+        """Nomoto et al. (1957), second order, as two states, so that the rudder angle is not differentiated."""
         fast = self.tau1 * self.tau2
         lead = self.K * self.tau3 * self.delta / fast
         return self.w + lead - (self.tau1 + self.tau2) * self.r / fast + self.r_disturbance

@@ -90,9 +90,9 @@ class Pershitz(PershitzCoefficients):
 class PershitzDiscrete(PershitzCoefficients):
     """Heading change per metre sailed, sampled: Pershitz's model with the drift angle eliminated.
 
-    Printed as it is, the model never leaves a turn: with the rudder amidships its time constant is infinite, as the
-    ship of the paper is directionally unstable. `delta_midships` is the rudder angle the time constant is then taken
-    at: 30 deg (the largest, and the default) straightens up in about 40 s, 3 deg in minutes, 0 is the print.
+    The printed model never leaves a turn: with the rudder amidships its time constant is infinite, as the ship of the
+    paper is course-unstable. Amidships the time constant is that of the rudder angle `delta_midships`: with 30 deg (the
+    largest, and the default) the turn ends in about 40 s, with 3 deg in minutes; 0 gives the printed model.
     """
 
     x = state("m", "position to the north", nominal=100.0)
@@ -189,7 +189,7 @@ class PershitzDiscrete(PershitzCoefficients):
 
 
 class PershitzTrack(Component):
-    """A turn that stays as it is, sampled: Pershitz's model as a tracker uses it, one of its few turns.
+    """A turn of fixed curvature, sampled: one of the models of Pershitz's ship in a multiple-model tracker.
 
     Every scan multiplies the speed by the loss of that turn, as printed; the paper's trackers set the speed of the
     turning models back to that of the straight one after each scan.
@@ -201,7 +201,7 @@ class PershitzTrack(Component):
     V_U = state("m/s", "speed on a straight course", nominal=5.0, latex="V_U")
     T_s = given("s", "sampling interval")
     Omega = given("rad/m", "heading change per metre sailed, fixed for each model of a tracker", latex=r"\Omega")
-    mean_length = constant("m", "ship length the loss of speed is reckoned with", default="69 m", latex="l")
+    mean_length = constant("m", "ship length in the loss of speed", default="69 m", latex="l")
     k_v = parameter(
         "1",
         "loss of speed per dimensionless rate of turn squared",
@@ -244,7 +244,7 @@ class PershitzTrack(Component):
 
 
 class PershitzTrackAugmented(PershitzTrack):
-    """A turn that stays as it is, sampled, and an estimated displacement of it, which the loss of speed leaves out."""
+    """A turn of fixed curvature with an estimated correction, sampled; the loss of speed does not include the correction."""
 
     dOmega = state("rad/m", "turn of the ship less that of the model", nominal=0.001, latex=r"\Delta\Omega")
 

@@ -1,10 +1,10 @@
-"""The position filter: speed, sway, current and position from the log and noisy fixes, the heading being known.
+"""The position filter: speed, sway, current and position from the log and noisy fixes, with a known heading.
 
 Passenier (1989), section 5.4. Heading and rate of turn are inputs, so the filter is linear. `own-ship-filter` is the yaw
-filter and the position filter in one, with the thirteen states of the thesis, to judge the split of the two by.
+filter and the position filter in one, with the thirteen states of the thesis, to compare with the two.
 
 The noise levels are this project's tuning (the thesis prints none), as densities: of the current 0.02 m/s in a sample of 2 s,
-between fast recovery from a change of current and a quiet track.
+a compromise between fast recovery from a change of current and a smooth track.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ class Track(Component):
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
     u = given("m/s", "forward speed through the water")
     v = given("m/s", "sway speed through the water, positive to starboard", default=0.0)
-    current_north = given("m/s", "current, its part that flows to the north", default=0.0, latex="U_{c,N}")
-    current_east = given("m/s", "current, its part that flows to the east", default=0.0, latex="U_{c,E}")
+    current_north = given("m/s", "current, component to the north", default=0.0, latex="U_{c,N}")
+    current_east = given("m/s", "current, component to the east", default=0.0, latex="U_{c,E}")
 
     @x.rate
     def north(self):
@@ -40,22 +40,22 @@ class Track(Component):
 
 
 class SteadySpeed(Component):
-    """A forward speed of which nothing is known but that it changes slowly."""
+    """A forward speed that changes slowly, as a random walk."""
 
     u = state("m/s", "forward speed through the water", nominal=1.0, spread="0.5 m/s", noise="0.035 m/s^1.5")
 
     @u.rate
     def keeps(self):
-        """Passenier (1989), eq. (5.49): constant, but for the noise that lets it follow."""
+        """Passenier (1989), eq. (5.49): constant except for the process noise."""
         return 0.0
 
 
 class SwayConstant(VanLeeuwenSway):
-    """The sway speed that belongs to a rate of turn, its constant estimated."""
+    """Sway speed proportional to the rate of turn, with an estimated constant."""
 
     gamma = parameter(
         "1",
-        "sway constant gamma*: a turn to starboard sways to port",
+        "sway constant gamma*: sway to port in a turn to starboard",
         start=0.45,
         low=-2.0,
         high=5.0,
@@ -67,28 +67,28 @@ class SwayConstant(VanLeeuwenSway):
 
 
 class SlowCurrent(Component):
-    """A current nobody measures, which changes slowly."""
+    """An unmeasured current that changes slowly."""
 
     current_north = state(
-        "m/s", "current, its part that flows to the north", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,N}"
+        "m/s", "current, component to the north", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,N}"
     )
     current_east = state(
-        "m/s", "current, its part that flows to the east", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,E}"
+        "m/s", "current, component to the east", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,E}"
     )
 
     @current_north.rate
     def north_keeps(self):
-        """Passenier (1989), eq. (5.52): constant, but for the noise that lets it follow."""
+        """Passenier (1989), eq. (5.52): constant except for the process noise."""
         return 0.0
 
     @current_east.rate
     def east_keeps(self):
-        """Passenier (1989), eq. (5.53): constant, but for the noise that lets it follow."""
+        """Passenier (1989), eq. (5.53): constant except for the process noise."""
         return 0.0
 
 
 class ConsistentWaves(ColouredWavesSeven):
-    """The seven states' waves, started from calm water: what nothing tells apart is known from the start."""
+    """The waves of `yaw-filter-seven` with a well-known start: no sensor separates psi_wave from the heading later."""
 
     v_f = state("rad/s", "slow part of the rate by waves", nominal="0.2 deg/s", spread="0.03 deg/s")
     psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", spread="0.03 deg", latex=r"\psi_v")

@@ -1,6 +1,6 @@
 """First-order yaw scaled by the speed, an actuator with a lag, and a moment by the measured wind.
 
-Small steps from the models of the literature that real trials ask for: runs at several speeds, a log that holds the
+Extensions of the models of the literature that real trials need: runs at several speeds, a log that holds the
 order and not the rudder, a pond with wind.
 """
 
@@ -15,7 +15,7 @@ from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class CubicYaw(SpeedScaled):
-    """First-order yaw with a cubic damping, scaled by a speed that is given: one ship at several speeds."""
+    """First-order yaw with a cubic damping, scaled by the measured speed: one set of coefficients for several speeds."""
 
     r = state("rad/s", "rate of turn, positive to starboard", nominal="0.5 deg/s")
     delta = given("rad", "rudder angle, positive turns to starboard", latex=r"\delta")
@@ -35,11 +35,11 @@ class CubicYaw(SpeedScaled):
 class WindMoment(Component):
     """Yaw acceleration by the true wind, two harmonics of its direction.
 
-    Moment coefficients of 0.1 on as much side above the water as below make 0.004, by the densities of air and water and a
-    ship's moment of inertia: what is believed of them before a trial.
+    The prior is 0.004: a moment coefficient of 0.1, equal lateral areas above and below the water, the densities of air and
+    water, and a ship's moment of inertia.
 
-    It states the disturbance of the yaw, so it joins with any model of yaw in the place of `Wind`, which takes the
-    relative wind and pushes ahead as well.
+    It states the yaw disturbance, so it joins with any model of yaw in the place of `Wind`, which reads the relative
+    wind and has a longitudinal force as well.
     """
 
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
@@ -72,22 +72,22 @@ class WindMoment(Component):
     def moment(self):
         """The second harmonic of Passenier (1989), eq. (2.87), and a first one, both of the true wind.
 
-        The first harmonic is the lever of the windage before or abaft midships. A direction the wind comes from turns
-        the sign of w1 and leaves that of w2.
+        The first harmonic is the lever of the lateral area before or abaft midships. With the direction the wind comes
+        from, w1 would change its sign, and w2 would not.
         """
         angle = self.wind_direction - self.psi
         return (self.wind_speed / self.L) ** 2 * (self.w1 * np.sin(angle) + self.w2 * np.sin(2 * angle))
 
 
 class CubicYawInWind(WindMoment, CubicYaw):
-    """First-order yaw with a cubic damping, scaled by a speed that is given, turned by the true wind of the log."""
+    """First-order yaw with a cubic damping, scaled by the measured speed, and a moment by the true wind of the log."""
 
 
 class DeKeizerLag(DeKeizer):
     """Yaw with a cubic damping, and surge, behind an actuator with a lag: for a log that holds only the order."""
 
     delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
-    # In seconds on purpose: an actuator knows nothing of the ship's speed, and runs at two speeds showed one lag in
+    # In seconds: the lag of an actuator does not depend on the ship's speed, and runs at two speeds showed one lag in
     # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
     t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
 

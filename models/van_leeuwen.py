@@ -12,7 +12,7 @@ from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 
 class VanLeeuwen(SpeedScaled):
-    """Rate of turn and loss of speed as filters over the distance sailed."""
+    """Rate of turn and loss of speed with lags in the distance sailed."""
 
     r_star = state("1", "rate of turn, made dimensionless: r L/u", nominal=0.5, latex="r^*")
     u_star = state("1", "share of the cruising speed that is lost", nominal=0.2, latex="u^*")
@@ -84,14 +84,14 @@ class VanLeeuwen(SpeedScaled):
 
 
 class VanLeeuwenSway(Component):
-    """The sway speed that belongs to a rate of turn."""
+    """Sway speed proportional to the rate of turn."""
 
     v = derived("m/s", "sway speed through the water, positive to starboard")
     r = given("rad/s", "rate of turn, positive to starboard")
     L = constant("m", "length between perpendiculars")
     gamma = parameter(
         "1",
-        "sway constant gamma*: a turn to starboard sways to port",
+        "sway constant gamma*: sway to port in a turn to starboard",
         start=0.45,
         low=-2.0,
         high=5.0,
@@ -103,7 +103,7 @@ class VanLeeuwenSway(Component):
     def sway(self):
         """Passenier (1989), eq. (2.60) with (2.63).
 
-        (2.57) prints r* squared, which would sway to the same side in both turns; (2.60) has the linear form.
+        (2.57) prints r* squared, which would give sway to the same side in turns to either side; (2.60) has the linear form.
         """
         return -self.gamma * self.L * self.r
 
@@ -126,9 +126,9 @@ class CubicSway(Component):
 
 
 class LossOfSpeed(Component):
-    """The loss of speed as a filter of the rate of turn squared, at one cruising speed.
+    """First-order loss of speed by the rate of turn squared, at one cruising speed.
 
-    Join it with a model of yaw at constant speed: the yaw then stays as it is, and the path takes the loss.
+    Join it with a model of yaw at constant speed: the yaw does not change, and the path is sailed at the lower speed.
     """
 
     loss = state("m/s", "speed lost in the manoeuvre", nominal=1.0, latex=r"\Delta u")

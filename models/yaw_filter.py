@@ -1,11 +1,11 @@
-"""The yaw filter: heading and rate of turn freed of the waves, and the coefficients of the yaw estimated on the way.
+"""The yaw filter: it removes the waves from heading and rate of turn, and estimates the yaw coefficients.
 
 Passenier (1989), section 5.3. The thesis estimates the sampled coefficients a_s and b_s, which change with the speed; here
-1/tau* and K*/tau* are the states, which do not, so that a change of speed leaves them alone. `yaw-filter` has six states:
-the heading by waves is a multiple of v_f. `yaw-filter-seven` has the seven of the thesis, of which two cannot be told apart.
+the states are 1/tau* and K*/tau*, which do not change with it. `yaw-filter` has six states:
+the heading by waves is a multiple of v_f. `yaw-filter-seven` has the seven of the thesis, of which two cannot be separated.
 
 The noise levels are this project's tuning for a 226 m container ship sampled every 0.4 s (the thesis prints none): waves of
-0.15 deg/s, taken three times as strong, since narrow-band waves are far from the white noise the filter makes of them.
+0.15 deg/s, taken three times as strong, since the filter models narrow-band waves as white noise.
 Noise of states and coefficients is a density, so that it means the same at another sampling interval.
 """
 
@@ -81,7 +81,7 @@ class AdaptiveYaw(SpeedScaled):
 
 
 class SlowDisturbance(Component):
-    """A yaw acceleration nobody measures, which changes slowly: the wind, or a rudder angle that reads wrong."""
+    """An unmeasured yaw acceleration that changes slowly: the wind, or a bias of the rudder angle."""
 
     r_disturbance = state(
         "rad/s^2",
@@ -94,7 +94,7 @@ class SlowDisturbance(Component):
 
     @r_disturbance.rate
     def keeps(self):
-        """Passenier (1989), eq. (5.20): constant, but for the noise that lets it follow."""
+        """Passenier (1989), eq. (5.20): constant except for the process noise."""
         return 0.0
 
 
@@ -111,10 +111,10 @@ class Heading(Component):
 
 
 class ColouredWavesSeven(ColouredWaves):
-    """The yaw motion by waves with the heading by waves as a state of its own, as the thesis counts its states.
+    """The yaw motion by waves with the heading by waves as a state of its own, as in the thesis.
 
-    psi_wave and tau_f v_f sum the same differences, so that nothing ever tells a steady part of psi_wave from the heading:
-    what psi_wave is believed to be wrong by at the start stays in the heading for good.
+    psi_wave and tau_f v_f sum the same differences, so that a constant part of psi_wave cannot be observed: an initial
+    error of psi_wave stays in the heading.
     """
 
     psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", spread="1 deg", latex=r"\psi_v")

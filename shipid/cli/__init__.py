@@ -90,15 +90,15 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except ShipidError as error:
         say(str(error))
         return error.exit_code
-    except SystemExit:  # click's answer to a closed pipe: nobody reads on
+    except SystemExit:  # click raises it for a closed pipe
         return ExitCode.DONE
     except OSError as error:
         say(f"{error.filename or 'the output'}: {error.strerror or error}.")
         return ExitCode.BAD_DATA
     except MemoryError as error:
-        say(f"the memory does not hold it: {error}. Ask for fewer samples: a shorter time, or a longer interval.")
+        say(f"there is not enough memory: {error}. Ask for fewer samples: a shorter time, or a longer interval.")
         return ExitCode.BAD_DATA
-    except Exception as error:  # the last line of defence: a fault of ours is said in one paragraph too
+    except Exception as error:  # a fault of shipid itself is reported in one paragraph too
         if os.environ.get("SHIPID_DEBUG"):
             raise
         say(

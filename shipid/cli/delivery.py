@@ -47,7 +47,7 @@ class Decorator(Protocol):
 
 
 class Result(Protocol):
-    """A result that prints itself and tells its numbers."""
+    """A result with a ``repr`` and a ``to_dict``."""
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as JSON can hold it."""

@@ -44,7 +44,7 @@ _ESTIMATES = "estimates.csv"
 @reading
 @levels_option("--measured", f"Sensors and their noise per sample, {LEVELS}; standard ones by default.")
 @estimate_option(", 'none' for none")
-@levels_option("--noise", "What drives states and parameters, 'r=0.01 deg/s^1.5,K=1e-4 1/s'.")
+@levels_option("--noise", "Process noise of states and parameters, 'r=0.01 deg/s^1.5,K=1e-4 1/s'.")
 @levels_option("--initial", "Standard deviations of the first estimates, 'K=0.02 1/s,psi=2 deg'.")
 @levels_option("--start", "First estimates, 'K=0.05 1/s'; the ship's values by default.")
 @levels_option("--rates", "How often a sensor is read, 'x=2 s,y=2 s'.")
@@ -52,7 +52,7 @@ _ESTIMATES = "estimates.csv"
     "--input", "inputs", multiple=True, metavar="NAME=VALUE", help="A constant input, as in cruise='9.5 m/s'."
 )
 @click.option(
-    "--gate", default=5.0, show_default=True, help="Innovations beyond so many standard deviations are rejected."
+    "--gate", default=5.0, show_default=True, help="Innovations beyond this many standard deviations are rejected."
 )
 @click.option(
     "--follow",
@@ -64,7 +64,7 @@ _ESTIMATES = "estimates.csv"
     default="5 s",
     show_default=True,
     metavar="T",
-    help="With --follow FILE: end when nothing has come for so long.",
+    help="With --follow FILE: end when no line has come for this time.",
 )
 @delivered(_ESTIMATES, RESULT, REPORT)
 def filter_trial(
@@ -87,8 +87,8 @@ def filter_trial(
 ) -> None:
     """Filter a trial with an extended Kalman filter generated from a model.
 
-    Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other serves too. Prints the last
-    estimates with their intervals, and whether the innovations are as large and as white as the filter expects. With --out, a
+    Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other model works too. Prints the last
+    estimates with their intervals, and whether the innovations are as large as their predicted variance, and white. With --out, a
     table of the estimates against time, the result, and a report. With --follow, samples are read line by line after a header
     with units ("t [s], psi [deg], delta [deg]"), and each gives a line of estimates.
     """
@@ -142,7 +142,7 @@ def _filter(
     from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
-    # Positions that no sensor bears on are dead reckoning, not estimation.
+    # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     run = kalman.filter(record)
     seen = kalman.observability(run)
@@ -185,4 +185,4 @@ def _recursively(
         },
     )
     if run.diverged:
-        say(f"not to be believed: {run.why_diverged}")
+        say(f"not valid: {run.why_diverged}")

@@ -65,11 +65,11 @@ _DRAWS = 12
     default="linear",
     type=click.Choice(list(LOSSES)),
     show_default=True,
-    help="How residuals count: by their squares, or the largest less, for logs with outliers.",
+    help="Loss of a residual: its square, or one that grows more slowly, for logs with outliers.",
 )
 @click.option("--posterior", metavar="N", type=click.IntRange(1), help="Sample the posterior: N draws (needs emcee).")
-@click.option("--no-check", is_flag=True, help="Leave the trials' doctor out.")
-@click.option("--no-rudder-bias", is_flag=True, help="Believe the rudder: no bias of its own in each trial.")
+@click.option("--no-check", is_flag=True, help="Do not check the trials first.")
+@click.option("--no-rudder-bias", is_flag=True, help="Take the rudder angle as exact: no bias in each trial.")
 @starts_option
 @seed_option("the random starting points")
 @delivered(RESULT, _SHIP, REPORT)

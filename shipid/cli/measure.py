@@ -12,7 +12,7 @@ from shipid.foundation.aliases import Plain
 @click.command()
 @click.argument("trial")
 @reading
-@click.option("--kind", type=click.Choice(["zig-zag", "turning circle"]), help="Found out by itself by default.")
+@click.option("--kind", type=click.Choice(["zig-zag", "turning circle"]), help="Found from the trial by default.")
 @click.option("--length", metavar="L", help="Ship length, as in '320 m', for the ratios to it.")
 @delivered()
 def measure(trial: str, read: TrialReader, kind: str | None, length: str | None, delivery: Delivery) -> None:

@@ -1,4 +1,4 @@
-"""What a command says on standard error: messages, and progress where somebody is looking."""
+"""What a command says on standard error: messages, and progress on a terminal."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 @click.command()
 @model_option
 @ship_option(required=True)
-@click.option("--time", required=True, metavar="T", help="What there is, as in 20min, approaches included.")
+@click.option("--time", required=True, metavar="T", help="Time available, as in 20min, approaches included.")
 @speed_option("Speed of the trials", ", or several to choose from, '9 kn,6 kn'")
 @estimate_option()
 @click.option(
@@ -38,9 +38,7 @@ if TYPE_CHECKING:
 @click.option(
     "--criterion", default="D", show_default=True, metavar="D|A", help="Determinant, or mean relative variance."
 )
-@click.option(
-    "--worst-case", is_flag=True, help="The worst draw of the coefficients counts, not the average over them."
-)
+@click.option("--worst-case", is_flag=True, help="Plan for the worst draw of the coefficients, not for their average.")
 @click.option(
     "--repertoire",
     metavar="a,b,..",
@@ -76,7 +74,7 @@ def plan(
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
     Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
-    Standard deviations are Cramer-Rao bounds, which hold for a ship that is as the model says.
+    Standard deviations are Cramer-Rao bounds, which hold for a ship that the model describes exactly.
     """
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.planning.plan_trials import plan_trials

@@ -1,4 +1,4 @@
-"""The commands: where each of them lives, and its line in the help. A new command is a file of its own and a line here."""
+"""The commands: the function of each, and its line in the help. A new command is a file of its own and a line here."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ COMMANDS = {
     "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),
     "compare": ("shipid.cli.compare:compare", "Rank models by how they predict what they were not fitted to."),
-    "plan": ("shipid.cli.plan:plan", "Plan which manoeuvres tell the most within a time."),
+    "plan": ("shipid.cli.plan:plan", "Plan the most informative manoeuvres within a time."),
     "identify": ("shipid.cli.identify:identify", "Identify a model from one trial or several."),
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),

@@ -1,1 +1,1 @@
-"""The declaration language: quantities with units, components, joining, the unit check, parameter sets."""
+"""The declaration language: quantities with units, components, joining, the unit check, the vocabulary of fields."""

@@ -17,7 +17,7 @@ from shipid.foundation.errors import DeclarationError, UnknownNameError
 def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None) -> Model:
     """Return a new model in which parameters are states that keep their value.
 
-    The rate of each is zero; what lets it walk is the process noise a filter adds. A parameter whose
+    The rate of each is zero; the process noise of a filter makes it a random walk. A parameter whose
     lower bound is zero or more becomes the state ``log_NAME``, the natural logarithm of its value over one unit, and the
     parameter itself follows from it, so it cannot change sign.
 
@@ -45,7 +45,9 @@ def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None
     names = tuple(dict.fromkeys(names))
     logs = None if log is None else set(log)
     for extra in sorted((logs or set()) - set(names)):
-        raise DeclarationError(f"'{extra}' is to be in log scale and is not among the augmented: {', '.join(names)}.")
+        raise DeclarationError(
+            f"'{extra}' is to be in log scale but is not among the augmented parameters: {', '.join(names)}."
+        )
     entries = dict(model.entries)
     for name in names:
         if name not in model.parameters + model.constants:

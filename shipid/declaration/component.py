@@ -114,7 +114,7 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
             f"{quantity.kind} '{name}' of {cls.__name__} has no equation: add a method under @{name}.equals."
         )
     if not quantity.meaning.strip():
-        raise DeclarationError(f"'{name}' of {cls.__name__} says no meaning: write one line in words.")
+        raise DeclarationError(f"'{name}' of {cls.__name__} has no meaning: write one line in words.")
 
 
 class Scope:

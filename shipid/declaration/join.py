@@ -1,4 +1,4 @@
-"""Joining components into a model: by name, with every mismatch an error that names both places."""
+"""Joining components into a model by name; the error of a mismatch names both places."""
 
 from __future__ import annotations
 

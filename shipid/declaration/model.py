@@ -1,7 +1,7 @@
 """Models: components joined by name, as immutable data.
 
 `evaluate` is the one place where equations are called. Whatever the values are (floats, quantities with
-units, CasADi or SymPy symbols), the same methods run, so a model cannot mean two things.
+units, CasADi or SymPy symbols), the same methods run, so every use has the same equations.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from shipid.foundation.errors import DeclarationError, UnknownNameError
 
 @dataclass(frozen=True)
 class Entry:
-    """A quantity in its place in a model: what it is there, who states it, by which equation.
+    """A quantity of a model: its declaration, the component that states it, and its equation.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class Model:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of what nothing in the model states: rudder, speed, current, ..."""
+        """Names of the inputs, which no component states: rudder, speed, current, ..."""
         return self._names("given")
 
     @property
@@ -213,7 +213,7 @@ class Evaluation:
     model : Model
         Whose equations.
     values : mapping
-        States, inputs, parameters, constants (and ``T`` where a discrete equation reads it) by name. A value given
+        States, inputs, parameters, constants (and ``T_s`` where a discrete equation reads it) by name. A value given
         for a derived quantity is used instead of its equation.
     missing : callable, optional
         Called with a name that has no value; it returns one or raises.

@@ -97,7 +97,7 @@ class Quantity:
     start, low, high : float, str or None
         Where an estimate or a simulation starts, and its bounds, in `unit` (or a string with its own unit).
     spread : float, str or None
-        Standard deviation of what is believed of a parameter, or of the initial value of a state, about `start`.
+        Standard deviation about `start`: of the prior of a parameter, or of the initial value of a state.
     nominal : float, str or None
         A typical size, used for scaling.
     name : str
@@ -240,7 +240,7 @@ def state(
     spread : float or str, optional
         Standard deviation of the initial value, where a filter starts.
     noise : str, optional
-        The white noise a filter lets drive it: per sample, or per root second.
+        The white noise that drives it in a filter: per sample, or per root second.
 
     Returns
     -------
@@ -347,7 +347,7 @@ def parameter(
     estimated : bool
         Whether it is estimated unless the user chooses.
     noise : str, optional
-        How it may wander where a filter estimates it: per sample, or per root second.
+        Noise of its random walk where a filter estimates it: per sample, or per root second.
 
     Returns
     -------

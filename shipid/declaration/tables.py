@@ -1,4 +1,4 @@
-"""Tables of TOML files, checked: known keys, kinds of values, numbers with units. Every complaint names file and entry."""
+"""Tables of TOML files, checked: known keys, kinds of values, numbers with units. Every error names file and entry."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Table:
     Attributes
     ----------
     content : Mapping of str to Plain
-        What TOML made of it.
+        The parsed table.
     file : str
         The file, at the beginning of every message.
     error : type of ShipidError
-        The class of every complaint.
+        The class of its errors.
     name : str
         The table's name as TOML writes it, ``"columns.psi"``; empty for the file itself.
     """
@@ -213,7 +213,7 @@ def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
     what : str
         What it is, for messages: ``"parameter set"``.
     error : type of ShipidError
-        The class of every complaint about it.
+        The class of the errors about it.
 
     Returns
     -------

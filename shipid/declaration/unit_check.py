@@ -1,7 +1,7 @@
 """The unit check: every equation is run once over quantities with units.
 
-The numbers carried along mean nothing (an irrational-looking value that avoids 0 and 1, so that no division or
-root is special); only the units matter. What fails is named: model, equation, both units, file and line.
+The numbers are arbitrary (neither 0 nor 1, so that no division or root is special); only the units matter.
+An error names the model, the equation, both units, the file and the line.
 """
 
 from __future__ import annotations
@@ -71,8 +71,8 @@ class _Checked(Evaluation):
             if type(error).__module__.startswith("pint"):
                 raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
             raise DeclarationError(
-                f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: mend the "
-                "line, with NumPy's functions where the model is in doubt."
+                f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: correct "
+                "the line, and use NumPy's functions in it."
             ) from error
         return _checked(result, wanted, where, equation.place, entry)
 

@@ -1,4 +1,4 @@
-"""Units at the border: every value comes in with a unit and is SI inside.
+"""Units: every value comes in with a unit and is SI inside.
 
 pint does the arithmetic. One rule is added, because pint counts an angle as a pure number: where a
 declaration names an angle, a value has to name it too. ``n3 = 0.4 s^2`` for a coefficient declared in
@@ -29,7 +29,7 @@ def registry() -> PintUnit:
         folder = cache_folder() / "units"
         folder.mkdir(parents=True, exist_ok=True)
         ureg: PintUnit = pint.UnitRegistry(cache_folder=folder)
-    except Exception:  # whatever is wrong with a cache, it is no reason to do without units
+    except Exception:  # a damaged cache must not stop the toolbox: the definitions are parsed again
         ureg = pint.UnitRegistry()
     ureg.define("rps = revolution / second")
     return ureg

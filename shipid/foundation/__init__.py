@@ -1,1 +1,1 @@
-"""The ground floor: errors, files written whole or not at all, the cache folder."""
+"""What every room uses: errors, exit codes, number formats, statistics, atomic writing of files, the cache folder."""

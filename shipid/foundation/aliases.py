@@ -1,4 +1,4 @@
-"""Names for what the type checker cannot know: where CasADi begins, and what files hold."""
+"""Type aliases for what the type checker cannot know: objects of CasADi and pint, and the content of files."""
 
 from __future__ import annotations
 

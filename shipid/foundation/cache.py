@@ -1,4 +1,4 @@
-"""The folder of what is worth keeping between runs: compiled code, parsed unit definitions, typeset equations."""
+"""The cache folder: compiled code, parsed unit definitions and typeset equations are kept there between runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors of the toolbox: one class a cause, each a paragraph that says what, where and what to do."""
+"""Errors of the toolbox: one class for each cause; a message says what is wrong, where, and what to do."""
 
 from __future__ import annotations
 

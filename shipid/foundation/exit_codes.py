@@ -1,4 +1,4 @@
-"""How a command can end: the one table of exit codes, which errors and commands refer to."""
+"""The exit codes of the commands; errors and commands refer to this table."""
 
 from __future__ import annotations
 

@@ -1,20 +1,20 @@
-"""Numbers as they are printed: two digits of the standard deviation decide, and NaN never reaches a page."""
+"""Numbers as they are printed: two digits of the standard deviation set the last place; NaN is printed in words."""
 
 from __future__ import annotations
 
 from math import floor, isfinite, log10
 
-#: What stands in place of a number that is none.
+#: What is printed for NaN, infinity and None.
 NO_NUMBER = "no number"
 _SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _DIGITS = 4
-#: Beyond these powers a double is no measured number: 0 below, none above.
+#: A larger size is printed as no number, a size below the inverse as 0.
 _LARGEST = 1e290
 _MOST_DIGITS = 7
 
 
 def number(value: float | None, digits: int = _DIGITS) -> str:
-    """Return a number with so many significant digits, in words where it is none.
+    """Return a number with a given number of significant digits; `NO_NUMBER` for NaN, infinity and None.
 
     Parameters
     ----------
@@ -32,7 +32,7 @@ def number(value: float | None, digits: int = _DIGITS) -> str:
 
 
 def given(value: float | None) -> str:
-    """Return a number that somebody wrote down, without zeros that were not there.
+    """Return a number that a user wrote: at most six significant digits, without trailing zeros.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def given(value: float | None) -> str:
 
 
 def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
-    """Return a number with so many decimals.
+    """Return a number with a given number of decimals.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def uncertain_text(value: float | None, std: float | None) -> str:
 
 
 def interval(ends: tuple[float, float] | None, std: float | None) -> str:
-    """Return ``1.582 to 1.606``, to the place the standard deviation decides.
+    """Return ``1.582 to 1.606``, to the second digit of the standard deviation.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from shipid.foundation.errors import MissingFileError, OverwriteError
 
 
 def check_place(path: Path, overwrite: bool) -> None:
-    """Refuse a place where a file cannot or may not be written, before anything is worked out for it.
+    """Check that a file can and may be written, before its content is computed.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def check_place(path: Path, overwrite: bool) -> None:
 
 @contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a temporary name to write to; it takes the file's place at the end, or is gone if anything fails.
+    """Give a temporary name to write to; it is renamed to the file at the end, or removed if anything fails.
 
     Parameters
     ----------

@@ -1,6 +1,6 @@
-"""Compile once, keep: generated C goes through the machine's compiler into a cache keyed by what it was made of.
+"""Generated C is compiled once and kept in a cache under a hash of source, compiler and flags.
 
-Without a compiler the CasADi virtual machine does the same arithmetic several times slower (`studies/speed.py`); that is said once.
+Without a compiler the CasADi virtual machine runs several times slower (`studies/speed.py`); one notice says so.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.cache import cache_folder
 
 FLAGS = ("-O3", "-fPIC", "-shared")
-#: Code of so many characters is one long run of arithmetic: more than -O1 takes a minute, and the code is slower for it.
+#: Characters of long code: above -O1 its compilation takes a minute, and the compiled code is slower.
 LONG, FLAGS_OF_LONG = 150_000, ("-O1", "-fPIC", "-shared")
 
 
@@ -102,7 +102,7 @@ def compile_library(function: CasadiFunction, beside: str, single: bool = False)
 def _compiled(
     function: CasadiFunction, load: Callable[[Path], Any], beside: str = "", single: bool = False
 ) -> CasadiFunction:
-    """Generate, compile and load; None where that is not to be had."""
+    """Generate, compile and load; None where that fails."""
     if os.environ.get("SHIPID_COMPILE") == "0":
         return None
     compiler = find_compiler()
@@ -126,7 +126,7 @@ def _compiled(
 
 
 def _build(source: str, key: str, compiler: str, flags: tuple[str, ...]) -> Path:
-    """Compile into the cache under a temporary name and rename: processes may race, none sees half a file."""
+    """Compile into the cache under a temporary name and rename: other processes never read half a file."""
     folder = cache_folder()
     library = folder / f"{key}.so"
     if library.exists():

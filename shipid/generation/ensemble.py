@@ -1,7 +1,7 @@
 """Many runs of one model at once: each with its own start, inputs, coefficients and clock.
 
-An ensemble holds its inputs for the run, and a run ends in its last state; what is wanted of its course is a state of the model that measures it. So a thousand runs need
-no more memory than one, and the whole is one compiled function mapped over the runs.
+Inputs are constant during a run unless they are declared as varying. Only the last state is returned: a measure of the
+course has to be a state of the model. So a thousand runs need no more memory than one; one compiled function is mapped.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ class Ensemble:
         everyone = np.zeros(runs)
         known = {n: v + everyone for n, v in values.items() if n in self.system.coefficients}
         begin = {n: start.get(n, model[n].number("start") or 0.0) + everyone for n in model.states}
-        # A varying input is replaced by its sequence at every step: what it is held at has no influence.
+        # A varying input is replaced by its sequence at every step: its held value has no influence.
         held = {**dict.fromkeys(self.varying, 0.0), **inputs}
         p, x0 = coefficient_vector(model, known), initial_state(model, begin)
         p = np.broadcast_to(p.reshape(len(p), -1), (len(p), runs))
@@ -201,7 +201,7 @@ def run_many(
     p: np.ndarray,
     bias: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Run a record function many times; the machine code lets go of Python's lock, so that threads run side by side.
+    """Run a record function many times; the machine code releases Python's lock, so that threads run in parallel.
 
     Parameters
     ----------

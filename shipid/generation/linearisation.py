@@ -15,7 +15,7 @@ from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.system import System, generate
 
-#: States that a steady motion may change at a constant rate: where the ship is and where it points. Others that no
+#: States that may change at a constant rate in a steady motion: position and heading. Others that no
 #: equation but their own kind reads, such as a distance sailed, are found by `_settling`.
 COORDINATES = ("x", "y", "psi")
 
@@ -100,7 +100,7 @@ def linearise(
         If the model has no such state, input or output.
     """
     system = generate(model)
-    _ = system.right_hand_side  # refuses a sampled model, with its reason
+    _ = system.right_hand_side  # raises for a sampled model
     at = (
         system.vector(system.states, condition, default=0.0),
         system.vector(system.inputs, condition, default=0.0),

@@ -1,7 +1,7 @@
 """A step run over a whole record: in C where there is a compiler, on the virtual machine otherwise.
 
 The loop over the samples stands in C beside the generated step, so that a record of any length costs one call, a sample
-that has just arrived costs little more than its arithmetic, and threads run records side by side (the call lets go of
+that has just arrived costs little more than its arithmetic, and threads run records side by side (the call releases
 Python's lock).
 """
 
@@ -20,7 +20,7 @@ import numpy as np
 from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.compiling import compile_library
 
-#: The loop: two copies of the carried state take turns, since a step may not write over what it still reads.
+#: The loop: two copies of the carried state are used in turn, since a step may not write over what it still reads.
 _LOOP = """
 #include <string.h>
 #ifdef _WIN32

@@ -14,8 +14,8 @@ from shipid.generation.system import generate
 def reduced(model: Model, names: Sequence[str]) -> Model:
     """Return the model without the states that have no influence on the named quantities.
 
-    What a position is does not matter to a filter that sees heading and rate of turn; every state less saves its row of
-    the covariance.
+    A filter that measures heading and rate of turn needs no position; each state that is left out saves a row of the
+    covariance.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A model as CasADi expressions: the one translation everything generated starts from."""
+"""A model as CasADi expressions: everything else is generated from it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from shipid.declaration.model import Evaluation, Model
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 
-# CasADi asks which of two behaviours NumPy functions have on its symbols; equations need a symbol in, a symbol out.
+# CasADi has two modes for NumPy functions of its symbols; equations need the one that returns symbols.
 ca.GlobalOptions.setNumpyMode(1)
 
 
@@ -147,7 +147,7 @@ class System:
 
     @property
     def moves(self) -> Expression:
-        """What moves each state: its rate, or its next sample."""
+        """The expression of each state's equation: its rate, or its next sample."""
         moves = self.rates + 0
         for index, expression in self.nexts.items():
             moves[index] = expression
@@ -203,7 +203,7 @@ def _dependence(of: Expression, by: Expression) -> np.ndarray:
 
 @functools.lru_cache(maxsize=256)
 def _inputs_behind(model: Model, names: tuple[str, ...]) -> tuple[str, ...]:
-    """See `System.inputs_behind`: asked for at every run of a model, and a walk through its equations each time."""
+    """See `System.inputs_behind`; cached, as every run asks for it and the search visits all equations."""
     system = generate(model)
     moving = [system.states.index(s) for s in system.states_behind(names)]
     moved, shown = _dependence(system.moves, system.u)[moving], _dependence(system.expression(names), system.u)

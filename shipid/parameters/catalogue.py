@@ -206,7 +206,7 @@ def _load(path: Path) -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     try:
-        # What a model file prints is no result of ours.
+        # What a model file prints must not mix with the output of a command.
         with contextlib.redirect_stdout(sys.stderr):
             spec.loader.exec_module(module)
     except ShipidError as error:

@@ -1,4 +1,4 @@
-"""What a parameter set knows of its coefficients together: their correlation, and the speeds they were identified at."""
+"""The correlation of the coefficients of a parameter set, and the speeds they were identified at."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def read_joint(where: str, raw: Plain) -> dict[str, Joint]:
     Raises
     ------
     ParameterSetError
-        If it is no correlation matrix, or the speeds are none.
+        If it is not a correlation matrix, or the speeds are not two rising numbers.
     """
     if not isinstance(raw, Mapping) or not all(isinstance(v, Mapping) for v in raw.values()):
         raise ParameterSetError(f"{where}: '{IDENTIFIED}' holds one table for each model, as in [{IDENTIFIED}.nomoto].")
@@ -65,7 +65,7 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
     )  # fmt: skip
     if not square or not all(isinstance(n, str) for n in names):
         raise ParameterSetError(
-            f"{where}: the correlation is no square matrix of numbers from -1 to 1, one row a name."
+            f"{where}: the correlation is not a square matrix of numbers from -1 to 1 with one row for each name."
         )
     pairs = [(matrix[i][j], 1 if i == j else matrix[j][i]) for i in range(len(names)) for j in range(i + 1)]
     if any(abs(a - b) > 1e-6 for a, b in pairs):
@@ -79,7 +79,7 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
                 f"{where}: speeds are two numbers, the lowest and the highest, in a unit of speed."
             ) from None
         if not 0 < low <= high:
-            raise ParameterSetError(f"{where}: speeds are {speeds}, and have to rise from one greater than zero.")
+            raise ParameterSetError(f"{where}: speeds are {speeds}, and have to be greater than zero and rising.")
         speeds = (low, high)
     return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds)
 
@@ -89,7 +89,7 @@ def _is_correlation(value: Plain) -> bool:
 
 
 def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
-    """Return the table of TOML that `read_joint` reads, under its name; empty where nothing is known together.
+    """Return the table of TOML that `read_joint` reads, under its name; empty where no correlation is known.
 
     Parameters
     ----------

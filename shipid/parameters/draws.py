@@ -1,4 +1,4 @@
-"""Coefficients of a ship, drawn from what its parameter set says of their uncertainty."""
+"""Coefficients of a ship, drawn at random from the uncertainty in its parameter set."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor
 from shipid.parameters.parameter_set import ParameterSet
 
-#: Spread of a coefficient that the trials left open: of its logarithm, or in its own size.
+#: Standard deviation of a coefficient that the trials do not determine: of its logarithm, or relative to its size.
 _LOOSE = 1.0
 
 
@@ -70,7 +70,7 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
             continue
         entry = model[name]
         value = found.at(None, entry.unit, f"ship {ship.name}")
-        # A value from the ship's own set is believed over a declared bound.
+        # A value from the ship's own set takes precedence over a declared bound.
         low, high = (bound(b, value) for bound, b in zip((min, max), scale.bounds_of(entry)))
         in_log = low > 0 and value > 0
         if found.std:
@@ -106,7 +106,9 @@ def _in_words(ship: ParameterSet, model: Model, names: list[str], open_ones: lis
     words = f"the covariance of {', '.join(names)} in the set of ship {ship.name}"
     if not joint:
         words = f"the standard deviations of {', '.join(names)} in the set of ship {ship.name}, taken as independent"
-    return words + (f"; {', '.join(open_ones)} left open by the trials, spread over the bounds" if open_ones else "")
+    return words + (
+        f"; {', '.join(open_ones)} not determined by the trials, spread over the bounds" if open_ones else ""
+    )
 
 
 def normal_draws(size: int, count: int, seed: int) -> np.ndarray:

@@ -46,7 +46,7 @@ def parse_parameter_set(table: Table, name: str) -> ParameterSet:
     Parameters
     ----------
     table : Table
-        What TOML made of it.
+        The parsed table.
     name : str
         Of a set that says no name.
 

@@ -12,12 +12,12 @@ from shipid.declaration.quantity import derived, given
 
 
 class UniformCurrent(Component):
-    """A current that is the same everywhere."""
+    """A uniform current."""
 
     current_speed = given("m/s", "speed of the current", default=0.0, latex="U_c")
     current_direction = given("rad", "direction the current flows to", default=0.0, wraps=True, latex=r"\psi_c")
-    current_north = derived("m/s", "current, its part that flows to the north", latex="U_{c,N}")
-    current_east = derived("m/s", "current, its part that flows to the east", latex="U_{c,E}")
+    current_north = derived("m/s", "current, component to the north", latex="U_{c,N}")
+    current_east = derived("m/s", "current, component to the east", latex="U_{c,E}")
 
     @current_north.equals
     def north(self):

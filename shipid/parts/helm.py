@@ -1,7 +1,7 @@
 """The helmsman of each manoeuvre, declared like any other component.
 
-A helmsman reads heading and rate of turn and states the rudder order ``delta_order``. Decisions fall on the samples of
-the simulation; between them the order stands.
+A helmsman reads heading and rate of turn and states the rudder order ``delta_order``. The order changes at the samples
+of the simulation and is held between them.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Helmsman(Component):
 
 
 class ScheduledOrder(Helmsman):
-    """A rudder order laid down beforehand: spiral, random telegraph, any recorded helm."""
+    """A rudder order given beforehand: spiral, random telegraph, any recorded helm."""
 
     helm_schedule = given("rad", "scheduled rudder order")
 
@@ -105,7 +105,7 @@ class CourseHelm(Helmsman):
 
 
 class RateHelm(Helmsman):
-    """Reversed spiral: the rudder that keeps a rate of turn is sought by a proportional and integral law."""
+    """Reversed spiral: a proportional and integral law finds the rudder angle of a given rate of turn."""
 
     r = given("rad/s", "rate of turn, positive to starboard")
     T_s = given("s", "sampling interval")
@@ -116,7 +116,7 @@ class RateHelm(Helmsman):
     helm_integral = state("rad", "integral of the error in the rate of turn")
 
     def error(self) -> Expression:
-        """Return the rate wanted less the rate kept."""
+        """Return the wanted rate of turn less the actual one."""
         return self.helm_schedule - self.r
 
     @helm_integral.next

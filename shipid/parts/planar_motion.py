@@ -12,7 +12,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, derived, given, state
 
 #: Below this share of the cruising speed, the equations that divide by the speed use the share instead, and turning
-#: slows the ship in proportion to the way she still has. A model that is scaled with the speed says nothing about a
+#: slows the ship in proportion to the speed it still has. A model that is scaled with the speed is not valid for a
 #: ship that hardly moves, and its steady turn may not exist (De Keizer's runs down to u = 0 in finite time): the floor
 #: keeps such a run finite and the speed positive. Above it the equations are as printed.
 LEAST_WAY = 0.05
@@ -27,8 +27,8 @@ class PlanarMotion(Component):
     u = given("m/s", "forward speed through the water")
     v = given("m/s", "sway speed through the water, positive to starboard", default=0.0)
     r = given("rad/s", "rate of turn, positive to starboard")
-    current_north = given("m/s", "current, its part that flows to the north", default=0.0, latex="U_{c,N}")
-    current_east = given("m/s", "current, its part that flows to the east", default=0.0, latex="U_{c,E}")
+    current_north = given("m/s", "current, component to the north", default=0.0, latex="U_{c,N}")
+    current_east = given("m/s", "current, component to the east", default=0.0, latex="U_{c,E}")
 
     @x.rate
     def north(self):
@@ -47,7 +47,7 @@ class PlanarMotion(Component):
 
 
 class SpeedScaled(Component):
-    """What the models scaled by length and instantaneous speed have in common; those that state the speed declare it anew."""
+    """What the models scaled by length and instantaneous speed have in common; those that state the speed declare it again."""
 
     u = given("m/s", "forward speed through the water")
     cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")

@@ -1,4 +1,4 @@
-"""The steering machine: from the rudder angle that is ordered to the one the ship has.
+"""The steering machine: from the rudder order to the rudder angle.
 
 Passenier (1989), section 2.3.4: a limit of the angle, then a limit of its rate.
 """

@@ -1,4 +1,4 @@
-"""The waves: the yaw motion that the instruments show and that does not move the path.
+"""The waves: a yaw motion that the instruments show, without an effect on the path.
 
 Passenier (1989), sections 2.5 and 5.3. The direction is the one the waves run TO.
 """
@@ -14,7 +14,7 @@ from shipid.declaration.quantity import constant, derived, given, state
 class Waves(Component):
     """The yaw motion by waves: white noise through a narrow filter at the frequency of encounter.
 
-    It moves what the instruments show, and not the path. With white noise of intensity q, the variance of the
+    It changes what the instruments show, and not the path. With white noise of intensity q, the variance of the
     rate by waves is q / (4 zeta omega).
     """
 
@@ -44,7 +44,7 @@ class Waves(Component):
     def shaping(self):
         """Van der Klugt (1987): s / (s^2 + 2 zeta omega s + omega^2), at the frequency of encounter.
 
-        The frequency passes zero in following seas; its size is what counts.
+        The frequency passes zero in following seas; its magnitude is used.
         """
         omega = np.abs(self.encounter)
         damping = 2 * self.wave_damping * omega * self.r_wave
@@ -79,5 +79,5 @@ class ColouredWaves(Component):
 
     @psi_wave.equals
     def heading(self):
-        """Passenier (1989), eq. (5.40): both sum the same differences, so psi_v is (T/b_f) v_f for good."""
+        """Passenier (1989), eq. (5.40): both sum the same differences, so psi_v is always (T/b_f) v_f."""
         return self.wave_time * self.v_f

@@ -1,7 +1,7 @@
-"""The wind: its yaw moment and its push ahead.
+"""The wind: its yaw moment and its longitudinal force.
 
-Passenier (1989), section 2.5. The direction is the one the wind blows TO; a wind that is reported by where it comes from
-is turned by 180 degrees before it gets here.
+Passenier (1989), section 2.5. The direction is the one the wind blows TO; a wind that is reported by the direction
+it comes from is converted before.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from shipid.declaration.quantity import constant, derived, given, parameter
 
 
 class Wind(Component):
-    """The yaw acceleration and the push ahead by the wind.
+    """The yaw and surge accelerations by the wind.
 
-    The relative wind is written by its parts along and across the ship, ahead and aside, so that nothing is divided
+    The relative wind is written by its components along and across the ship, so that nothing is divided
     by a wind speed that may be zero.
     """
 
@@ -43,8 +43,8 @@ class Wind(Component):
         prime=True,
         latex="F_w'",
     )
-    wind_ahead = derived("m/s", "relative wind, its part from aft to ahead", latex="V_{wr,x}")
-    wind_aside = derived("m/s", "relative wind, its part from port to starboard", latex="V_{wr,y}")
+    wind_ahead = derived("m/s", "relative wind, component ahead", latex="V_{wr,x}")
+    wind_aside = derived("m/s", "relative wind, component to starboard", latex="V_{wr,y}")
     wind_relative = derived("m/s", "speed of the relative wind", latex="V_{wr}")
     wind_angle = derived("rad", "direction the relative wind blows to, from the bow", wraps=True, latex=r"\gamma_r")
     r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")

@@ -1,1 +1,1 @@
-"""Self-contained HTML reports: reports know results, results know nothing of reports."""
+"""Self-contained HTML reports: a report imports the results it shows, and no result imports a report."""

@@ -1,4 +1,4 @@
-"""A page: a title, the answer in words, what to mind, and sections, each of a template and what it reads."""
+"""A page: a title, the answer in words, warnings, and sections; a section is a template and its data."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Page:
     sections : sequence of Section
         In order.
     warnings, cautions : sequence of str
-        What may spoil the result, and what to keep in mind.
+        What may make the result wrong, and what limits it.
     footer : str
         The last line.
     """

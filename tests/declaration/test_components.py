@@ -204,7 +204,7 @@ def _no_meaning() -> None:
         (_reserved, r"may not name a quantity 't': the name is reserved"),
         (_underscore, r"may not name a quantity '_hidden'"),
         (_own_interval, r"'T_s', which is the sampling interval: declare it as given"),
-        (_no_meaning, r"'x' of Bad says no meaning"),
+        (_no_meaning, r"'x' of Bad has no meaning"),
     ],
 )
 def test_a_component_that_is_not_well_formed_says_why(build: Callable[[], None], words: str) -> None:

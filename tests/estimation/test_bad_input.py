@@ -27,7 +27,7 @@ CASES: list[tuple[dict[str, Any], type[ShipidError], str]] = [
     ({"noise": {"q": "1 deg"}}, UnknownNameError, r"no state, input or estimated parameter of model yaw to put noise on"),
     ({"noise": {"K": "0.1 1/s"}}, UnknownNameError, r"to put noise on called 'K'"),
     ({"estimated": ["Kay"]}, UnknownNameError, r"no parameter in model yaw called 'Kay'"),
-    ({"estimated": ["K"], "log": ["tau"]}, DeclarationError, r"'tau' is to be in log scale and is not among"),
+    ({"estimated": ["K"], "log": ["tau"]}, DeclarationError, r"'tau' is to be in log scale but is not among"),
     ({"initial": {"q": "1 deg"}}, UnknownNameError, r"no state of model yaw called 'q'"),
     ({"initial": {"psi": "0 deg"}}, NoiseLevelError, r"first standard deviation of 'psi' is 0 deg; it must be greater than zero"),
     ({"start": {"q": "1 deg"}}, UnknownNameError, r"no state of model yaw to start called 'q'"),

@@ -53,7 +53,7 @@ def test_a_page_works_nothing_out(run, monkeypatch):
 
 def test_what_went_wrong_is_said(run):
     page = render(observability(run))
-    assert "5 of 738 samples of psi lay beyond the gate" in page
+    assert "5 of 738 samples of psi were outside the gate" in page
     assert "x is not observable" in page and "was not worked out" not in page
     # What nobody asked for is not worked out for the page, and the page says so.
     assert "Whether the sensors show every state was not worked out" in render(run)

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 #: Operations in a term beyond which its sums are broken over lines.
 _LONG = 25
-#: Between two factors there is nothing to see; a hair of space keeps upright words apart.
+#: The product sign is invisible; a thin space separates upright words.
 _TIMES = '<mo lspace="0.12em" rspace="0.12em">\u2062</mo>'
 
 #: An operator at the end of a piece would be set as a sign, without space around it.

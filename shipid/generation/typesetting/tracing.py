@@ -1,4 +1,4 @@
-"""Equations run over SymPy symbols: what NumPy is asked to do with them, SymPy does."""
+"""Equations run over SymPy symbols; NumPy's functions of them are replaced by SymPy's."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PANEL = 1.35
-#: Lines that stand for one thing each, in order; readable on light and dark paper.
+#: Colours of the lines, in order; readable on light and dark paper.
 _COLOURS = ("#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", MUTED)
 
 
@@ -107,7 +107,7 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
 
 
 def _limits(y: np.ndarray) -> tuple[float, float]:
-    """The range of an axis; what hardly changes is shown as what it is, and not magnified."""
+    """The range of an axis; a nearly constant value is not magnified."""
     low, high = axis_range([y])
     least = 0.2 * max(abs(low), abs(high))
     short = max(0.0, least - (high - low)) / 2

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MOST_POINTS = 1000
 #: Width in inches: text of 9 pt stays readable when a phone shrinks it to 330 px.
 WIDTH = 4.7
-#: What is beside the point, on light and dark paper.
+#: Colour of what is less important, on light and dark paper.
 MUTED = "#7d8590"
 #: Margins of a figure and the gap between its panels, in inches.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.1, 0.5, 0.45, 0.27

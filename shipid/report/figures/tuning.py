@@ -123,7 +123,7 @@ def _drawn_axes(drawn: Mapping[str, np.ndarray]) -> list[Axes]:
 
 
 def _on_board_axes(found: OnBoardRuns) -> list[Axes]:
-    """The voyages in weather: by the instruments faint, by the filter in front."""
+    """Heading and rudder of the runs in weather: by the instruments (faint) and by the filter."""
     return _heading_and_rudder(
         [
             _Run(f"by the {run.feedback}", run.histories, "faint" if run.feedback == "instruments" else "line")

@@ -55,7 +55,7 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
 
 def _answer(run: FilterRun) -> list[str]:
     kind = "Kalman filter" if run.design.linear else "extended Kalman filter"
-    said = [f"The {kind} of model {run.design.base.name} went through {run.t.size} samples of {run.record}."]
+    said = [f"The {kind} of model {run.design.base.name} filtered {run.t.size} samples of {run.record}."]
     return said + [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
 
 
@@ -63,7 +63,7 @@ def _cautions(run: FilterRun) -> list[str]:
     said = []
     for name, i in run.innovations.items():
         if i.rejected:
-            said.append(f"{i.rejected} of {i.t.size} samples of {name} lay beyond the gate and were rejected.")
+            said.append(f"{i.rejected} of {i.t.size} samples of {name} were outside the gate and were rejected.")
         if i.limited:
             said.append(f"{i.limited} samples of {name} were outside the sensor's range and were left out.")
         if i.nis_mean is not None and i.nis_band is not None and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]:
@@ -73,12 +73,12 @@ def _cautions(run: FilterRun) -> list[str]:
                 else ("smaller", "its noise levels are too large")
             )
             said.append(
-                f"The innovations of {name} are {size} than the filter expects ({i.nis_mean:.2f} times in square): {cause}."
+                f"The innovations of {name} are {size} than expected (mean square {i.nis_mean:.2f} times the variance): {cause}."
             )
         if i.white_p is not None and i.white_p < COLOURED:
             said.append(
-                f"The innovations of {name} are not white (p {probability(i.white_p)}): the model leaves something in them, and the "
-                "standard deviations count it as noise."
+                f"The innovations of {name} are not white (p {probability(i.white_p)}): the model does not explain part of "
+                "them, and the standard deviations treat that part as noise."
             )
     if run.arranged.back:
         said.append(f"{run.arranged.back} samples were left out because the clock did not go forward.")

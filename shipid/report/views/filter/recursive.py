@@ -44,7 +44,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
         f"{design.model.name} on {run.record}, by {design.method.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
-        [f"Not to be believed: {run.why_diverged}"] if run.diverged else [],
+        [f"Not valid: {run.why_diverged}"] if run.diverged else [],
         cautions,
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
@@ -55,7 +55,7 @@ def _signals(run: RecursiveIdentification) -> Section:
     measured = run.arranged.z[run.arranged.shown, 0] * how.factor
     there = run.arranged.there[run.arranged.shown, 0]
     curves = [Curve("measured", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
-    title = "Measured signal, and as the recursion remembers it"
+    title = "Measured and estimated signal"
     figure = histories([Panel(how.label, how.unit, curves)], "signals", title)
     return Section("Filtered signals", "filter/signals.html", {"states": [], "figure": figure})
 

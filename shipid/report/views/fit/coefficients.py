@@ -1,4 +1,4 @@
-"""The coefficients of a fit as the page shows them: their values, and how they hang together."""
+"""The coefficients of a fit as the page shows them: their values and their correlation."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def correlation_section(fit: Fit) -> Section:
 
 
 def sign_is_open(e: Estimate) -> bool:
-    """Return whether the interval of an estimate holds zero.
+    """Return whether the interval of an estimate contains zero.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def _coefficient(fit: Fit, e: Estimate) -> Row:
         other = uncertain(e.prime, spread)
     remark = Markup('<span class="no">Not determined:</span> {} ').format(prose(e.why)) if e.why else ""
     if sign_is_open(e) and e.identifiable:
-        remark += "The interval holds zero, so even its sign is open."
+        remark += "The interval contains zero, so its sign is not determined."
     return {
         "named": named(fit.model, e.name),
         "meaning": e.meaning,
@@ -129,15 +129,13 @@ def _cell(fit: Fit, i: int, j: int) -> Row:
 def _condition(fit: Fit) -> str:
     value = fit.condition_number
     if len(fit.estimated) < 2:
-        return "One coefficient was fitted, so nothing can trade off with it."
+        return "One coefficient was fitted, so there is no correlation."
     if value is None or not np.isfinite(value):
-        return (
-            "The condition number is infinite: the trials leave at least one combination of coefficients entirely open."
-        )
+        return "The condition number is infinite: the trials do not determine at least one combination of coefficients."
     words = (
-        "the coefficients hardly trade off against each other" if value < 30
-        else "some coefficients trade off against each other, within bounds" if value < 300
-        else "some coefficients trade off strongly: their combination is known much better than each alone"
+        "the coefficients are hardly correlated" if value < 30
+        else "some coefficients are moderately correlated" if value < 300
+        else "some coefficients are strongly correlated: their combination is known much better than each alone"
         if value < 10_000
         else "some coefficients are nearly interchangeable: only their combination is known"
     )  # fmt: skip

@@ -102,10 +102,10 @@ def _answer(fit: Fit) -> list[str]:
         sentences.append("The trials determine all fitted coefficients.")
     open_signs = [n for n in fit.estimated if fit.parameters[n].identifiable and sign_is_open(fit.parameters[n])]
     if open_signs:
-        sentences.append(f"The interval of {listed(open_signs)} holds zero: even the sign is open.")
+        sentences.append(f"The interval of {listed(open_signs)} contains zero: the sign is not determined.")
     following = [n for n, e in fit.parameters.items() if e.follows and not e.identifiable]
     if following:
-        sentences.append(f"The published coefficients that follow leave open: {listed(following)}.")
+        sentences.append(f"Published coefficients that are not determined either: {listed(following)}.")
     return sentences
 
 
@@ -126,7 +126,7 @@ def _accuracy(fit: Fit, comparisons: tuple[Comparison, ...], verb: str, where: s
 
 
 def _warnings(fit: Fit) -> list[str]:
-    found = [] if fit.converged else [f"The search did not converge. It said: {fit.message}"]
+    found = [] if fit.converged else [f"The search did not converge. Its message: {fit.message}"]
     for c in (*fit.fitted, *fit.validation):
         t = runaway(c)
         if t is not None:

@@ -1,4 +1,4 @@
-"""Whether a prediction runs away, and until when its curves are worth showing."""
+"""Whether a prediction runs away, and where its curves end."""
 
 from __future__ import annotations
 

@@ -20,8 +20,8 @@ _EQUATION_ERROR = (
     "model. Noise in the measured states biases them; the standard deviations count the scatter alone."
 )
 _LOSS = {
-    "huber": "Huber's loss: residuals beyond 1.3 standard deviations of their signal count by their size, not its square.",
-    "soft-l1": "The soft-l1 loss: large residuals count by their size, not its square.",
+    "huber": "Huber's loss: residuals beyond 1.3 standard deviations of their signal enter by their size, not its square.",
+    "soft-l1": "The soft-l1 loss: large residuals enter by their size, not its square.",
 }
 
 
@@ -133,5 +133,5 @@ def _method(fit: Fit) -> list[str]:
         f"Mean squared weighted residual per degree of freedom: {number(chi, 3)} (1 where the noise levels are right)."
         if np.isfinite(chi)
         else "The weighted residual is not finite: the model ran away.",
-        f"The search said: {fit.message}",
+        f"Message of the search: {fit.message}",
     ]

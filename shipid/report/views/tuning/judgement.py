@@ -88,7 +88,7 @@ def _margin_row(m: Margins, between: bool) -> Row:
 
 
 def robustness_section(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
-    """Return the section of what the uncertainty of the ship leaves of the margins.
+    """Return the section of the margins under the uncertainty of the ship.
 
     Parameters
     ----------

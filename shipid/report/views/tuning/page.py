@@ -34,7 +34,7 @@ _ADVICE = {
     "gain margin": "A lower natural frequency raises it.",
     "phase margin": "A lower natural frequency or a higher damping raises it.",
     "overshoot": "A higher damping lowers it.",
-    "steady error in wind": "An integral (--design pid) takes it out.",
+    "steady error in wind": "An integral (--design pid) removes it.",
     "course change": "A smaller rudder limit keeps the ship within what its model describes.",
 }
 _DESIGNS = {
@@ -134,9 +134,8 @@ def answer(judged: Judgement) -> list[str]:
             )
         else:
             sentences.append(
-                f"What the uncertainty of the ship{load} leaves of the margins is not known; of the ship as it is the least disk "
-                f"margin is {robust.disk_worst:.2g}"
-                + (", below 0.5." if robust.disk_worst < LIMITS["disk margin"] else ".")
+                f"The margins under the uncertainty of the ship{load} are not known; the least disk margin of the nominal ship "
+                f"is {robust.disk_worst:.2g}" + (", below 0.5." if robust.disk_worst < LIMITS["disk margin"] else ".")
             )
     return sentences
 
