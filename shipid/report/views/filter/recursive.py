@@ -39,12 +39,12 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
     cautions = []
     if white is not None and white < COLOURED:
-        cautions.append(f"The innovations are not white (p {probability(white)}): the model leaves something in them.")
+        cautions.append(f"The innovations are not white (p {probability(white)}): the model does not explain part of them.")
     return Page(
         f"{design.model.name} on {run.record}, by {design.method.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
-        [f"Not valid: {run.why_diverged}"] if run.diverged else [],
+        [f"Not reliable: {run.why_diverged}"] if run.diverged else [],
         cautions,
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
