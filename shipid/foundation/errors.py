@@ -57,7 +57,7 @@ class MissingExtraError(ShipidError):
 
     def __init__(self, task: str, package: str, extra: str, otherwise: str = "") -> None:
         super().__init__(
-            f"{task} needs {package}, which is not installed. Install it with: pip install shipid[{extra}]. {otherwise}".strip()
+            f"{task} needs {package}, which is not installed. Install it with: pip install 'shipid[{extra}]'. {otherwise}".strip()
         )
 
 

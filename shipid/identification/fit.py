@@ -167,8 +167,10 @@ class Fit:
         ------
         UsageError
             If the fit has no likelihood to sample, or the number of draws is too small.
+        MissingExtraError
+            If the sampler is not installed.
         PosteriorError
-            If the sampler is not installed, the unknowns are too many, or the density is improper.
+            If the unknowns are too many, or the density is improper.
         """
         return posterior_of(self.identified, draws, seed)
 

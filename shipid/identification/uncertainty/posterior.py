@@ -17,7 +17,7 @@ import numpy as np
 
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import UsageError
+from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
@@ -215,8 +215,10 @@ def posterior_of(identified: Identified, draws: int, seed: int = 0) -> Posterior
     ------
     UsageError
         If the fit has no likelihood to sample, or the number of draws is too small.
+    MissingExtraError
+        If the sampler is not installed.
     PosteriorError
-        If the sampler is not installed, the unknowns are too many, or the density is improper.
+        If the unknowns are too many, or the density is improper.
     """
     emcee = _sampler()
     problem, parameters = identified.problem, identified.parameters
@@ -285,6 +287,4 @@ def _sampler() -> ModuleType:
     try:
         return importlib.import_module("emcee")
     except ImportError:
-        raise PosteriorError(
-            "a sampled posterior needs emcee, which is not installed: pip install 'shipid[posterior]'."
-        ) from None
+        raise MissingExtraError("a sampled posterior", "emcee", "posterior") from None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.foundation.errors import UsageError
+from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.identification.errors import PosteriorError
 
 pytest.importorskip("emcee")
@@ -81,5 +81,5 @@ def test_a_regression_has_no_likelihood(sail):
 
 def test_without_the_sampler(linear, monkeypatch):
     monkeypatch.setitem(sys.modules, "emcee", None)
-    with pytest.raises(PosteriorError, match=r"pip install 'shipid\[posterior\]'"):
+    with pytest.raises(MissingExtraError, match=r"pip install 'shipid\[posterior\]'"):
         linear[0].sample_posterior()

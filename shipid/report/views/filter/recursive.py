@@ -39,7 +39,9 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
     cautions = []
     if white is not None and white < COLOURED:
-        cautions.append(f"The innovations are not white (p {probability(white)}): the model does not explain part of them.")
+        cautions.append(
+            f"The innovations are not white (p {probability(white)}): the model does not explain part of them."
+        )
     return Page(
         f"{design.model.name} on {run.record}, by {design.method.name}",
         [("", answer)],
