@@ -117,7 +117,7 @@ def test_too_short(log, stamped, basic):
 
 def test_pynmeagps_is_missing(log, stamped, basic, monkeypatch):
     monkeypatch.setitem(sys.modules, "pynmeagps", None)
-    refused(MissingExtraError, log(stamped(*basic)), "pip install shipid[nmea]")
+    refused(MissingExtraError, log(stamped(*basic)), "pip install 'shipid[nmea]'")
 
 
 def test_the_last_line_is_cut(log, stamped, basic):
