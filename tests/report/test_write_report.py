@@ -12,6 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
+from shipid.foundation.numbers import number
 from shipid.identification.uncertainty.posterior import Posterior
 from shipid.report import write_report as report
 from shipid.report.write_report import render, write_report
@@ -60,7 +61,7 @@ def test_every_section_and_trial_is_there(which, request, read_page):
 def test_the_answer_comes_first_in_words(fit, text, read_page):
     lead = read_page(text).text
     rms = np.rad2deg(fit.validation[0].rmse["psi"])
-    assert f"{rms:.2g} deg rms (second)" in lead[: lead.index("Coefficients")]
+    assert f"{number(rms, 2)} deg rms (second)" in lead[: lead.index("Coefficients")]
     assert "The search converged" in lead
     assert 'class="box warning"' not in text
 
@@ -271,5 +272,5 @@ def test_findings_and_a_posterior_on_the_page(fit, read_page):
     drawn = Posterior(fit.estimated, ("1",) * k, np.ones((n, k)), np.ones((5, k)), np.ones(k), 2, 0.5, (None,) * k)
     text = render(dataclasses.replace(shipid.assess(wrong, bands=False), posterior=drawn))
     said = read_page(text).text
-    assert "rudder-sign" in said and "nothing was repaired" in said and "<mirrored>" not in text
+    assert "rudder-sign" in said and "Nothing was repaired" in said and "<mirrored>" not in text
     assert "Sampled posterior" in said and "4 draws of 2 walkers" in said

@@ -43,9 +43,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not valid: {run.why_diverged}"] if run.diverged else [],
-        [f"The innovations are not white (p {white:.1g}): the model does not explain part of them."]
-        if coloured
-        else [],
+        [f"The innovations are not white (p {white:.1g}): the model does not explain them."] if coloured else [],
         f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
     )
 
