@@ -185,4 +185,4 @@ def _recursively(
         },
     )
     if run.diverged:
-        say(f"not valid: {run.why_diverged}")
+        say(f"not reliable: {run.why_diverged}")

@@ -45,9 +45,7 @@ def augment(model: Model, names: Iterable[str], log: Iterable[str] | None = None
     names = tuple(dict.fromkeys(names))
     logs = None if log is None else set(log)
     for extra in sorted((logs or set()) - set(names)):
-        raise DeclarationError(
-            f"'{extra}' is to be in log scale but is not among the augmented parameters: {', '.join(names)}."
-        )
+        raise DeclarationError(f"'{extra}' is to be in log scale but is not among the augmented: {', '.join(names)}.")
     entries = dict(model.entries)
     for name in names:
         if name not in model.parameters + model.constants:

@@ -338,8 +338,7 @@ def parameter(
     start, low, high : float or str, optional
         Where the search starts, and its bounds.
     spread : float or str, optional
-        Standard deviation of what is believed of it before any trial, about `start`; used when it is fitted for
-        prediction.
+        Standard deviation of its prior about `start`; used when it is fitted for prediction.
     dimensional : str, optional
         For a coefficient made dimensionless with L and U: the unit its dimensional form has, such as ``"1/s"`` for K*.
     prime : bool

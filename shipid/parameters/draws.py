@@ -106,9 +106,7 @@ def _in_words(ship: ParameterSet, model: Model, names: list[str], open_ones: lis
     words = f"the covariance of {', '.join(names)} in the set of ship {ship.name}"
     if not joint:
         words = f"the standard deviations of {', '.join(names)} in the set of ship {ship.name}, taken as independent"
-    return words + (
-        f"; {', '.join(open_ones)} not determined by the trials, spread over the bounds" if open_ones else ""
-    )
+    return words + (f"; {', '.join(open_ones)} not determined by trials, spread over the bounds" if open_ones else "")
 
 
 def normal_draws(size: int, count: int, seed: int) -> np.ndarray:

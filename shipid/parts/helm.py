@@ -84,7 +84,7 @@ class TurningHelm(HelmsmanAfterApproach):
 
     @helm_released.next
     def release(self) -> Expression:
-        """Amidships for good once the turn is complete."""
+        """Amidships from the end of the turn on."""
         return np.where(np.abs(self.psi - self.helm_course) >= self.helm_turn, 1.0, self.helm_released)
 
 

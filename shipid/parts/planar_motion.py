@@ -47,7 +47,7 @@ class PlanarMotion(Component):
 
 
 class SpeedScaled(Component):
-    """What the models scaled by length and instantaneous speed have in common; those that state the speed declare it again."""
+    """Quantities of the models scaled by length and instantaneous speed; those that state the speed declare it again."""
 
     u = given("m/s", "forward speed through the water")
     cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")

@@ -95,7 +95,7 @@ def test_a_constant_may_be_augmented_too() -> None:
     [
         (["Kx"], None, UnknownNameError, r"no parameter in model de-keizer called 'Kx'"),
         (["r"], None, UnknownNameError, r"called 'r'"),
-        (["K"], ["tau"], DeclarationError, r"'tau' is to be in log scale but is not among the augmented parameters: K"),
+        (["K"], ["tau"], DeclarationError, r"'tau' is to be in log scale but is not among the augmented: K"),
         (["alpha1"], ["alpha1"], DeclarationError, r"'alpha1' may be negative \(its lower bound is -5\)"),
     ],
 )

@@ -272,5 +272,5 @@ def test_findings_and_a_posterior_on_the_page(fit, read_page):
     drawn = Posterior(fit.estimated, ("1",) * k, np.ones((n, k)), np.ones((5, k)), np.ones(k), 2, 0.5, (None,) * k)
     text = render(dataclasses.replace(shipid.assess(wrong, bands=False), posterior=drawn))
     said = read_page(text).text
-    assert "rudder-sign" in said and "nothing was repaired" in said and "<mirrored>" not in text
+    assert "rudder-sign" in said and "Nothing was repaired" in said and "<mirrored>" not in text
     assert "Sampled posterior" in said and "4 draws of 2 walkers" in said

@@ -26,7 +26,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 
 
 class Cascade:
-    """Filters in a row.
+    """Kalman filters in series.
 
     Parameters
     ----------
