@@ -76,7 +76,7 @@ def test_unknown_names(refused):
 
 def test_what_cannot_be_estimated_or_fixed(refused):
     trial = [make_trial()]
-    refused(UsageError, trial, "nothing is left", fixed={"K": "0.2 1/s", "tau": "10 s"})
+    refused(UsageError, trial, "has no parameter left", fixed={"K": "0.2 1/s", "tau": "10 s"})
     refused(UsageError, trial, "'K'", "fixed as well", fixed={"K": "0.2 1/s"}, estimate=["K"])
     refused(UsageError, trial, "'psi'", "state", fixed={"psi": "1 rad"})
     refused(UsageError, trial, "'delta'", "input", fixed={"delta": "1 rad"})
@@ -94,7 +94,7 @@ def test_noise_levels(refused):
 
 def test_no_rudder(refused):
     steady = make_trial(**{"delta [deg]": 10.0})
-    refused(NoRudderMovementError, [make_trial(), steady], "stays at 10.00 deg")
+    refused(NoRudderMovementError, [make_trial(), steady], "stays at 10 deg")
     refused(UnknownColumnError, [make_trial(**{"delta [deg]": None})], "'delta'")
 
 
