@@ -132,16 +132,3 @@ class Scale:
             return absent if math.isnan(factor) else bound * factor
 
         return scaled(entry.number("low"), -math.inf), scaled(entry.number("high"), math.inf)
-
-
-def prime_factor(text: str, length: float, speed: float) -> float:
-    """Return what one unit of the prime system is in a unit (see `Scale.factor`).
-
-    Parameters
-    ----------
-    text : str
-        The unit.
-    length, speed : float
-        L in m and U in m/s.
-    """
-    return Scale(length, speed).factor(text)
