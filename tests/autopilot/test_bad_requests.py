@@ -96,6 +96,11 @@ def test_a_model_without_heading_rudder_or_rate():
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
 
 
+def test_a_sampled_model_is_refused_with_the_states_that_are():
+    with pytest.raises(NotSteerableError, match=r"pershitz-discrete is sampled \(.*psi.*\).*continuous model"):
+        shipid.design_autopilot("pershitz-discrete", "semerdjiev")
+
+
 class Propelled(Yaw):
     """Yaw by a rudder in the wash of a propeller whose revolutions nothing states."""
 

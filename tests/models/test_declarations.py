@@ -258,3 +258,14 @@ def test_every_ship_turns_to_the_side_of_its_rudder(
     if "v" in sides and "v" in model.derived + model.states:
         v = state.get("v", sides["v"])
         assert side * v < 0  # a ship that turns to starboard sways to port
+
+
+@pytest.mark.parametrize("component", COMPONENTS, ids=lambda c: c.__name__)
+def test_spreads_and_sizes_are_greater_than_zero(component: type[Component]) -> None:
+    """A standard deviation and a typical size have no sign."""
+    for name, quantity in declared_quantities(component).items():
+        for attribute in ("spread", "nominal"):
+            value = getattr(quantity, attribute)
+            if value is not None:
+                number = value if isinstance(value, (int, float)) else units.split(value)[0]
+                assert number > 0, f"{name}: {attribute} {value}"

@@ -214,3 +214,12 @@ def test_a_weak_design_says_so(uncertain):
     assert any(w.startswith("no uncertainty") for w in judged.warnings)
     assert judged.weakest.share < 1 and "beyond its limit" in judged.weakest.sentence
     assert LIMITS["disk margin"] == 0.5
+
+
+def test_the_loop_is_shown_at_the_slowest_the_own_and_the_fastest_speed():
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg", speeds=[6.0, 8.0, 9.5, 11.0])
+    shown = shipid.judge(pilot).responses
+    assert [r.speed for r in shown] == pytest.approx([6.0, 9.5, 11.0])
+    for r in shown:
+        # Far above its bandwidth a loop answers less and less.
+        assert abs(r.response[-1]) < abs(r.response[0])
