@@ -72,3 +72,12 @@ def test_show(call, model):
 def test_called_with_nothing_it_shows_the_help(call):
     answer = call()
     assert "Commands:" in answer.out + answer.err
+
+
+def test_a_model_as_json_says_what_each_quantity_is(call):
+    quantities = json.loads(call("show", "norrbin", "--json").out)["quantities"]
+    kinds = {n: q["kind"] for n, q in quantities.items()}
+    assert (kinds["delta"], kinds["r"], kinds["a"], kinds["K"]) == ("input", "state", "parameter", "derived")
+    assert {"start", "low", "high"} <= set(quantities["a"]) and "default" not in quantities["a"]
+    assert quantities["current_north"]["default"] == 0.0
+    assert "start" not in quantities["delta"]

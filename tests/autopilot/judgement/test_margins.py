@@ -223,3 +223,12 @@ def test_the_loop_is_shown_at_the_slowest_the_own_and_the_fastest_speed():
     for r in shown:
         # Far above its bandwidth a loop answers less and less.
         assert abs(r.response[-1]) < abs(r.response[0])
+
+
+def test_every_load_condition_is_among_the_points(sized):
+    ships = ["soesterberg", sized("soesterberg", "de-keizer", K=2.2)]
+    pilot = shipid.design_autopilot("de-keizer", ships, speeds=[9.5], actuator=None)
+    found = shipid.judge(pilot)
+    disks = [p for p in found.points() if p.what == "disk margin"]
+    assert len(disks) == 2
+    assert [p.value for p in disks] == pytest.approx([min(m.disk for m in found.margins[j]) for j in range(2)])
