@@ -86,6 +86,7 @@ def test_a_filter_of_ones_own(container):
 
 
 def test_what_the_result_says(runs):
+    assert "diverged" not in repr(runs)
     found = json.loads(json.dumps(runs.to_dict(), allow_nan=False))
     assert found["filter"] == "yaw-filter" and len(found["runs"]) == 4
     assert [c["change_deg"] for c in found["runs"][0]["changes"]] == list(CHANGES)
