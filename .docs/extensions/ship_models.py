@@ -74,12 +74,7 @@ def _other_components(known: dict[str, Any]) -> list[list[str]]:
     rows = []
     for each in sorted(_descendants(shipid.Component) - joined, key=lambda c: c.__name__):
         if each.__module__.startswith(homes) and not each.__name__.startswith("_"):
-            try:
-                model = shipid.join(each.__name__, each)
-            except shipid.ShipidError:
-                if not each.__subclasses__():
-                    raise
-                continue  # what several components have in common: it leaves an equation to each of them
+            model = shipid.join(each.__name__, each)
             stated, read = model.states + model.derived + model.outputs, model.inputs
             about = plain((inspect.getdoc(each) or "").partition("\n\n")[0].replace("\n", " "))
             rows.append(

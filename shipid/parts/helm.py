@@ -12,29 +12,22 @@ from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, derived, given, state
 from shipid.foundation.aliases import Expression
 
-
-class Helmsman(Component):
-    """What every helmsman states: the rudder order. Each of them replaces the equation `order`."""
-
-    delta_order = derived("rad", "rudder order, positive turns to starboard")
-
-    @delta_order.equals
-    def order(self) -> Expression:
-        """The order, which a helmsman gives by a law of his own."""
-        raise NotImplementedError
+_ORDER = "rudder order, positive turns to starboard"
 
 
-class ScheduledOrder(Helmsman):
+class ScheduledOrder(Component):
     """A rudder order given beforehand: spiral, random telegraph, any recorded helm."""
 
+    delta_order = derived("rad", _ORDER)
     helm_schedule = given("rad", "scheduled rudder order")
 
+    @delta_order.equals
     def order(self) -> Expression:
         """Return the order as scheduled."""
         return self.helm_schedule
 
 
-class HelmsmanAfterApproach(Helmsman):
+class HelmsmanAfterApproach(Component):
     """A helmsman who holds the rudder amidships on a straight approach first."""
 
     psi = given("rad", "heading")
@@ -57,9 +50,11 @@ class HelmsmanAfterApproach(Helmsman):
 class ZigzagHelm(HelmsmanAfterApproach):
     """Zig-zag: the rudder is reversed whenever the heading has gone far enough to its side (ITTC 7.5-04-02-01)."""
 
+    delta_order = derived("rad", _ORDER)
     helm_heading = constant("rad", "heading change at which the rudder is reversed")
     helm_side = state("1", "+1 while the rudder is on the side of the first execute, -1 on the other", start=1.0)
 
+    @delta_order.equals
     def order(self) -> Expression:
         """Return amidships on the approach, then the rudder angle to the side of the swing."""
         return np.where(self.begun(), self.helm_side * self.helm_rudder, 0.0 * self.helm_rudder)
@@ -74,9 +69,11 @@ class ZigzagHelm(HelmsmanAfterApproach):
 class TurningHelm(HelmsmanAfterApproach):
     """Turning circle: the rudder is held until the heading has turned far enough, then goes amidships (pull-out)."""
 
+    delta_order = derived("rad", _ORDER)
     helm_turn = constant("rad", "heading change after which the rudder goes amidships")
     helm_released = state("1", "1 once the rudder is back amidships")
 
+    @delta_order.equals
     def order(self) -> Expression:
         """Return amidships, the rudder angle, amidships again."""
         steering = np.logical_and(self.begun(), self.helm_released < 0.5)
@@ -88,9 +85,10 @@ class TurningHelm(HelmsmanAfterApproach):
         return np.where(np.abs(self.psi - self.helm_course) >= self.helm_turn, 1.0, self.helm_released)
 
 
-class CourseHelm(Helmsman):
+class CourseHelm(Component):
     """Course change under a proportional and derivative law, within a rudder limit."""
 
+    delta_order = derived("rad", _ORDER)
     psi = given("rad", "heading")
     r = given("rad/s", "rate of turn, positive to starboard")
     helm_schedule = given("rad", "heading to steer")
@@ -98,15 +96,17 @@ class CourseHelm(Helmsman):
     helm_gain = constant("1", "rudder per heading error", default=1.0)
     helm_damping = constant("s", "rudder per rate of turn")
 
+    @delta_order.equals
     def order(self) -> Expression:
         """Return the proportional and derivative law, limited."""
         wanted = self.helm_gain * (self.helm_schedule - self.psi) - self.helm_damping * self.r
         return np.minimum(np.maximum(wanted, -self.helm_limit), self.helm_limit)
 
 
-class RateHelm(Helmsman):
+class RateHelm(Component):
     """Reversed spiral: a proportional and integral law finds the rudder angle of a given rate of turn."""
 
+    delta_order = derived("rad", _ORDER)
     r = given("rad/s", "rate of turn, positive to starboard")
     T_s = given("s", "sampling interval")
     helm_schedule = given("rad/s", "rate of turn to keep")
@@ -124,6 +124,7 @@ class RateHelm(Helmsman):
         """Euler's rule, on the samples."""
         return self.helm_integral + self.T_s * self.error()
 
+    @delta_order.equals
     def order(self) -> Expression:
         """Return the proportional and integral law, limited."""
         wanted = self.helm_gain * (self.error() + self.helm_integral / self.helm_reset)
