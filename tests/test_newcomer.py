@@ -138,16 +138,11 @@ def test_a_command_is_a_file_and_a_line(installed: Path, tmp_path: Path) -> None
 def test_a_section_of_a_report_is_a_template_and_a_line(installed: Path, tmp_path: Path) -> None:
     line = '    lambda fit, _: Section("Search", "fit/effort.html", {"evaluations": fit.evaluations}),\n'
     template = "<p>The trials were run {{ view.evaluations }} times.</p>\n"
-    page = (
-        "report/views/fit/page.py"
-        if (installed / "shipid/report/views/fit/page.py").exists()
-        else "report/views/fit.py"
-    )
     change(
         installed,
         {
             "report/templates/fit/effort.html": template,
-            page: ("    lambda fit, _: provenance_section(fit),\n", line),
+            "report/views/fit/page.py": ("    lambda fit, _: provenance_section(fit),\n", line),
         },
     )
     trial = str(ROOT / "studies" / "trials" / "container-20-20.csv")
