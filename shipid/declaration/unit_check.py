@@ -65,9 +65,9 @@ class _Checked(Evaluation):
         except UnitError:
             raise
         except ShipidError as error:
-            raise _named(error, where, _line(error, equation.function.__code__)) from None
+            raise _named(error, where, user_line(error, equation.function.__code__)) from None
         except Exception as error:
-            place = _line(error, equation.function.__code__)
+            place = user_line(error, equation.function.__code__)
             if type(error).__module__.startswith("pint"):
                 raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
             raise DeclarationError(
@@ -121,8 +121,16 @@ def _either(unit: Expression) -> str:
         return str(unit)
 
 
-def _line(error: Exception, code: types.CodeType) -> str:
-    """Return the deepest line of the user's own file in a traceback."""
+def user_line(error: Exception, code: types.CodeType) -> str:
+    """Return the deepest line of the user's own file in a traceback: ``file:line``.
+
+    Parameters
+    ----------
+    error : Exception
+        As it was raised in an equation.
+    code : types.CodeType
+        Of the equation.
+    """
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == code.co_filename]
     line = frames[-1].lineno if frames else code.co_firstlineno
     return f"{code.co_filename}:{line}"
