@@ -6,7 +6,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.checks import STEADY_RUDDER, gaps
-from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError
+from shipid.trials.errors import ClockGapError, NonFiniteError, NoRudderMovementError, UnknownColumnError
 from shipid.trials.trial import Trial
 
 
@@ -20,11 +20,18 @@ def check_regular(trial: Trial) -> None:
 
     Raises
     ------
+    NonFiniteError
+        If a sample is missing.
     ClockGapError
         With the longest gap, and the stretches before and after it.
     """
+    holes = [name for name in trial.table.columns if trial.table[name].isna().any()]
+    if holes:
+        raise NonFiniteError(
+            f"trial '{trial.name}': samples of {', '.join(holes)} are missing. Use a window without them (FILE@start:end)."
+        )
     t = trial["t"]
-    found = gaps(t)
+    found = gaps(t, trial.sampling)
     if found.size:
         k = int(found[np.argmax(np.diff(t)[found])])
         raise ClockGapError(
