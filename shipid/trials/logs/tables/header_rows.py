@@ -9,8 +9,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-import numpy as np
-
 from shipid.declaration import units
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnitError
@@ -33,7 +31,7 @@ _BRACKETS = re.compile(r"[\[(]\s*(.*?)\s*[\])]")
 
 
 @dataclass(frozen=True)
-class Heading:
+class HeaderBlock:
     """The header of a table, and where its samples begin.
 
     Attributes
@@ -84,7 +82,7 @@ def sort_of(cell: Cell) -> _Sort:
     return "stamp" if _STAMP.fullmatch(tidy(cell)) else "text"
 
 
-def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where: str) -> Heading | None:
+def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where: str) -> HeaderBlock | None:
     """Find the first sample of a table, and the rows of names and units above it.
 
     Parameters
@@ -98,7 +96,7 @@ def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where:
 
     Returns
     -------
-    Heading or None
+    HeaderBlock or None
         None where there is no sample: no row of numbers of the width that most rows have.
 
     Raises
@@ -128,14 +126,26 @@ def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where:
     of_units = next((k for k in reversed(likely) if _is_row_of_units(texts[k])), None) if len(likely) > 1 else None
     named = [k for k in likely if k != of_units]
     if not named:
-        return Heading(first, width, None, (), (), tuple(range(first)), sound)
+        return HeaderBlock(first, width, None, (), (), tuple(range(first)), sound)
     row = max(named, key=lambda k: (_score(texts[k], wanted), k))
     stated: tuple[str | None, ...] = (None,) * width
     if of_units is not None:
         stated = tuple(_unit(cell) for cell in _padded(texts[of_units], width))
         _check_agreement(texts[row], stated, where)
     unused = tuple(k for k in range(first) if k not in (row, of_units))
-    return Heading(first, width, row, tuple(texts[row]), stated, unused, sound)
+    return HeaderBlock(first, width, row, tuple(texts[row]), stated, unused, sound)
+
+
+def is_sample_row(row: Sequence[Cell]) -> bool:
+    """Return whether a row holds more numbers and times than text.
+
+    Parameters
+    ----------
+    row : sequence of cells
+        The row.
+    """
+    sorts = [sort_of(cell) for cell in row]
+    return sorts.count("number") + sorts.count("stamp") > sorts.count("text")
 
 
 def _padded(row: Sequence[str], width: int) -> list[str]:
@@ -215,14 +225,3 @@ def blank(row: Sequence[Cell]) -> bool:
         The row.
     """
     return all(cell is None or (isinstance(cell, str) and not cell.strip()) for cell in row)
-
-
-def is_nan(cell: Cell) -> bool:
-    """Return whether a cell is the number that is none.
-
-    Parameters
-    ----------
-    cell : str, number, date or None
-        The cell.
-    """
-    return isinstance(cell, float) and bool(np.isnan(cell))
