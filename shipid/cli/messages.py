@@ -10,6 +10,8 @@ from contextlib import contextmanager
 
 import click
 
+from shipid.foundation.printable import printable
+
 
 def watched() -> bool:
     """Return whether standard error is a terminal; it may also be closed."""
@@ -26,7 +28,7 @@ def say(message: str) -> None:
     """
     width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
     filled = textwrap.fill(
-        f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
+        printable(f"shipid: {message}"), min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
     )
     click.echo(filled, err=True)
 
