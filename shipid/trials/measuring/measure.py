@@ -8,11 +8,14 @@ import numpy as np
 
 from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
+from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
-from shipid.trials.measuring.executes import convention
+from shipid.trials.measuring.executes import Steering, steering_of
+from shipid.trials.measuring.faults import Faults, faults_of
 from shipid.trials.measuring.measures import Measures
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
+from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
@@ -20,7 +23,12 @@ KINDS = ("zig-zag", "turning circle")
 
 
 def measure(
-    trial: Trial, kind: str | None = None, *, execute: str | None = None, length: str | float | None = None
+    trial: Trial,
+    kind: str | None = None,
+    *,
+    execute: str | None = None,
+    length: str | float | None = None,
+    diagnosis: Diagnosis | None = None,
 ) -> Measures:
     """Measure a zig-zag or a turning circle.
 
@@ -57,11 +65,12 @@ def measure(
         raise UnknownNameError("kind of manoeuvre", kind, KINDS)
     if not trial.has("psi"):
         raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
-    kind = kind or detect(trial)
-    return measure_turn(trial, execute, metres) if kind == KINDS[1] else measure_zigzag(trial, execute, metres)
+    faults = faults_of(trial, diagnosis)
+    kind = kind or _detected(trial, faults)
+    return (measure_turn if kind == KINDS[1] else measure_zigzag)(trial, execute, metres, faults)
 
 
-def detect(trial: Trial) -> str:
+def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
     """Find out whether a trial is a zig-zag or a turning circle.
 
     Parameters
@@ -79,14 +88,17 @@ def detect(trial: Trial) -> str:
     NotAManoeuvreError
         If it is neither.
     """
-    _, rudder = convention(trial, None)
-    found = plates(rudder)
-    psi = trial["psi"]
-    turning = turning_plate(trial, rudder)
-    if turning is not None and turning.side * (psi[turning.last - 1] - psi[turning.first]) > pi:
+    return _detected(trial, faults_of(trial, diagnosis))
+
+
+def _detected(trial: Trial, faults: Faults) -> str:
+    steering = steering_of(trial, None, wrong=faults.wrong.get("delta"))
+    psi = channel_of(trial, "psi", faults.wrong.get("psi"))
+    turning = turning_plate(steering, psi)
+    if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
         return KINDS[1]
-    held = regular(found)
-    if len(held) >= 2 and _reversed_by_heading(trial, held):
+    held = regular(plates(steering.channel.y))
+    if len(held) >= 2 and _reversed_by_heading(steering, psi, held):
         return KINDS[0]
     if turning is not None:
         return KINDS[1]
@@ -97,10 +109,14 @@ def detect(trial: Trial) -> str:
     )
 
 
-def _reversed_by_heading(trial: Trial, held: list[Plate]) -> bool:
+def _heading(steering: Steering, psi: Channel, plate: Plate) -> np.ndarray:
+    """Heading at both ends of a plate [rad]."""
+    return np.asarray(np.interp([steering.channel.t[plate.first], steering.after(plate)], psi.t, psi.y))
+
+
+def _reversed_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:
     """Whether the rudder is reversed at two headings in turn, as in a zig-zag, and not at any heading by a clock."""
-    psi = trial["psi"]
-    at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in held[:-1]]) * held[0].side
+    at = np.array([_heading(steering, psi, plate)[1] for plate in held[:-1]]) * held[0].side
     out, back = at[0::2], at[1::2]
     if not back.size:
         return True

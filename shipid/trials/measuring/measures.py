@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from typing import ClassVar
 
@@ -41,19 +41,32 @@ class Measures:
         What the manoeuvre is.
     trial : str
         Name of the trial.
-    execute : {"moved", "order"}
+    execute : {"order", "moved"}
         How the execute was read (`shipid.trials.measuring.executes`).
-    rudder, approach_speed, first_execute, course : float or None
+    read_from : str
+        From what it was read, in words.
+    rudder, rudder_rate, approach_speed, first_execute, execute_within, course : float or None
         What every manoeuvre has; see the meaning of each in `quantities`.
+    reasons : Mapping of str to str
+        Why a quantity is not known, by its name; entry k of several has the name ``name[k]``, counted from 1.
+    notes : tuple of str
+        What has to be known beside the numbers.
     """
 
     kind: ClassVar[str] = "manoeuvre"
     trial: str
     execute: str
+    read_from: str = words()
     rudder: float | None = quantity("rad", "rudder angle held, median")
+    rudder_rate: float | None = quantity("rad/s", "rate of the rudder between its plates, median")
     approach_speed: float | None = quantity("m/s", "speed at the first execute")
     first_execute: float | None = quantity("s", "time of the first execute")
+    execute_within: float | None = quantity(
+        "s", "the executes lie within this time on either side of what is stated, largest"
+    )
     course: float | None = quantity("rad", "initial course")
+    reasons: Mapping[str, str] = field(default_factory=dict, hash=False)
+    notes: tuple[str, ...] = ()
 
     def quantities(self) -> Iterator[tuple[str, Plain, str, str]]:
         """Yield name, value in the unit shown (None where not reached), that unit, and meaning."""
@@ -75,7 +88,21 @@ class Measures:
         for name, value, unit, meaning in self.quantities():
             plain = list(value) if isinstance(value, tuple) else value
             result[name] = {"value": plain, "unit": unit, "meaning": meaning}
-        return result
+            reason = self.reason(name)
+            if reason is not None:
+                result[name]["reason"] = reason
+        return result | {"notes": list(self.notes)}
+
+    def reason(self, name: str) -> str | None:
+        """Return why a quantity, or entries of it, are not known; None where nothing is missing.
+
+        Parameters
+        ----------
+        name : str
+            Of the quantity.
+        """
+        own = [why for key, why in self.reasons.items() if key == name or key.startswith(f"{name}[")]
+        return "; ".join(dict.fromkeys(own)) or None
 
     def to_frame(self) -> pd.DataFrame:
         """Return one row a number: quantity, value, unit, meaning (NaN where not reached)."""
@@ -88,110 +115,37 @@ class Measures:
         return pd.DataFrame(rows, columns=["quantity", "value", "unit", "meaning"])
 
     def __repr__(self) -> str:
-        read = "the order" if self.execute == "order" else "the rudder leaving its plate"
-        lines = [f"{self.title} in trial '{self.trial}', executes read from {read}"]
-        for name, value, unit, _ in self.quantities():
-            if value is None or value == ():
-                continue
-            shown = "" if unit == "1" else " " + pretty(unit)
-            several = value if isinstance(value, tuple) else (value,)
-            numbers = ", ".join("not reached" if v is None else f"{v:.4g}" for v in several)
-            lines.append(f"  {name.replace('_', ' '):<28s} {numbers}{shown}")
+        lines = [f"{self.title} in trial '{self.trial}'"]
+        if self.read_from:
+            lines.append(f"  executes read from {self.read_from}")
+        lines += self._lines()
+        lines += [f"  note: {note}" for note in self.notes]
         return "\n".join(lines)
+
+    def _lines(self, without: Collection[str] = ()) -> list[str]:
+        """One line a quantity that has a value, or a reason why it has none."""
+        lines = []
+        for name, value, unit, _ in self.quantities():
+            reason = self.reason(name)
+            if name in without or (reason is None and (value is None or (isinstance(value, tuple) and not value))):
+                continue
+            lines.append(f"  {name.replace('_', ' '):<28s} {self._shown(name, value, unit)}")
+        return lines
+
+    def _shown(self, name: str, value: Plain, unit: str) -> str:
+        tail = "" if unit == "1" else " " + pretty(unit)
+        if value is None:
+            return f"not known: {self.reasons[name]}"
+        if not isinstance(value, tuple):
+            return f"{value:.4g}{tail}"
+        numbers = [
+            f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
+            for k, v in enumerate(value, start=1)
+        ]
+        reason = self.reason(name)
+        return ", ".join(numbers) + tail + (f" ({reason})" if reason else "")
 
     @property
     def title(self) -> str:
         """What the manoeuvre is called."""
         return self.kind
-
-
-@dataclass(frozen=True, repr=False, kw_only=True)
-class ZigZag(Measures):
-    """A zig-zag, in the terms of ITTC 7.5-04-02-01. `executes` are the reversals: the second execute and on.
-
-    Attributes
-    ----------
-    kind : str
-        ``"zig-zag"``.
-    nominal : str
-        Rudder angle and heading of the zig-zag, such as 20/10, to the nearest 5 deg.
-    first_side : {"starboard", "port"}
-        The side of the first plate measured.
-    heading, period, reach, initial_turning_time, initial_turning_distance, initial_turning_ratio : float or None
-        See the meaning of each in `quantities`.
-    executes : tuple of float or None
-        One a reversal.
-    execute_headings, overshoots, extreme_headings, times_to_check_yaw : tuple of float or None
-        Entry k belongs to reversal k.
-    """
-
-    kind: ClassVar[str] = "zig-zag"
-    nominal: str = words()
-    first_side: str = words()
-    heading: float | None = quantity("rad", "heading change at the executes, median")
-    executes: tuple[float | None, ...] | None = quantity("s", "times of the reversals: second execute and on")
-    execute_headings: tuple[float | None, ...] | None = quantity(
-        "rad", "heading at each reversal, from the initial course"
-    )
-    overshoots: tuple[float | None, ...] | None = quantity("rad", "overshoot angle after each reversal")
-    extreme_headings: tuple[float | None, ...] | None = quantity(
-        "rad", "extreme heading after each reversal, from the initial course"
-    )
-    times_to_check_yaw: tuple[float | None, ...] | None = quantity("s", "from each reversal to the extreme heading")
-    period: float | None = quantity("s", "complete cycle: between reversals to the same side, mean")
-    reach: float | None = quantity("s", "from the first execute to the return to the initial course")
-    initial_turning_time: float | None = quantity("s", "from the first to the second execute")
-    initial_turning_distance: float | None = quantity("m", "track between first and second execute")
-    initial_turning_ratio: float | None = quantity("1", "that track in ship lengths")
-
-    @property
-    def title(self) -> str:
-        """What the manoeuvre is called, such as ``zig-zag 20/10``."""
-        return f"{self.kind} {self.nominal}"
-
-
-@dataclass(frozen=True, repr=False, kw_only=True)
-class TurningCircle(Measures):
-    """A turning circle, in the terms of IMO MSC.137(76) 4.2 and ITTC 7.5-04-02-01.
-
-    Attributes
-    ----------
-    kind : str
-        ``"turning circle"``.
-    side : {"starboard", "port"}
-        The side it turns to.
-    track : str
-        Where the track comes from: positions, or speeds and heading.
-    advance, transfer, tactical_diameter, advance_ratio, transfer_ratio, tactical_diameter_ratio : float or None
-        See the meaning of each in `quantities`.
-    times, speeds : tuple of float or None
-        One a quarter of the circle.
-    steady_rate, steady_speed, steady_drift, steady_diameter, steady_diameter_ratio, speed_loss : float or None
-        Of the steady turn.
-    pull_out_rate : float or None
-        After the rudder was put amidships.
-    """
-
-    kind: ClassVar[str] = "turning circle"
-    side: str = words()
-    track: str = words()
-    advance: float | None = quantity("m", "along the initial course, at 90 deg")
-    transfer: float | None = quantity("m", "across the initial course, at 90 deg")
-    tactical_diameter: float | None = quantity("m", "across the initial course, at 180 deg")
-    advance_ratio: float | None = quantity("1", "advance in ship lengths")
-    transfer_ratio: float | None = quantity("1", "transfer in ship lengths")
-    tactical_diameter_ratio: float | None = quantity("1", "tactical diameter in ship lengths")
-    times: tuple[float | None, ...] | None = quantity("s", "from the execute to 90, 180, 270, 360 deg")
-    speeds: tuple[float | None, ...] | None = quantity("m/s", "speed at 90, 180, 270, 360 deg")
-    steady_rate: float | None = quantity("rad/s", "steady rate of turn, size")
-    steady_speed: float | None = quantity("m/s", "steady speed in the turn")
-    steady_drift: float | None = quantity("rad", "steady drift angle, size")
-    steady_diameter: float | None = quantity("m", "steady turning diameter")
-    steady_diameter_ratio: float | None = quantity("1", "steady turning diameter in ship lengths")
-    speed_loss: float | None = quantity("1", "share of the approach speed lost in the steady turn")
-    pull_out_rate: float | None = quantity("rad/s", "rate of turn left after the pull-out, to starboard")
-
-    @property
-    def title(self) -> str:
-        """What the manoeuvre is called, such as ``turning circle to port``."""
-        return f"{self.kind} to {self.side}"
