@@ -17,7 +17,7 @@ def watched() -> bool:
 
 
 def say(message: str) -> None:
-    """Print one paragraph on standard error.
+    """Print a message on standard error, each of its lines as a paragraph.
 
     Parameters
     ----------
@@ -25,10 +25,11 @@ def say(message: str) -> None:
         Sentences.
     """
     width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
-    filled = textwrap.fill(
-        f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
+    width = min(110, max(40, width))
+    lines = f"shipid: {message}".splitlines()
+    click.echo(
+        "\n".join(textwrap.fill(x, width, break_long_words=False, break_on_hyphens=False) for x in lines), err=True
     )
-    click.echo(filled, err=True)
 
 
 @contextmanager

@@ -27,9 +27,9 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
 from shipid.identification.validation.predictions import shown_outputs
 from shipid.identification.validation.trial_measures import measured_circle
-from shipid.trials.measuring.turn_measures import TurningCircle
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
-from shipid.trials.measuring.zigzag_measures import ZigZag
 from shipid.trials.trial import Trial
 
 #: Samples of a circle that are enough to measure it.

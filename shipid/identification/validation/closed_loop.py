@@ -20,8 +20,8 @@ from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.trials.measuring.executes import first_execute, leaves, rate_of, steering_of
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
-from shipid.trials.measuring.zigzag_measures import ZigZag
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import channel_of
 from shipid.trials.signals.plates import plates, regular

@@ -26,7 +26,7 @@ from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
 from shipid.trials.fitness import check_regular
-from shipid.trials.measuring.turn_measures import TurningCircle
+from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 

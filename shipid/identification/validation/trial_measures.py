@@ -7,8 +7,8 @@ from typing import Literal
 
 from shipid.foundation.errors import ShipidError
 from shipid.trials.measuring.measure import detect, measure
-from shipid.trials.measuring.turn_measures import TurningCircle
-from shipid.trials.measuring.zigzag_measures import ZigZag
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.trial import Trial
 
 

@@ -105,7 +105,13 @@ class Steering:
         )
 
     def after(self, plate: Plate) -> float:
-        """Time at which a plate ends: the rudder is half over to the other side, or the record ends [s]."""
+        """Return when a plate ends: the rudder is half over to the other side, or the record ends [s].
+
+        Parameters
+        ----------
+        plate : Plate
+            The plate.
+        """
         t = self.channel.t
         return float(t[plate.last]) if plate.last < len(t) else self.end
 
@@ -347,7 +353,7 @@ def _put_over(
     if steering.on_change:
         return Execute(float(t[k + 1]), 0.0)
     if not steering.logged:
-        k = _foot(t, y, k, held, size, steering.rate)
+        k = _foot(t, y, k, held, size, steering)
     ramp = _ramp(y[k + 1 :], held, size, reach) + k + 1
     hole = steering.channel.hole(0.5 * float(t[k] + t[k + 1]))
     if steering.logged or steering.rate is None or not ramp.size:
@@ -359,12 +365,15 @@ def _put_over(
     return Execute(max(left, float(t[0])), inaccuracy + slack, None if known else hole)
 
 
-def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, rate: float | None) -> int:
+def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, steering: Steering) -> int:
     """The last sample before the ramp, or before the step; a helm that wandered before it is passed over."""
+    rate = steering.rate
     half = k + 1 + np.flatnonzero(y[k + 1 :] <= held - 0.5 * size)
     if not half.size:
         return k
     j = int(half[0])
+    if steering.channel.hole(0.5 * float(t[j - 1] + t[j])) is not None:
+        return k
     if rate is None:
         # The rudder steps: over within one interval, or two.
         return j - 1 if y[j - 1] - y[j] > 0.3 * size else max(k, j - 2)
@@ -395,10 +404,13 @@ def _extended(
         offset, slope = np.polynomial.polynomial.polyfit(x, y[ramp], 1)
         if slope < 0:
             scatter = float(np.std(y[ramp] - offset - slope * x))
-            return float(t[ramp[0]] + (held - offset) / slope), 2 * scatter / -float(slope) / np.sqrt(ramp.size)
+            # A gear does not start at once: some hundredths of the interval, where the samples lie on the line.
+            inaccuracy = max(2 * scatter / -float(slope) / np.sqrt(ramp.size), 0.02 * float(t[k + 1] - t[k]))
+            return float(t[ramp[0]] + (held - offset) / slope), float(inaccuracy)
     if rate is not None:
         back = t[ramp] - (held - y[ramp]) / rate
-        return float(np.mean(back)), max(float(np.ptp(back)), 0.05 * float(t[k + 1] - t[k]))
+        # The rate is that of the other ramps, and not exactly this one's.
+        return float(np.mean(back)), max(float(np.ptp(back)), 0.25 * float(t[k + 1] - t[k]))
     # One sample on the way: the rate is at least that to the next one.
     first, then = int(ramp[0]), min(int(ramp[0]) + 1, len(y) - 1)
     drop = float(y[first] - y[then])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 
 import numpy as np
@@ -12,14 +13,24 @@ from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
 from shipid.trials.measuring.executes import Steering, steering_of
 from shipid.trials.measuring.faults import Faults, faults_of
-from shipid.trials.measuring.measures import Measures
+from shipid.trials.measuring.instead import instead_of_manoeuvre
+from shipid.trials.measuring.listing import chosen, manoeuvres_in
+from shipid.trials.measuring.pull_out import measure_pull_out
+from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
-KINDS = ("zig-zag", "turning circle")
+_MEASURE: dict[str, Callable[[Trial, str | None, float | None, Faults], Measures]] = {
+    "zig-zag": measure_zigzag,
+    "turning circle": measure_turn,
+    "spiral": measure_spiral,
+    "pull-out": measure_pull_out,
+}
+KINDS = tuple(_MEASURE)
 
 
 def measure(
@@ -28,31 +39,42 @@ def measure(
     *,
     execute: str | None = None,
     length: str | float | None = None,
+    manoeuvre: int | None = None,
     diagnosis: Diagnosis | None = None,
 ) -> Measures:
-    """Measure a zig-zag or a turning circle.
+    """Measure a zig-zag, a turning circle, a spiral or a pull-out.
+
+    The doctor is asked what bears on the numbers: what lies in a gap or where a sensor stood still is not known, and the
+    result says why.
 
     Parameters
     ----------
     trial : Trial
         The trial, or a window of it, with heading ``psi`` and rudder ``delta`` (or ``delta_order``).
-    kind : {"zig-zag", "turning circle"}, optional
+    kind : {"zig-zag", "turning circle", "spiral", "pull-out"}, optional
         What it is; found out from rudder and heading by default.
-    execute : {"moved", "order"}, optional
-        How the execute is read (`shipid.trials.measuring.executes`): the rudder has left its plate by 15 % (in a turn: 3 deg
-        from midships), or the order. By default the order where it is recorded, else "moved".
+    execute : {"order", "moved"}, optional
+        How the execute is read (`shipid.trials.measuring.executes`): the order, read back from the ramp of the rudder where
+        it is not logged, by default; or the rudder has left its plate by 15 % (in a turn: 3 deg from midships).
     length : str, optional
         Ship length with its unit, as in "320 m", for the ratios to it.
+    manoeuvre : int, optional
+        Which manoeuvre of a record that holds several, from 1 (`shipid.trials.measuring.listing.manoeuvres_in`).
+    diagnosis : Diagnosis, optional
+        What the doctor says of the trial, where it was asked already.
 
     Returns
     -------
     Measures
-        A `ZigZag` or a `TurningCircle`; None stands for what the manoeuvre did not reach.
+        A `ZigZag`, a `TurningCircle`, a `MeasuredSpiral` or a `PullOut`. None stands for what the manoeuvre did not reach and for
+        what is not known; `reasons` says why.
 
     Raises
     ------
     NotAManoeuvreError
-        If the record is neither.
+        If the record is none of them; the message says what it is instead.
+    SeveralManoeuvresError
+        If it holds several and none is chosen; the message lists them.
     UnknownNameError
         If there is no such kind.
     UnknownColumnError
@@ -65,18 +87,27 @@ def measure(
         raise UnknownNameError("kind of manoeuvre", kind, KINDS)
     if not trial.has("psi"):
         raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
+    steering_of(trial, execute)
     faults = faults_of(trial, diagnosis)
-    kind = kind or _detected(trial, faults)
-    return (measure_turn if kind == KINDS[1] else measure_zigzag)(trial, execute, metres, faults)
+    if manoeuvre is None and kind in (None, "spiral") and is_spiral(trial, faults):
+        return measure_spiral(trial, execute, metres, faults)
+    part = trial
+    if manoeuvre is not None or kind not in ("spiral", "pull-out"):
+        part = chosen(trial, manoeuvres_in(trial, faults.diagnosis), manoeuvre, kind)
+    if part is not trial:
+        faults = faults_of(part, faults.diagnosis)
+    return _MEASURE[kind or _detected(part, faults)](part, execute, metres, faults)
 
 
 def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
-    """Find out whether a trial is a zig-zag or a turning circle.
+    """Find out whether a trial is a zig-zag, a turning circle, a spiral or a pull-out.
 
     Parameters
     ----------
     trial : Trial
         With heading and rudder.
+    diagnosis : Diagnosis, optional
+        What the doctor says of it, where it was asked already.
 
     Returns
     -------
@@ -86,9 +117,10 @@ def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
     Raises
     ------
     NotAManoeuvreError
-        If it is neither.
+        If it is none of them.
     """
-    return _detected(trial, faults_of(trial, diagnosis))
+    faults = faults_of(trial, diagnosis)
+    return "spiral" if is_spiral(trial, faults) else _detected(trial, faults)
 
 
 def _detected(trial: Trial, faults: Faults) -> str:
@@ -96,15 +128,16 @@ def _detected(trial: Trial, faults: Faults) -> str:
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     turning = turning_plate(steering, psi)
     if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
-        return KINDS[1]
+        return "turning circle"
     held = regular(plates(steering.channel.y))
     if len(held) >= 2 and _reversed_by_heading(steering, psi, held):
-        return KINDS[0]
+        return "zig-zag"
     if turning is not None:
-        return KINDS[1]
+        return "turning circle"
     raise NotAManoeuvreError(
         f"trial '{trial.name}' is neither a zig-zag nor a turning circle: the rudder does not go from one held angle to "
         "the opposite one at two regular headings, and the heading does not change by 90 deg on one rudder angle. "
+        f"{instead_of_manoeuvre(trial, steering, psi)} "
         "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
     )
 

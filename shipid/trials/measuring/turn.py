@@ -11,8 +11,8 @@ from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import CircleDrift, drift_of
 from shipid.trials.measuring.executes import LEFT, Steering, first_execute, rate_of, steering_of
 from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.track import drift, speed_channel, track_channels
-from shipid.trials.measuring.turn_measures import TurningCircle
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -24,6 +24,12 @@ MOVED = np.radians(3.0)
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 _BRIDGED = 0.05
 """Holes up to this share of the turn's first 90 deg are bridged."""
+_DRIFTS = 2.0
+"""A drift below this many times the scatter of its readings is none."""
+_LEAST_DRIFT = 0.01
+"""So is one below this share of the ship's speed."""
+_LEFT_THERE = np.radians(1.0)
+"""In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
 
@@ -220,6 +226,12 @@ class _Track:
             north, east = north - drift.north * (at - self.when), east - drift.east * (at - self.when)
         return self.c * north + self.s * east, self.side * (self.c * east - self.s * north)
 
+    def speed(self, quarters: list[float | None]) -> float:
+        """Mean speed over the ground of the first 90 deg, as the crow flies [m/s]."""
+        if quarters[0] is None:
+            return 0.0
+        return float(np.hypot(*self.moved(quarters[0]))) / (quarters[0] - self.when)
+
     def missing(self, at: float) -> str | None:
         """Why the track is not known at a moment, or at the execute."""
         for channel in (self.x, self.y):
@@ -269,6 +281,11 @@ def _still_water(
                 )
         return {}
     result: dict[str, float | None] = {"drift_speed": drifting.speed, "drift_direction": drifting.direction}
+    if drifting.speed < max(_DRIFTS * drifting.scatter, _LEAST_DRIFT * way.speed(quarters)):
+        for name in names:
+            if found.get(name) is not None:
+                reasons[f"{name}_still_water"] = "the drift of the circle is not beyond its scatter"
+        return result
     for name, quarter in zip(names, (quarters[0], quarters[0], quarters[1])):
         if quarter is not None and found.get(name) is not None:
             along, across = way.moved(quarter, drifting)
@@ -329,11 +346,16 @@ def _pull_out(steering: Steering, psi: Channel, plate: Plate, off: float) -> flo
     if not after.size:
         return None
     begin = released + int(after[0])
+    # As long as the rudder is left where it was put.
+    lies = float(np.median(rudder[begin : begin + max(5, (len(t) - begin) // 10)]))
+    moved = np.flatnonzero(np.abs(rudder[begin:] - lies) > max(0.05 * abs(plate.angle), _LEFT_THERE))
+    end = float(t[begin + int(moved[0])]) if moved.size else steering.end
+    part = (psi.t >= end - 0.2 * (end - t[begin])) & (psi.t <= end)
     # The rate takes about as long to settle as the ship takes to turn by some 60 deg.
-    settled = steering.end - t[begin] > 0.1 * (off - t[plate.first]) and len(t) - begin >= 10
-    if np.any(np.abs(rudder[begin:]) >= 0.2 * abs(plate.angle)) or not settled:
+    if (
+        end - t[begin] <= 0.1 * (off - t[plate.first])
+        or part.sum() < 3
+        or psi.hole(float(psi.t[part][0]), end) is not None
+    ):
         return None
-    last = psi.t >= steering.end - 0.2 * (steering.end - t[begin])
-    if last.sum() < 3 or psi.hole(float(psi.t[last][0]), steering.end) is not None:
-        return None
-    return float(np.polynomial.polynomial.polyfit(psi.t[last] - steering.end, psi.y[last], 1)[1])
+    return float(np.polynomial.polynomial.polyfit(psi.t[part] - end, psi.y[part], 1)[1])

@@ -12,9 +12,9 @@ from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.executes import Execute, Steering, first_execute, leaves, rate_of, steering_of
 from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.track import distance_between, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
-from shipid.trials.measuring.zigzag_measures import ZigZag
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import plates, regular

@@ -14,6 +14,9 @@ _DWELL = 0.15
 _IDLE = 0.3
 """A plate with more of its stretch amidships than this is no part of a zig-zag: the rudder was not reversed, but let go."""
 
+_LET_GO = 0.5
+"""A rudder that is less than half over for this share of the usual plate was let go: what follows is another plate."""
+
 
 @dataclass(frozen=True)
 class Plate:
@@ -44,7 +47,7 @@ class Plate:
 
 
 def plates(rudder: np.ndarray) -> list[Plate]:
-    """Split a rudder record into plates of alternating sides.
+    """Split a rudder record into plates: at every change of side, and where the rudder was let go for long in between.
 
     Parameters
     ----------
@@ -61,8 +64,10 @@ def plates(rudder: np.ndarray) -> list[Plate]:
         return []
     over = np.where(rudder > size / 2, 1, np.where(rudder < -size / 2, -1, 0))
     held = np.flatnonzero(over)
-    turns = held[1:][np.diff(over[held]) != 0]
-    starts = [int(held[0]), *(int(k) for k in turns)]
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], over, [0]))) != 0)
+    runs = np.diff(edges)[over[edges[:-1]] != 0]
+    let_go = np.diff(held) > max(4.0, _LET_GO * float(np.median(runs)))
+    starts = [int(held[0]), *(int(k) for k in held[1:][(np.diff(over[held]) != 0) | let_go])]
     result = []
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
@@ -116,7 +121,7 @@ def regular(found: list[Plate]) -> list[Plate]:
     run: list[Plate] = []
     for plate in found:
         fits = plate.dwell >= _DWELL and abs(abs(plate.angle) - nominal) <= 0.25 * nominal
-        reversed_from = bool(run) and run[-1].idle <= _IDLE
+        reversed_from = bool(run) and run[-1].idle <= _IDLE and run[-1].side != plate.side
         run = [] if not fits else [*run, plate] if reversed_from else [plate]
         best = run if len(run) > len(best) else best
     return best

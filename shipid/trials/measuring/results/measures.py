@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from math import pi
 from typing import ClassVar
 
 import pandas as pd
@@ -75,6 +76,9 @@ class Measures:
                 continue
             inside = entry.metadata["unit"]
             value = getattr(self, entry.name)
+            if entry.name == "course" and value is not None:
+                # Inside it is continuous with the heading of the trial.
+                value = value % (2 * pi)
             if isinstance(value, tuple):
                 value = tuple(None if v is None else to_display(v, entry.name, inside) for v in value)
             elif value is not None:
@@ -137,7 +141,7 @@ class Measures:
         if value is None:
             return f"not known: {self.reasons[name]}"
         if not isinstance(value, tuple):
-            return f"{value:.4g}{tail}"
+            return f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
         numbers = [
             f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)

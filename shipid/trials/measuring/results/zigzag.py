@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import ClassVar
 
-from shipid.trials.measuring.measures import Measures, quantity, words
+from shipid.trials.measuring.results.measures import Measures, quantity, words
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
