@@ -19,8 +19,9 @@ from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
-from shipid.trials.measuring.executes import first_execute, leaves, rate_of, steering_of
 from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.executes import first_execute, leaves
+from shipid.trials.measuring.rudder.steering import rate_of, steering_of
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import channel_of

@@ -6,7 +6,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.checks import STEADY_RUDDER
-from shipid.trials.measuring.executes import Steering
+from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
 from shipid.trials.signals.series import smoothed
 from shipid.trials.trial import Trial

@@ -11,12 +11,12 @@ from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
 from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
-from shipid.trials.measuring.executes import Steering, steering_of
 from shipid.trials.measuring.faults import Faults, faults_of
 from shipid.trials.measuring.instead import instead_of_manoeuvre
 from shipid.trials.measuring.listing import chosen, manoeuvres_in
 from shipid.trials.measuring.pull_out import measure_pull_out
 from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.rudder.steering import Steering, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
@@ -54,7 +54,7 @@ def measure(
     kind : {"zig-zag", "turning circle", "spiral", "pull-out"}, optional
         What it is; found out from rudder and heading by default.
     execute : {"order", "moved"}, optional
-        How the execute is read (`shipid.trials.measuring.executes`): the order, read back from the ramp of the rudder where
+        How the execute is read (`shipid.trials.measuring.rudder.executes`): the order, read back from the ramp of the rudder where
         it is not logged, by default; or the rudder has left its plate by 15 % (in a turn: 3 deg from midships).
     length : str, optional
         Ship length with its unit, as in "320 m", for the ratios to it.

@@ -9,9 +9,9 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.executes import Steering, steering_of
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.measures import Measures, quantity, words
+from shipid.trials.measuring.rudder.steering import Steering, steering_of
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial
 

@@ -10,9 +10,9 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.executes import steering_of
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.measures import Measures, quantity, words
+from shipid.trials.measuring.rudder.steering import steering_of
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial

@@ -9,9 +9,10 @@ import numpy as np
 from shipid.declaration.vocabulary import angle, shown
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.current import CircleDrift, drift_of
-from shipid.trials.measuring.executes import LEFT, Steering, first_execute, rate_of, steering_of
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.rudder.executes import LEFT, first_execute
+from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import drift, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from shipid.trials.measuring.executes import Execute
+from shipid.trials.measuring.rudder.executes import Execute
 from shipid.trials.signals.channel import Channel
 
 

@@ -10,9 +10,10 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.executes import Execute, Steering, first_execute, leaves, rate_of, steering_of
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
+from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import distance_between, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series

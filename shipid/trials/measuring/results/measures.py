@@ -43,7 +43,7 @@ class Measures:
     trial : str
         Name of the trial.
     execute : {"order", "moved"}
-        How the execute was read (`shipid.trials.measuring.executes`).
+        How the execute was read (`shipid.trials.measuring.rudder.executes`).
     read_from : str
         From what it was read, in words.
     rudder, rudder_rate, approach_speed, first_execute, execute_within, course : float or None
