@@ -127,7 +127,7 @@ def _with_swings(
     found: PredictedManoeuvre, identified: Identified, runs: _Runs, measured: ZigZag
 ) -> PredictedManoeuvre:
     trial, count = runs.data.trial, len(found.overshoots)
-    executes = [e for e in measured.executes or () if e is not None]
+    executes = measured.leading_executes
     side = 1 if measured.first_side == "starboard" else -1
 
     def read(run: dict[str, np.ndarray]) -> tuple[float | None, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import ClassVar
 
 from shipid.trials.measuring.results.measures import Measures, quantity, words
@@ -60,6 +61,16 @@ tuple of float or None
     def title(self) -> str:
         """What the manoeuvre is called, such as ``zig-zag 20/10``."""
         return f"{self.kind} {self.nominal}"
+
+    @property
+    def leading_executes(self) -> tuple[float, ...]:
+        """Times of the reversals up to the first that is not known [s]."""
+        return tuple(takewhile(lambda e: e is not None, self.executes or ()))
+
+    @property
+    def leading_overshoots(self) -> tuple[float, ...]:
+        """Overshoots up to the first that is not known or not reached [rad]: entry k belongs to leading execute k."""
+        return tuple(takewhile(lambda o: o is not None, self.overshoots or ()))[: len(self.leading_executes)]
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:
         """The quantities of the whole zig-zag, and a table with a row a reversal."""
