@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from shipid.declaration import units
-from shipid.trials.logs.nmea.errors import CalibrationError, NoHeadingError, NoRudderError
+from shipid.trials.logs.nmea.errors import CalibrationError, NoRudderError, NoSignalError
 from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.resampling import Signal
@@ -41,14 +41,16 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     Returns
     -------
     dict of str to Signal
-        ``psi`` and at least one of ``delta`` and ``delta_order``; further ``r``, ``speeds`` (u, v), ``course`` or
-        ``bottom track`` (speed and course over ground, of a receiver or of a log), ``position`` (x, y of the antenna), ``wind`` and ``true wind``
+        What is there of ``psi``, ``r``, ``delta``, ``delta_order``, ``speeds`` (u, v), ``course`` or ``bottom track`` (speed
+        and course over ground, of a receiver or of a log), ``position`` (x, y of the antenna), ``wind`` and ``true wind``
         (speed and components), ``depth``.
 
     Raises
     ------
-    NoHeadingError, NoRudderError
-        If the log lacks what makes a trial.
+    NoSignalError
+        If there is none of them.
+    NoRudderError
+        If the format file asks for a rudder that is not there.
     CalibrationError
         If the rudder cannot be in degrees.
     NoSuchSourceError
@@ -59,11 +61,6 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     found: list[Signal | None] = [heading]
     found += [_rudder(log, times, fmt, "delta", "RSA", fmt.rudder)]
     found += [_rudder(log, times, fmt, "delta_order", "ROR", fmt.order)]
-    if found[1] is None and found[2] is None:
-        raise NoRudderError(
-            f"{log.where} holds no rudder angle: no RSA and no ROR with two valid values. Seen were {log.seen()}. Log the "
-            "rudder angle sensor (RSA) too; without the rudder there is nothing to identify or to measure."
-        )
     found += [
         _rate(log, times, fmt),
         _along_the_ship(log, times, fmt),
@@ -75,20 +72,23 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
         found.append(
             Signal("depth", depth.t, depth.values, (f"depth: {depth.describe()}; below the transducer, in m.",))
         )
-    return {signal.name: signal for signal in found if signal is not None}
+    signals = {signal.name: signal for signal in found if signal is not None}
+    if not signals:
+        raise NoSignalError(
+            f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
+            f"course, wind or depth. Seen were {log.seen()}. Check which sentences the logger keeps."
+        )
+    return signals
 
 
-def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal:
+def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     tiers = [_TRUE, _MAGNETIC, _LAST] if fmt.reference == "true" else [_MAGNETIC, _TRUE, _LAST]
     found = choose(log, times, fmt, "psi", tiers)
     if found is None:
-        raise NoHeadingError(
-            f"{log.where} holds no heading: none of THS, HDT, HDG, HDM and VHW has two valid values. Seen were "
-            f"{log.seen()}. Log the gyro compass too; a course over ground is not a heading."
-        )
+        return None
     psi = np.unwrap(found.values[:, 0] * _DEG)
     note, more = f"psi: {found.describe()}; degrees", []
-    if found.kind in ("HDG", "HDM"):
+    if found.origin.kind in ("HDG", "HDM"):
         added, origin = _variation(log, fmt, found)
         if added is None:
             more.append(
@@ -107,13 +107,13 @@ def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal:
 def _variation(log: NmeaLog, fmt: NmeaFormat, found: SignalSource) -> tuple[float | None, str]:
     if fmt.variation is not None:
         return fmt.variation, f"{fmt.variation / _DEG:+.4g} deg, of the format file"
-    keys = [k for k in log.records if k == (found.kind, found.talker) and k[0] == "HDG"]
-    keys += [k for k in log.records if k[0] == "RMC"]
-    for kind, talker in keys:
-        said = log.records[kind, talker].values[:, {"HDG": 1, "RMC": 4}[kind]]
+    origins = [found.origin] if found.origin.kind == "HDG" else []
+    origins += [origin for origin in log.records if origin.kind == "RMC"]
+    for origin in origins:
+        said = log.records[origin].column("variation")
         if np.isfinite(said).any():
             value = float(np.nanmedian(said))
-            return value * _DEG, f"{value:+.4g} deg, of {talker}{kind}"
+            return value * _DEG, f"{value:+.4g} deg, of {origin.name}"
     return None, ""
 
 
@@ -126,7 +126,7 @@ def _rudder(
         if found is not None:
             break
     if found is None:
-        if calibration.use and any(k == kind for k, _ in log.records) and name not in fmt.leave_out:
+        if calibration.use and any(origin.kind == kind for origin in log.records) and name not in fmt.leave_out:
             raise NoRudderError(
                 f"{log.where}: the format file asks for {calibration.use} of {kind}, and no {kind} has two valid values "
                 "there. Correct use in the format file."
@@ -188,15 +188,17 @@ def _along_the_ship(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal 
     return Signal("speeds", found.t, found.values * KNOT, (f"{axes}: {found.describe()}; {over}, knots.",))
 
 
-def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
+def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> Signal | None:
     """Speed and course over ground: of a receiver, else of a log that tracks the bottom."""
     found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))], [_BOTTOM_TRACK]])
     if found is None:
         return None
     note = f"SOG, COG: {found.describe()}; over ground, knots"
-    if found.kind != "VBW":
+    if found.origin.kind != "VBW":
         speed, course = found.values.T * ((KNOT,), (_DEG,))
         return Signal("course", found.t, np.column_stack((speed, np.unwrap(course))), (note + ".",))
+    if psi is None:
+        return None
     inside = (found.t >= psi.t[0]) & (found.t <= psi.t[-1])
     if inside.sum() < 2:
         return None
@@ -206,15 +208,15 @@ def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) 
     return Signal("bottom track", t, np.column_stack((np.hypot(forward, starboard), course)), (note,))
 
 
-def is_magnetic(psi: Signal) -> bool:
+def is_magnetic(psi: Signal | None) -> bool:
     """Return whether a heading is magnetic, with a variation that nothing states.
 
     Parameters
     ----------
-    psi : Signal
+    psi : Signal or None
         The heading.
     """
-    return any(note.startswith("WARNING: psi is the magnetic heading") for note in psi.notes)
+    return psi is not None and any(note.startswith("WARNING: psi is the magnetic heading") for note in psi.notes)
 
 
 def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
@@ -229,8 +231,8 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
         f"{lat[0] / _DEG:.7f}, longitude {lon[0] / _DEG:.7f}"
     )
     more = []
-    if found.kind == "GGA":
-        quality = log.records["GGA", found.talker].values[:, 3]
+    if found.origin.kind == "GGA":
+        quality = log.records[found.origin].column("quality")
         kinds, counts = np.unique(quality[np.isfinite(quality)], return_counts=True)
         if len(kinds) > 1:
             said = ", ".join(f"{_QUALITIES[int(k)]} {n}" for k, n in zip(kinds, counts))
@@ -238,14 +240,14 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
     return Signal("position", found.t, np.column_stack((north, east)), (note + ".", *more))
 
 
-def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> list[Signal | None]:
+def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> list[Signal | None]:
     signals: list[Signal | None] = []
     for name, fields in (("wind", ("angle", "speed")), ("true wind", ("true_angle", "true_speed"))):
         found = choose(log, times, fmt, "wind", [[("MWV", fields)]])
-        if found is None:
+        if found is None or (psi is None and name == "true wind"):
             continue
         blows_to, speed = found.values[:, 0] * _DEG + pi, found.values[:, 1] * KNOT
-        if name == "true wind":
+        if name == "true wind" and psi is not None:
             # The angle of a true wind, too, counts from the bow.
             blows_to = blows_to + np.interp(found.t, psi.t, psi.values[:, 0])
         columns = "wind_speed, wind_direction" + ("_relative" if name == "wind" else "")

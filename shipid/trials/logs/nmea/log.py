@@ -4,39 +4,84 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 
 from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.nmea.errors import BrokenLogError, NotNmeaError
-from shipid.trials.logs.nmea.lines import checksum, split_line, stamp_reader, tag_time
-from shipid.trials.logs.nmea.sentences import CARRIED, parser
+from shipid.trials.logs.nmea.lines import checksum, sentences_of, split_line, stamp_reader, tag_source, tag_time
+from shipid.trials.logs.nmea.sentences import CARRIED
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
-if TYPE_CHECKING:
-    from pynmeagps import NMEAMessage
-
+LONGEST_LINE = 65536
+"""A longer line is read in pieces: it is no line of a log, and a file without line ends has to fit into the memory."""
 _NAN = float("nan")
+
+
+class Origin(NamedTuple):
+    """Where values come from.
+
+    Attributes
+    ----------
+    kind : str
+        The sentence, ``HDT``, or the PGN, ``127250``.
+    talker : str
+        The talker, ``HE``; empty for a PGN.
+    stream : str
+        Which of several devices with one talker; the source address of a PGN.
+    """
+
+    kind: str
+    talker: str = ""
+    stream: str = ""
+
+    @property
+    def name(self) -> str:
+        """As a format file writes it: ``HEHDT``, ``GPGGA#2``, ``127250#52``."""
+        return self.talker + self.kind + (f"#{self.stream}" if self.stream else "")
 
 
 @dataclass(frozen=True)
 class Records:
-    """All sentences of one kind and talker.
+    """All sentences of one origin.
 
     Attributes
     ----------
     order : ndarray of int, shape (n,)
         Which sentence of the log each is, counted from 0.
     values : ndarray, shape (n, k)
-        The fields of `shipid.trials.logs.nmea.sentences.CARRIED`; NaN where empty or not valid.
+        What they carry; NaN where empty or not valid.
+    fields : tuple of str
+        The names of the k fields, as in `shipid.trials.logs.nmea.sentences.CARRIED`.
     """
 
     order: np.ndarray
     values: np.ndarray
+    fields: tuple[str, ...]
+
+    def column(self, name: str) -> np.ndarray:
+        """Return the values of a field, shape (n,).
+
+        Parameters
+        ----------
+        name : str
+            One of `fields`.
+        """
+        return np.asarray(self.values[:, self.fields.index(name)])
+
+    def keep(self, mask: np.ndarray) -> Records:
+        """Return some of the sentences.
+
+        Parameters
+        ----------
+        mask : ndarray of bool, shape (n,)
+            Which.
+        """
+        return Records(self.order[mask], self.values[mask], self.fields)
 
 
 @dataclass(frozen=True)
@@ -55,8 +100,8 @@ class NmeaLog:
         Whether the stamps count from 1970; otherwise from midnight.
     exact : bool
         Whether the stamps show parts of a second.
-    records : dict
-        By kind and talker, ``("HDT", "HE")``.
+    records : dict of Origin to Records
+        The sentences that are read.
     others : Counter
         How often each address occurs that is not read.
     head : tuple of str
@@ -70,14 +115,14 @@ class NmeaLog:
     stamps: np.ndarray
     dated: bool
     exact: bool
-    records: dict[tuple[str, str], Records]
+    records: dict[Origin, Records]
     others: Counter[str]
     head: tuple[str, ...]
     notes: list[str] = field(default_factory=list)
 
     def seen(self) -> str:
         """Return the sentences of the log in words: ``HEHDT (1200), GPZDA (60)``."""
-        counts = Counter({talker + kind: len(r.order) for (kind, talker), r in self.records.items()}) + self.others
+        counts = Counter({origin.name: len(r.order) for origin, r in self.records.items()}) + self.others
         shown = ", ".join(f"{address} ({n})" for address, n in counts.most_common(12))
         return shown + (f" and {len(counts) - 12} others" if len(counts) > 12 else "")
 
@@ -100,35 +145,40 @@ def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
     ------
     EmptyFileError, NotNmeaError, BrokenLogError
         If there is nothing in it, nothing that is NMEA, or mostly broken lines.
-    MissingExtraError
-        If pynmeagps is not installed.
     """
-    parse, collector = parser(), _Collector(fmt)
-    for number, line in enumerate(_lines(file, fmt), 1):
-        collector.add(number, line, parse)
-    return collector.log(f"'{file}'")
-
-
-def _lines(file: Path, fmt: NmeaFormat) -> Iterator[str]:
-    with file.open("rb") as stream:
-        head = stream.read(4096)
-    if fmt.encoding is None and b"\x00" in head:
-        utf16 = head[:2] in (b"\xff\xfe", b"\xfe\xff") or head[1::2].count(0) > len(head) // 4
-        raise NotNmeaError(
-            f"'{file}' is not plain text: it holds zero bytes. "
-            + (
-                "It looks like UTF-16, as some terminals write it: save it as UTF-8, or state encoding = 'utf-16' beside "
-                "[nmea] in a format file."
-                if utf16
-                else "An NMEA 0183 log is text with one sentence a line; name that file."
-            )
-        )
-    encoding = fmt.encoding or "utf-8-sig"
+    collector = _Collector(fmt)
+    encoding = fmt.encoding or encoding_of(file)
+    number, whole = 0, True
     try:
         with file.open(encoding=encoding, errors="replace") as text:
-            yield from text
+            for line in iter(lambda: text.readline(LONGEST_LINE), ""):
+                number += whole
+                whole = line.endswith("\n")
+                collector.add(number, line)
     except UnicodeError as error:
         raise NotNmeaError(f"'{file}' cannot be read as {encoding}: {error}. Correct the encoding.") from None
+    log = collector.log(f"'{file}'")
+    if encoding.startswith("utf-16") and fmt.encoding is None:
+        log.notes.append("The file is text in UTF-16, and was read as such.")
+    return log
+
+
+def encoding_of(file: Path) -> str:
+    """Return the encoding of a log: UTF-16 where every other byte of its head is zero, as some terminals write, else UTF-8.
+
+    Parameters
+    ----------
+    file : Path
+        The file.
+    """
+    with file.open("rb") as stream:
+        head = stream.read(4096)
+    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return "utf-16"
+    for first, name in ((1, "utf-16-le"), (0, "utf-16-be")):
+        if head[first::2].count(0) > len(head) // 4 > head[1 - first :: 2].count(0):
+            return name
+    return "utf-8-sig"
 
 
 class _Collector:
@@ -142,23 +192,27 @@ class _Collector:
         self.numbers, self.stamps, self.dated = array("q"), array("d"), array("b")
         self.summed, self.addresses = array("b"), array("q")
         self.known: dict[str, int] = {}
-        self.exact = 0
-        self.found: dict[tuple[str, str], tuple[array[int], array[float]]] = {}
+        self.exact = self.stars = 0
+        self.found: dict[Origin, tuple[array[int], array[float]]] = {}
         self.others: Counter[str] = Counter()
         self.broken, self.wrong = array("q"), array("q")
         self.lines = self.contents = 0
         self.text = ""
 
-    def add(self, number: int, line: str, parse: Callable[[str], NMEAMessage | None]) -> None:
+    def add(self, number: int, line: str) -> None:
         self.lines, self.text = number, line
-        text = line.strip()
+        text = line.strip(" \t\r\n\x00\x1a")  # some loggers allot a file in advance, and fill it with zeros
         if not text:
             return
         if text.startswith(self.comment):
             if not self.contents:
                 self.head.append(text.lstrip("#;/").strip())
             return
-        self.contents += 1
+        for piece in sentences_of(text):
+            self.contents += 1
+            self._take(number, piece)
+
+    def _take(self, number: int, text: str) -> None:
         sentence = split_line(text)
         if sentence is None:
             self.broken.append(number)
@@ -167,16 +221,13 @@ class _Collector:
         if not sound or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
             self.wrong.append(number)
             return
-        address, kind, talker = sentence.address, sentence.address[2:], sentence.address[:2]
+        address, kind, talker = sentence.address, sentence.address[-3:], sentence.address[:-3]
+        known = kind in CARRIED and address[0] != "P" and sentence.text[0] == "$"  # P: proprietary, as Garmin's PGRMC
         values: tuple[float, ...] = ()
-        known = kind in CARRIED and address[0] != "P" and sentence.text[0] == "$"
         if known:
-            message = parse(sentence.text)
             try:
-                values = () if message is None else CARRIED[kind][1](message)
-            except AttributeError:  # too few fields
-                values = ()
-            if not values:
+                values = CARRIED[kind][1](sentence.text.split(","))
+            except ValueError:
                 self.broken.append(number)
                 return
         if "$" in sentence.front:
@@ -186,7 +237,8 @@ class _Collector:
         if stamp is not None and not self.use_tags:
             stamp = None
         if known:
-            order, fields = self.found.setdefault((kind, talker), (array("q"), array("d")))
+            origin = Origin(kind, talker, tag_source(sentence.front) if "\\" in sentence.front else "")
+            order, fields = self.found.setdefault(origin, (array("q"), array("d")))
             order.append(len(self.numbers))
             fields.extend(values)
         else:
@@ -195,6 +247,7 @@ class _Collector:
         self.stamps.append(_NAN if stamp is None else stamp.time)
         self.dated.append(stamp is not None and stamp.dated)
         self.summed.append(sentence.checksum is not None)
+        self.stars += sentence.checksum is None and text.endswith("*")
         self.addresses.append(self.known.setdefault(address, len(self.known)))
         self.exact += stamp is not None and stamp.exact
 
@@ -225,12 +278,14 @@ class _Collector:
         notes += _named(broken, "left out as broken (not a whole sentence, or fields that are not numbers)")
         notes += _named(list(self.wrong), "left out for a wrong checksum")
         if not summed.any():
-            notes.append("WARNING: no sentence has a checksum, so lines garbled on the wire are not found out.")
+            bare = f" ({self.stars} end in a star without one)" if self.stars else ""
+            notes.append(f"WARNING: no sentence has a checksum{bare}, so lines garbled on the wire are not found out.")
         records = {}
-        for key, (order, fields) in self.found.items():
+        for origin, (order, fields) in self._by_source():
             at = np.array(order, dtype=int)
-            values = np.array(fields, dtype=float).reshape(len(at), -1)
-            records[key] = Records(at[keep[at]], values[keep[at]])
+            names = CARRIED[origin.kind][0]
+            values = np.array(fields, dtype=float).reshape(-1, len(names))
+            records[origin] = Records(at, values, names).keep(keep[at])
         # Stamps of the rarer kind cannot be told in time from the others.
         has = np.isfinite(stamps)
         majority = bool(dated[has].mean() > 0.5) if has.any() else False
@@ -247,12 +302,19 @@ class _Collector:
             notes,
         )
 
+    def _by_source(self) -> Iterator[tuple[Origin, tuple[array[int], array[float]]]]:
+        """The sentences by origin; what a TAG block names as their source counts where one talker has several."""
+        sources = Counter((origin.kind, origin.talker) for origin in self.found)
+        for origin, content in self.found.items():
+            alone = sources[origin.kind, origin.talker] == 1
+            yield origin._replace(stream="") if alone else origin, content
+
     def _judge(self, where: str, good: int, broken: list[int]) -> None:
         bad = len(broken) + len(self.wrong)
         if not good and not self.wrong:
             raise NotNmeaError(
-                f"{where} is not an NMEA 0183 log: none of its {self.contents} lines holds a sentence such as "
-                "$HEHDT,123.4,T*2D. Leave out --format nmea for a table, or name the log."
+                f"{where} is not an NMEA log: none of its {self.contents} lines holds a sentence such as "
+                "$HEHDT,123.4,T*2D, or a message in canboat's form. Leave out --format nmea for a table, or name the log."
             )
         if bad > good:
             first = sorted([*broken, *self.wrong])[:3]

@@ -1,206 +1,180 @@
 """What each sentence carries: the fields that are numbers and valid, as the standard counts them.
 
-pynmeagps splits and types the fields; here their status is obeyed. A field that is empty or whose status says that it is
-not valid is NaN. Nothing is converted yet: knots stay knots, and ROT stays in degrees a minute.
+A field that is empty, or whose status says that it is not valid, is NaN. Nothing is converted yet: knots stay knots, and
+ROT stays in degrees a minute. The order of the fields is that of IEC 61162-1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import date, datetime, time
-from typing import TYPE_CHECKING
-
-from shipid.foundation.errors import MissingExtraError
-
-if TYPE_CHECKING:
-    from pynmeagps import NMEAMessage
+from datetime import date
+from functools import lru_cache
 
 NAN = float("nan")
 _EPOCH_DAY = date(1970, 1, 1).toordinal()
 
+#: The fields of a sentence as text; the address stands first.
+Fields = list[str]
+
 #: The positioning system's mode indicators that are fixes: autonomous, differential, precise, RTK, float RTK.
 _FIX = ("", "A", "D", "P", "R", "F")
 #: GGA's qualities that are fixes: GPS, differential, precise, RTK, float RTK. 6 is dead reckoning, 7 manual, 8 a simulator.
-_QUALITY = (1, 2, 3, 4, 5)
+_QUALITY = ("1", "2", "3", "4", "5")
 #: Knots a unit of MWV's speed: knots, km/h, m/s, statute miles per hour.
 _WIND_UNITS = {"N": 1.0, "K": 1 / 1.852, "M": 3600 / 1852, "S": 1609.344 / 1852}
 
 
-def parser() -> Callable[[str], NMEAMessage | None]:
-    """Return the function that splits and types a sentence.
+def _text(f: Fields, k: int, absent: str = "") -> str:
+    return f[k] if k < len(f) else absent
 
-    Raises
-    ------
-    MissingExtraError
-        If pynmeagps is not installed.
-    """
+
+def _number(f: Fields, k: int, valid: bool = True) -> float:
+    """Field k as a number; NaN where it is empty or not valid. A text that is no number is a ValueError."""
+    text = _text(f, k)
+    if not text:
+        return NAN
+    if "_" in text:
+        raise ValueError(text)
+    value = float(text)
+    return value if valid and abs(value) < 1e9 else NAN  # NaN compares false
+
+
+def _utc(f: Fields, k: int, valid: bool = True) -> float:
+    """Seconds of the day of ``hhmmss.ss``."""
+    text = _text(f, k)
+    if not valid or not text:
+        return NAN
+    if not (text[:6].isdigit() and len(text) >= 6):
+        raise ValueError(text)
+    hour, minute, second = int(text[:2]), int(text[2:4]), float(text[4:])
+    return hour * 3600 + minute * 60 + second if hour < 24 and minute < 60 and second < 61 else NAN
+
+
+@lru_cache(maxsize=256)
+def _day_number(year: int, month: int, day: int) -> float:
     try:
-        from pynmeagps import NMEAReader
-        from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEATypeError
-    except ImportError:
-        raise MissingExtraError("an NMEA log", "pynmeagps", "nmea") from None
-
-    def parse(text: str) -> NMEAMessage | None:
-        try:
-            return NMEAReader.parse(text + "*00", validate=0)
-        except (NMEAMessageError, NMEAParseError, NMEATypeError):
-            return None
-
-    return parse
-
-
-def _number(value: object) -> float:
-    if not isinstance(value, (int, float)):
+        return float(date(year, month, day).toordinal() - _EPOCH_DAY)
+    except ValueError:
         return NAN
-    return float(value) if abs(value) < 1e9 else NAN  # NaN compares false
 
 
-def _get(message: NMEAMessage, name: str, valid: bool = True) -> float:
-    return _number(getattr(message, name, None)) if valid else NAN
-
-
-def _utc(message: NMEAMessage, valid: bool = True) -> float:
-    value = getattr(message, "time", None)
-    if not valid or not isinstance(value, time):
+def _day(f: Fields, k: int) -> float:
+    """Days since 1970 of ``ddmmyy``; the positioning system began in 1980."""
+    text = _text(f, k)
+    if not (text.isdigit() and len(text) == 6):
         return NAN
-    return value.hour * 3600 + value.minute * 60 + value.second + value.microsecond * 1e-6
+    year = int(text[4:])
+    return _day_number(year + (1900 if year >= 80 else 2000), int(text[2:4]), int(text[:2]))
 
 
-def _day(message: NMEAMessage) -> float:
-    value = getattr(message, "date", None)
-    if isinstance(value, datetime):
-        value = value.date()
-    return value.toordinal() - _EPOCH_DAY if isinstance(value, date) else NAN
+def _angle(f: Fields, k: int, letters: str, degrees: int) -> float:
+    """Degrees of ``dddmm.mmmm`` with its letter; NaN without the letter that says which hemisphere."""
+    text, side = _text(f, k), _text(f, k + 1)
+    if not text or side not in letters or not side:
+        return NAN
+    if not text[: degrees + 2].isdigit():
+        raise ValueError(text)
+    minutes = float(text[degrees:])
+    value = int(text[:degrees]) + minutes / 60 if minutes < 60 else NAN
+    return value if side == letters[0] else -value
 
 
-def _signed(message: NMEAMessage, value: str, side: str, unsure: float) -> float:
+def _place(f: Fields, k: int, valid: bool) -> tuple[float, float]:
+    """Latitude and longitude [deg], four fields from k on."""
+    lat, lon = _angle(f, k, "NS", 2), _angle(f, k + 2, "EW", 3)
+    return (lat, lon) if valid and abs(lat) <= 90 and abs(lon) <= 180 else (NAN, NAN)
+
+
+def _signed(f: Fields, k: int, unsure: float) -> float:
     """A number with its letter E or W; `unsure` where it is not given."""
-    number, letter = _number(getattr(message, value, None)), getattr(message, side, "")
+    number, letter = _number(f, k), _text(f, k + 1)
     if number != number or letter not in ("E", "W"):
         return unsure
     return abs(number) if letter == "E" else -abs(number)
-
-
-def _place(message: NMEAMessage, valid: bool) -> tuple[float, float]:
-    """Latitude and longitude [deg]; NaN without the letters that say which hemisphere."""
-    valid = valid and getattr(message, "NS", "") in ("N", "S") and getattr(message, "EW", "") in ("E", "W")
-    lat, lon = _get(message, "lat", valid), _get(message, "lon", valid)
-    return (lat, lon) if abs(lat) <= 90 and abs(lon) <= 180 else (NAN, NAN)
-
-
-def _rsa(m: NMEAMessage) -> tuple[float, ...]:
-    return _get(m, "stbdangle", m.stbdstatus == "A"), _get(m, "portangle", getattr(m, "portstatus", "") == "A")
-
-
-def _ror(m: NMEAMessage) -> tuple[float, ...]:
-    return (
-        _get(m, "stbdrudderorder", m.stbdrudderstatus == "A"),
-        _get(m, "portrudderorder", getattr(m, "portrudderstatus", "") == "A"),
-    )
 
 
 def _heading(value: float) -> float:
     return value if -360 <= value <= 360 else NAN
 
 
-def _hdt(m: NMEAMessage) -> tuple[float, ...]:
-    return (_heading(_get(m, "headingT", getattr(m, "headingTu", "T") == "T")),)
+def _both_rudders(f: Fields) -> tuple[float, ...]:
+    return _number(f, 1, _text(f, 2) == "A"), _number(f, 3, _text(f, 4) == "A")
 
 
-def _ths(m: NMEAMessage) -> tuple[float, ...]:
-    return (_heading(_get(m, "headt", getattr(m, "mi", "") in ("A", "E"))),)
+def _hdt(f: Fields) -> tuple[float, ...]:
+    return (_heading(_number(f, 1, _text(f, 2, "T") == "T")),)
 
 
-def _hdg(m: NMEAMessage) -> tuple[float, ...]:
-    deviation = _signed(m, "deviation", "deviationEW", 0.0)
-    return _heading(_get(m, "headingM")) + deviation, _signed(m, "variation", "variationEW", NAN)
+def _ths(f: Fields) -> tuple[float, ...]:
+    return (_heading(_number(f, 1, _text(f, 2) in ("A", "E"))),)
 
 
-def _hdm(m: NMEAMessage) -> tuple[float, ...]:
-    return (_heading(_get(m, "headingM", getattr(m, "headingMag", "M") == "M")),)
+def _hdg(f: Fields) -> tuple[float, ...]:
+    return _heading(_number(f, 1)) + _signed(f, 2, 0.0), _signed(f, 4, NAN)
 
 
-def _rot(m: NMEAMessage) -> tuple[float, ...]:
-    return (_get(m, "rot", getattr(m, "valid", "A") == "A"),)
+def _hdm(f: Fields) -> tuple[float, ...]:
+    return (_heading(_number(f, 1, _text(f, 2, "M") == "M")),)
 
 
-def _vhw(m: NMEAMessage) -> tuple[float, ...]:
-    knots = _get(m, "spdN")
-    if knots != knots:
-        knots = _get(m, "spdK") / 1.852
-    return _heading(_get(m, "hdgT")), knots
+def _rot(f: Fields) -> tuple[float, ...]:
+    return (_number(f, 1, _text(f, 2, "A") == "A"),)
 
 
-def _vbw(m: NMEAMessage) -> tuple[float, ...]:
-    water, ground = getattr(m, "waterspdstatus", "") == "A", getattr(m, "groundspdstatus", "") == "A"
-    return (
-        _get(m, "longwaterspd", water),
-        _get(m, "transwaterspd", water),
-        _get(m, "longgroundspd", ground),
-        _get(m, "transgroundspd", ground),
-    )
+def _vhw(f: Fields) -> tuple[float, ...]:
+    knots = _number(f, 5)
+    return _heading(_number(f, 1)), knots if knots == knots else _number(f, 7) / 1.852
 
 
-def _vtg(m: NMEAMessage) -> tuple[float, ...]:
-    valid = getattr(m, "posMode", "") in _FIX
-    knots = _get(m, "sogn", valid)
-    if knots != knots:
-        knots = _get(m, "sogk", valid) / 1.852
-    return knots, _get(m, "cogt", valid)
+def _vbw(f: Fields) -> tuple[float, ...]:
+    water, ground = _text(f, 3) == "A", _text(f, 6) == "A"
+    return _number(f, 1, water), _number(f, 2, water), _number(f, 4, ground), _number(f, 5, ground)
 
 
-def _rmc(m: NMEAMessage) -> tuple[float, ...]:
-    valid = m.status == "A" and getattr(m, "posMode", "") in _FIX
-    variation = _signed(m, "mv", "mvEW", NAN)
-    return (
-        *_place(m, valid),
-        _get(m, "spd", valid),
-        _get(m, "cog", valid),
-        variation,
-        _utc(m, valid),
-        _day(m) if valid else NAN,
-    )
+def _vtg(f: Fields) -> tuple[float, ...]:
+    valid = _text(f, 9) in _FIX and _text(f, 2, "T") == "T"
+    knots = _number(f, 5, valid)
+    return knots if knots == knots else _number(f, 7, valid) / 1.852, _number(f, 1, valid)
 
 
-def _gga(m: NMEAMessage) -> tuple[float, ...]:
-    valid = m.quality in _QUALITY
-    return *_place(m, valid), _utc(m, valid), _get(m, "quality", valid)
+def _rmc(f: Fields) -> tuple[float, ...]:
+    valid = _text(f, 2) == "A" and _text(f, 12) in _FIX
+    speed, course, day = _number(f, 7, valid), _number(f, 8, valid), _day(f, 9) if valid else NAN
+    return *_place(f, 3, valid), speed, course, _signed(f, 10, NAN), _utc(f, 1, valid), day
 
 
-def _gll(m: NMEAMessage) -> tuple[float, ...]:
-    valid = getattr(m, "status", "A") == "A" and getattr(m, "posMode", "") in _FIX
-    return *_place(m, valid), _utc(m, valid)
+def _gga(f: Fields) -> tuple[float, ...]:
+    valid = _text(f, 6) in _QUALITY
+    return *_place(f, 2, valid), _utc(f, 1, valid), _number(f, 6, valid)
 
 
-def _zda(m: NMEAMessage) -> tuple[float, ...]:
-    try:
-        day = float(date(m.year, m.month, m.day).toordinal() - _EPOCH_DAY)
-    except (AttributeError, TypeError, ValueError):
-        day = NAN
-    return _utc(m), day
+def _gll(f: Fields) -> tuple[float, ...]:
+    valid = _text(f, 6, "A") == "A" and _text(f, 7) in _FIX
+    return *_place(f, 1, valid), _utc(f, 5, valid)
 
 
-def _mwv(m: NMEAMessage) -> tuple[float, ...]:
-    valid = getattr(m, "status", "") == "A" and m.speedu in _WIND_UNITS
-    knots = _get(m, "speed", valid) * _WIND_UNITS.get(m.speedu, NAN)
-    angle = _get(m, "angle", valid)
-    return (
-        (angle, knots, NAN, NAN)
-        if m.reference == "R"
-        else (NAN, NAN, angle, knots)
-        if m.reference == "T"
-        else (NAN,) * 4
-    )
+def _zda(f: Fields) -> tuple[float, ...]:
+    day, month, year = (_text(f, k) for k in (2, 3, 4))
+    said = day.isdigit() and month.isdigit() and year.isdigit() and len(year) == 4
+    return _utc(f, 1), _day_number(int(year), int(month), int(day)) if said else NAN
 
 
-def _dpt(m: NMEAMessage) -> tuple[float, ...]:
-    return (_get(m, "depth"),)
+def _mwv(f: Fields) -> tuple[float, ...]:
+    unit = _text(f, 4)
+    valid = _text(f, 5) == "A" and unit in _WIND_UNITS
+    wind = _number(f, 1, valid), _number(f, 3, valid) * _WIND_UNITS.get(unit, NAN)
+    return {"R": (*wind, NAN, NAN), "T": (NAN, NAN, *wind)}.get(_text(f, 2), (NAN,) * 4)
 
 
-#: Sentence: the fields it carries here, and the function that takes them from a parsed message.
-CARRIED: dict[str, tuple[tuple[str, ...], Callable[[NMEAMessage], tuple[float, ...]]]] = {
-    "RSA": (("starboard", "port"), _rsa),
-    "ROR": (("starboard", "port"), _ror),
+def _dpt(f: Fields) -> tuple[float, ...]:
+    return (_number(f, 1),)
+
+
+#: Sentence: the fields it carries here, and the function that takes them from its text; a field that is no number, where one
+#: has to stand, is a ValueError.
+CARRIED: dict[str, tuple[tuple[str, ...], Callable[[Fields], tuple[float, ...]]]] = {
+    "RSA": (("starboard", "port"), _both_rudders),
+    "ROR": (("starboard", "port"), _both_rudders),
     "HDT": (("heading",), _hdt),
     "THS": (("heading",), _ths),
     "HDG": (("heading", "variation"), _hdg),
