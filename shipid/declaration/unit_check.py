@@ -12,6 +12,7 @@ import types
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
@@ -29,12 +30,15 @@ def check_units(model: Model) -> None:
     Raises
     ------
     UnitError
-        If terms of an equation do not match, or its result does not have the unit of what it defines.
+        If terms of an equation do not match, its result does not have the unit of what it defines, or a shaft speed is declared
+        in radians.
     DeclarationError
         If an equation raises, reads what is not declared, or derived quantities form a circle.
     """
     import numpy as np
 
+    for entry in model.entries.values():
+        _check_field(model, entry)
     quantity = units.registry().Quantity
 
     def value(name: str, unit: str) -> Expression:
@@ -50,6 +54,18 @@ def check_units(model: Model) -> None:
                 evaluation[entry.name]
             else:
                 evaluation.equation(entry)
+
+
+def _check_field(model: Model, entry: Entry) -> None:
+    """A shaft speed is counted, as records count it: samples go into the model as they are."""
+    if entry.name not in FIELDS or entry.quantity.kind in ("parameter", "constant"):
+        return
+    if units.counts_revolutions(FIELDS[entry.name].unit) and units.angle_exponent(entry.unit):
+        raise UnitError(
+            f"model {model.name}: {entry.owner.__name__} declares '{entry.name}' in {units.pretty(entry.unit)}, and in records "
+            f"'{entry.name}' is {FIELDS[entry.name].meaning} [{units.pretty(FIELDS[entry.name].unit)}]. Declare it in that unit, "
+            "or give the quantity another name."
+        )
 
 
 class _Checked(Evaluation):

@@ -67,6 +67,7 @@ _FIELDS = (
     Field("delta", "rad", "deg", "Rudder angle", "rudder angle, positive turns to starboard", _REFUSED),
     Field("delta_order", "rad", "deg", "Rudder order", "ordered rudder angle, positive turns to starboard", _REFUSED),
     Field("n", "rps", "rpm", "Revolutions", "propeller revolutions, per second inside", _REFUSED),
+    Field("n_order", "rps", "rpm", "Ordered revolutions", "ordered propeller revolutions, per second inside", _REFUSED),
     Field("phi", "rad", "deg", "Roll angle", "roll angle, positive to starboard"),
     Field("p", "rad/s", "deg/s", "Roll rate", "roll rate, positive to starboard"),
     Field("wind_speed", "m/s", "m/s", "Wind speed", "true wind speed", _REFUSED),
@@ -91,7 +92,7 @@ _FIELDS = (
 FIELDS: Mapping[str, Field] = MappingProxyType({f.name: f for f in _FIELDS})
 
 #: How quantities outside the vocabulary are shown, by the unit they have inside.
-_SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm"}
+_SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm", "rev/s": "rpm"}
 
 
 def label(name: str, meaning: str = "") -> str:

@@ -94,6 +94,19 @@ def test_a_source_that_fails_early_is_not_taken(read):
     assert np.degrees(trial["psi"][-1]) == pytest.approx(30)
 
 
+@pytest.mark.parametrize(("seconds", "heading"), [(18.0, 30), (16.0, 33)])
+def test_ten_values_are_a_signal_and_nine_are_not_where_another_source_has_more(read, seconds, heading):
+    slow = steady("HEHDT,30.0,T", 0.5)
+    trial = read(slow, steady("HCHDM,33.0,M"), RSA, seconds=seconds)
+    assert np.degrees(trial["psi"][0]) == pytest.approx(heading)
+
+
+def test_two_courses_are_enough_to_interpolate(read):
+    """Both stand inside the trial, and no further apart than the gap that is interpolated."""
+    trial = read(HDT, RSA, steady("GPVTG,30.0,T,,M,12.0,N,,K,A", 1 / 20))
+    np.testing.assert_allclose(trial["SOG"], 12 * KNOT)
+
+
 def test_u_is_over_ground_only_where_it_is_asked_for(read):
     both = HDT, RSA, steady("VDVBW,10.0,0.0,A,12.0,1.0,A", 1)
     assert read(*both)["u"][0] == pytest.approx(10 * KNOT)
@@ -151,7 +164,7 @@ def test_a_signal_that_is_mostly_missing_is_left_out(read):
     wind = (lambda t: "WIMWV,30.0,R,10.0,N,A" if t < 10 else "GPXXX,1", 1)
     trial = read(HDT, RSA, wind, seconds=60)
     assert not trial.has("wind_speed_relative") and trial["t"][-1] == pytest.approx(60)
-    assert any(n.startswith("WARNING: wind was left out: it is known for 1") for n in trial.source.notes)
+    assert any(n.startswith("WARNING: wind was left out: it is known for 15 % of the time only") for n in trial.source.notes)
 
 
 def test_headings_are_unwrapped_before_they_are_interpolated(read):
