@@ -12,7 +12,7 @@ from shipid.trials.errors import LooksLikeDegreesError
 from shipid.trials.logs.nmea.channels import is_magnetic, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
-from shipid.trials.logs.nmea.log import read_log
+from shipid.trials.logs.nmea.opening import read_log
 from shipid.trials.logs.nmea.resampling import Signal, resample
 from shipid.trials.logs.nmea.settings import NmeaFormat
 from shipid.trials.logs.nmea.streams import separated
@@ -25,6 +25,7 @@ _UNITS = {
     "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "SOG": "m/s",
     "COG": "rad",     "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
     "wind_direction_relative": "rad", "depth": "m",
+    "phi": "deg", "n_engine": "rps",
 }  # fmt: skip
 
 
@@ -58,7 +59,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     clock = read_clock(log, fmt)
     log = separated(log, clock.times)
     signals = read_signals(log, clock.times, fmt)
-    leading = [name for name in ("psi", "delta", "delta_order") if name in signals][:2]
+    leading = [name for name in signals if name in ("psi", "delta", "delta_order")][:2]
     leading = leading or [max(signals, key=lambda name: len(signals[name].t))]
     step = fmt.step or max(SHORTEST, round(signals[leading[0]].interval, 2))
     t, found, left_out = resample(signals, leading, step, fmt.gap)
@@ -89,7 +90,7 @@ def _columns(
 ) -> dict[str, np.ndarray]:
     """Return the trial's columns, of signals that have its clock."""
     psi = found["psi"][:, 0] if "psi" in found else None
-    plain = ("psi", "r", "delta", "delta_order", "depth")
+    plain = ("psi", "r", "delta", "delta_order", "depth", "phi", "n_engine")
     result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
     forward, starboard = fmt.antenna or (0.0, 0.0)
     if "position" in found:

@@ -23,7 +23,7 @@ _TAG_SOURCE = re.compile(r"(?:^|,)s:([A-Za-z0-9_-]{1,15})")
 
 _CLOCK = r"(?P<hour>\d{1,2}):(?P<minute>\d\d):(?P<second>\d\d(?:[.,]\d+)?)"
 _ISO = re.compile(
-    r"(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)(?:[T ,;_]+)" + _CLOCK + r"\s?(?P<zone>Z|[+-]\d\d:?\d\d)?"
+    r"(?P<year>\d{4})[-/](?P<month>\d\d)[-/](?P<day>\d\d)(?:[T ,;_-]+)" + _CLOCK + r"\s?(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
 _TIME = re.compile(r"(?<![\d:])" + _CLOCK)
 _EPOCH = re.compile(r"(?<![\d.])(?P<whole>\d{9,10}|\d{13}|\d{16})(?P<part>\.\d+)?(?![\d.])")
