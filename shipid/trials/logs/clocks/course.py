@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from shipid.trials import checks
+from shipid.trials.filling import GAP
 
 DAY = 86400.0
 HOUR = 3600.0
@@ -58,7 +58,7 @@ def hour_back(seconds: np.ndarray) -> int | None:
     if step.size < 2:
         return None
     usual = float(np.median(step[step > 0])) if (step > 0).any() else 1.0
-    back = np.flatnonzero(np.abs(step + HOUR - usual) <= max(checks.GAP * usual, 1.0))
+    back = np.flatnonzero(np.abs(step + HOUR - usual) <= max(GAP * usual, 1.0))
     return int(at[back[0] + 1]) if back.size else None
 
 
