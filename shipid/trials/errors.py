@@ -49,6 +49,10 @@ class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
 
 
+class NotALiveLogError(TrialError):
+    """What is to be followed line by line is no text, or a line of it has no end."""
+
+
 class DateOrderError(TrialError):
     """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
 

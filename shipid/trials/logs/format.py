@@ -11,6 +11,8 @@ unit and sign, and what has to be put right::
     index = 9                  # counted from 0; or column = "rudder angle"
     unit = "deg"
     sign = -1                  # this log turns to port with positive rudder
+
+A clock that is a date or a time of day is found out by itself; ``[clock]`` says what is not (`shipid.trials.logs.clocks.settings`).
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from shipid.declaration.tables import Table, is_finite, read_table
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.trials.errors import FormatFileError
+from shipid.trials.logs.clocks.settings import KEYS, ClockFormat, clock_format
 
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": r"\s+"}
 DECIMALS = {"point": ".", "comma": ","}
@@ -106,6 +109,8 @@ class TrialFormat:
         What starts a comment line.
     interval : float or None
         Constant sampling interval [s] that replaces a broken clock.
+    clock : ClockFormat
+        How the clock is written, and its zone.
     windows : Mapping of str to Window
         Named stretches of the record.
     glitch_threshold : float or None
@@ -124,6 +129,7 @@ class TrialFormat:
     encoding: str | None = None
     comment: str = "#"
     interval: float | None = None
+    clock: ClockFormat = field(default_factory=ClockFormat)
     windows: Mapping[str, Window] = field(default_factory=dict)
     glitch_threshold: float | None = None
     drop_trailing: bool = False
@@ -206,7 +212,7 @@ def parse_format(table: Table, name: str) -> TrialFormat:
     if not columns:
         raise table.fail("it names no columns. Write a table [columns.psi] with column or index, and unit, for each.")
     clock, repairs = table.table("clock"), table.table("repairs")
-    clock.check_keys(("interval", "note"))
+    clock.check_keys(KEYS)
     repairs.check_keys(_REPAIRS)
     interval = clock.quantity("interval", "s", positive=True)
     if interval is None and "t" not in columns:
@@ -226,6 +232,7 @@ def parse_format(table: Table, name: str) -> TrialFormat:
         decimal=DECIMALS[decimal] if decimal else None,
         header_lines=header_lines,
         interval=interval,
+        clock=clock_format(clock),
         glitch_threshold=threshold,
         drop_trailing=repairs.choice("trailing", ("drop",)) is not None,
         **common_entries(table),

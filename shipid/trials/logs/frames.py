@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import MissingExtraError
-from shipid.trials.errors import TextInColumnError, TrialError
+from shipid.foundation.errors import MissingExtraError, UnknownNameError
+from shipid.trials.columns import header as join_header
+from shipid.trials.columns import split_header
+from shipid.trials.errors import HeaderError, TextInColumnError, TrialError
+from shipid.trials.logs.clocks.formatted import formatted_clock
+from shipid.trials.logs.clocks.headers import NAMES, short
+from shipid.trials.logs.clocks.reading import with_clock
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.record import LenientRecord
@@ -30,9 +36,53 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     LenientRecord
     """
     where = f"table '{name}'"
-    series, stated, faults = by_header({str(c): frame[c] for c in frame.columns}, units, where)
+    found, twice = _by_header(frame, units, where)
+    clocked = with_clock(_with_index(found, frame.index), where)
+    series, stated, faults = by_header(clocked.columns, {}, where)
+    faults = [*twice, *faults, *clocked.faults]
     values = _numbers(series, where, faults)
-    return LenientRecord(name, values, stated, where, source or Source(), faults=tuple(faults))
+    source = source or Source()
+    source = replace(source, start=clocked.start or source.start)
+    return LenientRecord(name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults))
+
+
+def _by_header(
+    frame: pd.DataFrame, units: Mapping[str, str], where: str
+) -> tuple[dict[str, pd.Series], list[TrialError]]:
+    """The columns of a table, with the units that are stated beside their headers; and those that stand twice."""
+    columns: dict[str, pd.Series] = {}
+    faults: list[TrialError] = []
+    headers = [f"{label[0]} [{label[1]}]" if _is_pair(label) else str(label) for label in frame.columns]
+    names = [split_header(header)[0] for header in headers]
+    for unknown in (u for u in units if u not in names and u not in headers):
+        raise UnknownNameError("column", unknown, names)
+    for k, (header, name) in enumerate(zip(headers, names)):
+        unit = units.get(header) or units.get(name)
+        full = join_header(name, unit) if unit and split_header(header)[1] is None else header
+        if full in columns:
+            faults.append(HeaderError(f"{where}: two columns are named '{header}'. Rename or drop one of them."))
+            continue
+        columns[full] = frame.iloc[:, k]
+    return columns, faults
+
+
+def _is_pair(label: object) -> bool:
+    """Whether a label of two levels is a name and its unit."""
+    return isinstance(label, tuple) and len(label) == 2 and all(isinstance(part, str) and part for part in label)
+
+
+def _with_index(columns: dict[str, pd.Series], index: pd.Index) -> dict[str, pd.Series]:
+    """Take the index as the clock of a table, where it holds dates, times or durations, or is named as a clock."""
+    if isinstance(index, pd.PeriodIndex):
+        index = index.to_timestamp()
+    clock = isinstance(index, (pd.DatetimeIndex, pd.TimedeltaIndex)) or short(str(index.name)) in NAMES
+    if not clock or isinstance(index, pd.MultiIndex):
+        return columns
+    header = str(index.name) if index.name is not None else "time"
+    values = pd.Series(index)
+    if header in columns or split_header(header)[0] in [split_header(name)[0] for name in columns]:
+        return columns
+    return {header: values, **{name: column.reset_index(drop=True) for name, column in columns.items()}}
 
 
 def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple[str, ...]]:
@@ -74,22 +124,27 @@ def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tu
     frame = arrow.to_pandas()
     units = _arrow_units(arrow.schema, frame)
     where = f"'{file}'"
-    series = {str(c): frame[c] for c in frame.columns}
-    faults: list[TrialError] = []
+    series, faults = _by_header(frame, units, where)
+    start: str | None = None
+    notes: tuple[str, ...] = ()
     if fmt is None:
-        named, stated, faults = by_header(series, units, where)
+        clocked = with_clock(_with_index(series, frame.index), where)
+        named, stated, more = by_header(clocked.columns, {}, where)
+        faults += [*more, *clocked.faults]
+        start, notes = clocked.start, clocked.notes
     else:
         headers = tuple(series)
-        found, stated = by_format(fmt, headers, len(headers), where, units)
+        found, stated = by_format(fmt, headers, len(headers), where, {})
+        clock = formatted_clock(fmt, lambda k: series[headers[k]], found, stated, headers, where)
         named = {name: series[headers[index]] for name, index in found.items()}
-    faults += [
-        TextInColumnError(f"{where}, column '{name}': it holds {column.dtype}, not numbers. Write it as float64.")
-        for name, column in named.items()
-        if not pd.api.types.is_numeric_dtype(column.dtype)
-    ]
+        if clock is not None:
+            named["t"] = pd.Series(clock.seconds)
+            start, notes = clock.start, clock.notes
+            faults += clock.faults
     values = _numbers(named, where, faults)
     comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
-    return LenientRecord(file.stem, values, stated, where, faults=tuple(faults)), tuple(comment.splitlines())
+    record = LenientRecord(file.stem, values, stated, where, Source(start=start), notes=notes, faults=tuple(faults))
+    return record, tuple(comment.splitlines())
 
 
 def _arrow_units(schema: Plain, frame: pd.DataFrame) -> dict[str, str]:
@@ -109,12 +164,12 @@ def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialErro
     """Return columns as numbers, NaN where there is none; what is none is added to the faults."""
     result = {}
     for name, column in series.items():
-        if column.dtype.kind in "mM":
-            raise TextInColumnError(
-                f"{where}, column '{name}': it holds dates or times of day, not numbers. Write seconds since the start of "
-                "the record."
-            )
-        numbers = pd.to_numeric(column, errors="coerce")
+        if column.dtype.kind in "mMc" or isinstance(column.dtype, pd.PeriodDtype):
+            what = "complex numbers" if column.dtype.kind == "c" else "dates or times, and is not the clock"
+            faults.append(TextInColumnError(f"{where}, column '{name}': it holds {what}. Leave it out."))
+            result[name] = np.full(len(column), np.nan)
+            continue
+        numbers = pd.to_numeric(column.astype(object) if column.dtype.kind == "O" else column, errors="coerce")
         text = numbers.isna() & column.notna()
         if text.any():
             k = int(np.flatnonzero(text)[0])

@@ -19,7 +19,6 @@ from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.record import LenientRecord, Span, inside
 from shipid.trials.logs.strict import sound_table
 from shipid.trials.logs.text import read_text
-from shipid.trials.source import Source
 from shipid.trials.trial import Trial
 
 
@@ -102,7 +101,8 @@ def read_record(
         record, comments = read_parquet(file, fmt)
     else:
         record, comments = read_text(file, fmt)
-    source = Source(
+    source = replace(
+        record.source,
         path=str(file),
         sha256=_sha256(file),
         format=fmt.name if fmt else None,

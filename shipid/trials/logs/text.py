@@ -11,11 +11,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from shipid.trials.errors import RaggedRowError, TextInColumnError, TrialError
+from shipid.trials.errors import RaggedRowError, TextInColumnError
+from shipid.trials.logs.clocks.formatted import clock_columns, formatted_clock
+from shipid.trials.logs.clocks.reading import with_clock
+from shipid.trials.logs.clocks.stamps import is_stamp
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.logs.text_layout import NUMBER, TextLayout, fields, lay_out, lines_of, no_samples
+from shipid.trials.source import Source
 
 
 def read_text(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple[str, ...]]:
@@ -43,34 +47,63 @@ def read_text(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple
         If it lacks what the format file names.
     """
     layout = lay_out(file, fmt)
-    where = f"'{file}'"
-    faults: list[TrialError] = []
-    if fmt is None:
-        headers = {header: k for k, header in enumerate(layout.headers)}
-        found, stated, faults = by_header(headers, {}, f"{where}, line {layout.skip}")
-    else:
-        found, stated = by_format(fmt, layout.headers, layout.width, where, {})
-    table, fault = parse(file, layout, list(found.values()))
-    if fault is not None:
-        faults.append(fault)
-    unused: dict[int, np.ndarray] = {}
-    if fmt is not None and fmt.interval is not None:
-        others = table.drop(columns=list(found.values()))
-        unused = {k: pd.to_numeric(others[k], errors="coerce").to_numpy(dtype=float) for k in others}
+    where, line = f"'{file}'", partial(line_of, file, layout)
+    texts = _clock_texts(file, layout)
+    if fmt is not None:
+        return _formatted(file, fmt, layout, texts), layout.comments
+    named = {header: k for k, header in enumerate(layout.headers) if header}
+    table, fault = parse(file, layout, [k for k in named.values() if k not in texts], texts)
+    clocked = with_clock({header: table[k] for header, k in named.items()}, where, line=line)
+    found, stated, faults = by_header(clocked.columns, {}, f"{where}, line {layout.skip}")
     record = LenientRecord(
         file.stem,
-        {name: table[index].to_numpy() for name, index in found.items()},
+        {name: column.to_numpy(dtype=float) for name, column in found.items()},
         stated,
         where,
-        notes=layout.notes,
-        faults=tuple(faults),
-        unused=unused,
-        line=partial(line_of, file, layout),
+        Source(start=clocked.start),
+        notes=(*layout.notes, *clocked.notes),
+        faults=(*faults, *clocked.faults, *([fault] if fault is not None else [])),
+        line=line,
     )
     return record, layout.comments
 
 
-def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.DataFrame, TextInColumnError | None]:
+def _formatted(file: Path, fmt: TrialFormat, layout: TextLayout, texts: Sequence[int]) -> LenientRecord:
+    """Read the columns that a format file names."""
+    where, line = f"'{file}'", partial(line_of, file, layout)
+    found, stated = by_format(fmt, layout.headers, layout.width, where, {})
+    texts = [
+        k for k in clock_columns(fmt, found, layout.headers, where) if k in texts or "%" in (fmt.clock.layout or "")
+    ]
+    table, fault = parse(file, layout, [k for k in found.values() if k not in texts], texts)
+    clock = formatted_clock(fmt, table.__getitem__, found, stated, layout.headers, where, line)
+    values = {name: table[k] if name != "t" or clock is None else clock.seconds for name, k in found.items()}
+    unused: dict[int, np.ndarray] = {}
+    if fmt.interval is not None:
+        others = table.drop(columns=list(found.values()))
+        unused = {k: pd.to_numeric(others[k], errors="coerce").to_numpy(dtype=float) for k in others}
+    return LenientRecord(
+        file.stem,
+        {name: np.asarray(column, dtype=float) for name, column in values.items()},
+        stated,
+        where,
+        Source(start=clock.start if clock else None),
+        notes=(*layout.notes, *(clock.notes if clock else ())),
+        faults=(*(clock.faults if clock else ()), *([fault] if fault is not None else [])),
+        unused=unused,
+        line=line,
+    )
+
+
+def _clock_texts(file: Path, layout: TextLayout) -> list[int]:
+    """The columns of which one of the first cells is a date or a time of day."""
+    rows = [fields(text, layout.separator) for _, text in itertools.islice(_samples(file, layout), 20)]
+    return [k for k in range(layout.width) if any(k < len(row) and row[k] and is_stamp(row[k]) for row in rows)]
+
+
+def parse(
+    path: Path, layout: TextLayout, wanted: Sequence[int], texts: Sequence[int] = ()
+) -> tuple[pd.DataFrame, TextInColumnError | None]:
     """Parse the samples of a text file.
 
     Parameters
@@ -81,6 +114,8 @@ def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.Dat
         How it is laid out.
     wanted : sequence of int
         Indices of the columns that have to be numbers.
+    texts : sequence of int
+        Indices of the columns that are text.
 
     Returns
     -------
@@ -98,7 +133,7 @@ def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.Dat
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pd.errors.ParserWarning)
-            table = _table(path, layout, dict.fromkeys(wanted, "float64"))
+            table = _table(path, layout, dict.fromkeys(wanted, "float64") | dict.fromkeys(texts, "str"))
     except pd.errors.EmptyDataError:
         raise no_samples(path) from None
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError) as error:
@@ -108,9 +143,10 @@ def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.Dat
                 f"'{path}' could not be parsed: {' '.join(str(error).split())}. Check its rows, or state a format file."
             ) from None
         table = _table(path, layout, "str")
+        numbers = table.drop(columns=list(texts))
         if layout.decimal == ",":
-            table = table.apply(lambda column: column.str.replace(",", "."))
-        table = table.apply(pd.to_numeric, errors="coerce")
+            numbers = numbers.apply(lambda column: column.str.replace(",", "."))
+        table[numbers.columns] = numbers.apply(pd.to_numeric, errors="coerce")
     if table.empty:
         raise no_samples(path)
     return table, fault

@@ -14,6 +14,7 @@ from shipid.trials.errors import (
     RaggedRowError,
     SeparatorError,
 )
+from shipid.trials.logs.clocks.stamps import is_stamp
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
 
 _NAMES = {pattern: name for name, pattern in SEPARATORS.items()}
@@ -231,7 +232,8 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, encoding: str, 
     decimal = fmt.decimal if fmt else None
     if decimal is None:
         decimal = "."
-        if separator != "," and any("," in value for value in row) and not any("." in value for value in row):
+        numbers = [value for value in row if not is_stamp(value)]
+        if separator != "," and any("," in value for value in numbers) and not any("." in value for value in numbers):
             decimal, notes = ",", (*notes, "The numbers are written with a decimal comma.")
     return TextLayout(separator, decimal, encoding, comment, skip, tuple(headers), tuple(comments), len(row), notes)
 
