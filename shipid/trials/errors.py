@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.foundation.errors import ShipidError
+from shipid.foundation.errors import ShipidError, UsageError
 
 
 class TrialError(ShipidError):
@@ -115,3 +115,7 @@ class FormatFileError(TrialError):
 
 class NotAManoeuvreError(TrialError):
     """The record is neither a zig-zag nor a turning circle, so it cannot be measured as one."""
+
+
+class SeveralManoeuvresError(UsageError):
+    """The record holds several manoeuvres and none is chosen, or there is none with the number asked for."""
