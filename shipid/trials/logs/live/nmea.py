@@ -14,14 +14,17 @@ from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
-from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time
+from shipid.trials.logs.nmea.sentences.lines import checksum, sentences_of, split_line, stamp_reader, tag_time
 from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
 
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
 _PATIENCE = 200
 #: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
-_KINDS = {signal: kinds for signal, kinds in SIGNALS.items() if signal not in ("wind", "depth")}
+_KINDS = {
+    signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED)
+    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position")
+}
 
 
 class LiveNmea:
@@ -79,9 +82,13 @@ class LiveNmea:
         NotNmeaError
             If none of many lines is a sentence.
         """
-        text = line.strip()
+        text = line.strip(" \t\r\n\x00\x1a")
         if not text or text.startswith(("#", ";", "//", self._fmt.comment)):
             return
+        for piece in sentences_of(text):
+            yield from self._take(number, piece)
+
+    def _take(self, number: int, text: str) -> Iterator[LiveSample]:
         self._lines += 1
         sentence = split_line(text)
         if sentence is None:
@@ -135,12 +142,10 @@ class LiveNmea:
         if kind not in CARRIED or text[0] != "$":
             return {}
         try:
-            values = CARRIED[kind][1](text.split(","))
-        except ValueError:  # a field that is no number
-            values = ()
-        if not values:
+            return dict(zip(CARRIED[kind][0], CARRIED[kind][1](text.split(","))))
+        except ValueError:
             self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")
-        return dict(zip(CARRIED[kind][0], values))
+            return {}
 
     def _passes(self, number: int, time: float, dated: bool) -> Iterator[LiveSample]:
         """Go on to a time; the sample of the time before is complete."""

@@ -58,6 +58,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         raise no_samples(file)
     _check_lines(text, file)
     layout = lay_out(text, file, fmt)
+    header = text.split(b"\n", layout.row)[max(layout.row - 1, 0)]
+    commented = layout.row > 0 and header.lstrip().startswith(layout.comment.encode())
     text, more = _without_garbled(text, layout, file)
     text = _without_comments(text, layout)
     columns = _columns(text, layout, file)
@@ -80,6 +82,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         notes=(*notes, *layout.notes, *more),
         decimal=decimal,
         printed=lambda k: _columns(text, layout, file, as_text=True)[k],
+        separator=layout.separator,
+        skip=None if commented else layout.skip,
     )
 
 
