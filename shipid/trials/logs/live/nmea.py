@@ -13,9 +13,11 @@ from shipid.trials.logs.live.table import LiveSample
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.geodesy import to_local
-from shipid.trials.logs.nmea.lines import checksum, split_line, stamp_reader, tag_time
-from shipid.trials.logs.nmea.sentences import CARRIED, parser
+from shipid.trials.logs.nmea.log import Origin
+from shipid.trials.logs.nmea.sentences.fields import CARRIED
+from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time
 from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
+from shipid.trials.logs.nmea.sources import answers
 
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
@@ -43,17 +45,12 @@ class LiveNmea:
     ----------
     names : tuple of str
         The channels that were heard so far, after ``t``.
-
-    Raises
-    ------
-    MissingExtraError
-        If pynmeagps is not installed.
     """
 
     def __init__(self, fmt: NmeaFormat, where: str, tell: Callable[[str], None]) -> None:
         self.names: tuple[str, ...] = ("t",)
         self._fmt, self._where, self._tell = fmt, where, tell
-        self._parse, self._stamp = parser(), stamp_reader(fmt.stamp)
+        self._stamp = stamp_reader(fmt.stamp)
         self._source: dict[str, tuple[int, str]] = {}
         self._now: float | None = None
         self._origin: float | None = None
@@ -105,7 +102,7 @@ class LiveNmea:
         stamp = (
             None if self._fmt.stamp == "none" else tagged or (self._stamp(sentence.front) if sentence.front else None)
         )
-        fields = self._fields(number, sentence.text, sentence.address[-3:])
+        fields = self._fields(number, sentence.text, sentence.address)
         if stamp is not None:
             self._stamped = True
             yield from self._passes(number, stamp.time, stamp.dated)
@@ -135,18 +132,16 @@ class LiveNmea:
             )
         yield from self._emit()
 
-    def _fields(self, number: int, text: str, kind: str) -> dict[str, float]:
+    def _fields(self, number: int, text: str, address: str) -> dict[str, float]:
         """The fields of a sentence that is read here, by name."""
-        if kind not in CARRIED or text[0] != "$":
+        kind = address[-3:]
+        if kind not in CARRIED or text[0] != "$" or address[0] == "P":
             return {}
-        message = self._parse(text)
         try:
-            values = () if message is None else CARRIED[kind][1](message)
-        except AttributeError:  # too few fields
-            values = ()
-        if not values:
+            return dict(zip(CARRIED[kind][0], CARRIED[kind][1](text.split(","))))
+        except ValueError:
             self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")
-        return dict(zip(CARRIED[kind][0], values))
+            return {}
 
     def _passes(self, number: int, time: float, dated: bool) -> Iterator[LiveSample]:
         """Go on to a time; the sample of the time before is complete."""
@@ -185,7 +180,7 @@ class LiveNmea:
     def _is_source(self, signal: str, kind: str, talker: str) -> bool:
         wanted = self._fmt.sources.get(signal)
         if wanted is not None:
-            return (talker + kind).endswith(wanted)
+            return answers(Origin(kind, talker), wanted)
         order = list(_KINDS[signal])
         if signal == "psi" and self._fmt.reference == "magnetic":
             order = ["HDG", "HDM", "THS", "HDT", "VHW"]

@@ -83,11 +83,26 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
             found.append(Signal(name, plain.t, plain.values * factor, (f"{name}: {plain.describe()}; {note}.",)))
     signals = {signal.name: signal for signal in found if signal is not None}
     if not signals:
-        raise NoSignalError(
-            f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
-            f"course, wind or depth. Seen were {log.seen()}. Check which sentences the logger keeps."
-        )
+        raise nothing_read(log)
     return signals
+
+
+def nothing_read(log: NmeaLog) -> NoSignalError:
+    """Return the error of a log that holds nothing a trial can hold.
+
+    Parameters
+    ----------
+    log : NmeaLog
+        The log.
+
+    Returns
+    -------
+    NoSignalError
+    """
+    return NoSignalError(
+        f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
+        f"course, wind or depth. Seen were {log.seen()}. Check what the logger keeps."
+    )
 
 
 def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
@@ -134,7 +149,7 @@ def _rudder(
     found, use, more = _side(log, times, fmt, name, kind, calibration)
     table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
     if found is None and not calibration.use:
-        found = choose(log, times, fmt, name, [[("127245", ("position" if name == "delta" else "order",))]])
+        use, found = "", choose(log, times, fmt, name, [[("127245", ("position" if name == "delta" else "order",))]])
     if found is None:
         if calibration.use and any(origin.kind == kind for origin in log.records) and name not in fmt.leave_out:
             raise NoRudderError(
@@ -206,7 +221,11 @@ def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
         return None
     unit = fmt.rate_unit if found.origin.kind == "ROT" else "deg/min"
     r = found.values * (fmt.rate_sign * units.factor(unit, "rad/s"))
-    note = f"r: {found.describe()}" + (f"; {unit}" if found.origin.kind == "ROT" else "") + (", sign changed" if fmt.rate_sign < 0 else "")
+    note = (
+        f"r: {found.describe()}"
+        + (f"; {unit}" if found.origin.kind == "ROT" else "")
+        + (", sign changed" if fmt.rate_sign < 0 else "")
+    )
     return Signal("r", found.t, r, (note + ".",))
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from shipid.trials.errors import ClockError
 from shipid.trials.logs.nmea.errors import NoTimeError
-from shipid.trials.logs.nmea.sentences.lines import DAY
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
+from shipid.trials.logs.nmea.sentences.lines import DAY
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
 DISORDER = 0.5

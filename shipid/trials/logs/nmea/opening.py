@@ -95,5 +95,7 @@ def _counted(file: Path, encoding: str) -> tuple[int, int, int]:
     with file.open("rb") as stream:
         head = stream.read(_HEAD)
     lines = [line.strip(" \t\x00") for line in head.decode(encoding, "replace").splitlines()]
-    lines = [line for line in (lines[:-1] if len(head) == _HEAD else lines) if line and not line.startswith(("#", ";", "//"))]
+    lines = [
+        line for line in (lines[:-1] if len(head) == _HEAD else lines) if line and not line.startswith(("#", ";", "//"))
+    ]
     return sum(map(is_sentence, lines)), sum(map(is_message, lines)), len(lines)

@@ -69,7 +69,9 @@ def _once(records: Records) -> tuple[Records, int]:
     if "utc" not in records.fields or len(records.order) < 2:
         return records, 0
     utc = records.column("utc")
-    same = np.all((records.values[1:] == records.values[:-1]) | np.isnan(records.values[1:] + records.values[:-1]), axis=1)
+    same = np.all(
+        (records.values[1:] == records.values[:-1]) | np.isnan(records.values[1:] + records.values[:-1]), axis=1
+    )
     repeats = np.append(False, same & np.isfinite(utc[1:]) & (utc[1:] == utc[:-1]))
     return records.keep(~repeats), int(repeats.sum())
 
