@@ -83,6 +83,7 @@ class _Printer:
     def __init__(self, source: str, as_json: bool) -> None:
         self.source, self.as_json = source, as_json
         self.names: list[str] = []
+        self.channels: tuple[str, ...] = ()
         self.header = ""
 
     def start(
@@ -99,6 +100,7 @@ class _Printer:
         from shipid.estimation.settings.defaults import standard_sensors
         from shipid.generation.reduction import reduced
 
+        self.channels = names
         sensors = standard_sensors(model, names) if measured is None else measured
         kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
         self.names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
@@ -116,7 +118,8 @@ class _Printer:
         try:
             estimate = online.update(sample.values)
         except UnstatedInputError:
-            lacking = [n for n in online.design.model.inputs if math.isnan(sample.values.get(n, 0.0))]
+            named = [n for n in online.design.model.inputs if n in self.channels]
+            lacking = [n for n in named if not math.isfinite(sample.values.get(n, math.nan))]
             if not lacking:
                 raise
             say(f"{self.source}, line {sample.line}: no {' and '.join(lacking)} yet; left out.")

@@ -1,24 +1,20 @@
-"""Tables of pandas as logs: in memory, and in Parquet files."""
+"""Tables of pandas in memory as logs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import MissingExtraError, UnknownNameError
+from shipid.foundation.errors import UnknownNameError
 from shipid.trials.columns import header as join_header
 from shipid.trials.columns import split_header
 from shipid.trials.errors import HeaderError, TextInColumnError, TrialError
-from shipid.trials.logs.clocks.formatted import formatted_clock
 from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.clocks.reading import with_clock
-from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.naming import by_format, by_header
+from shipid.trials.logs.naming import by_header
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
 
@@ -83,81 +79,6 @@ def _with_index(columns: dict[str, pd.Series], index: pd.Index) -> dict[str, pd.
     if header in columns or split_header(header)[0] in [split_header(name)[0] for name in columns]:
         return columns
     return {header: values, **{name: column.reset_index(drop=True) for name, column in columns.items()}}
-
-
-def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple[str, ...]]:
-    """Read a Parquet file.
-
-    Parameters
-    ----------
-    file : Path
-        The file; units stand in the headers, or in the metadata of the columns.
-    fmt : TrialFormat or None
-        What its columns are.
-
-    Returns
-    -------
-    record : LenientRecord
-        The columns.
-    comments : tuple of str
-        The comment lines of the file.
-
-    Raises
-    ------
-    MissingExtraError
-        If pyarrow is not installed.
-    TrialError
-        If it is not a Parquet file, or lacks what the format file names.
-    """
-    try:
-        import pyarrow.parquet
-    except ImportError:
-        raise MissingExtraError(
-            f"the Parquet file '{file}'", "pyarrow", "parquet", "Or convert the file to CSV."
-        ) from None
-    try:
-        arrow = pyarrow.parquet.read_table(file)
-    except (pyarrow.ArrowInvalid, OSError) as error:
-        raise TrialError(
-            f"'{file}' is not a readable Parquet file: {error}. Check that it was copied completely."
-        ) from None
-    frame = arrow.to_pandas()
-    units = _arrow_units(arrow.schema, frame)
-    where = f"'{file}'"
-    series, faults = _by_header(frame, units, where)
-    start: str | None = None
-    notes: tuple[str, ...] = ()
-    if fmt is None:
-        clocked = with_clock(_with_index(series, frame.index), where)
-        named, stated, more = by_header(clocked.columns, {}, where)
-        faults += [*more, *clocked.faults]
-        start, notes = clocked.start, clocked.notes
-    else:
-        headers = tuple(series)
-        found, stated = by_format(fmt, headers, len(headers), where, {})
-        clock = formatted_clock(fmt, lambda k: series[headers[k]], found, stated, headers, where)
-        named = {name: series[headers[index]] for name, index in found.items()}
-        if clock is not None:
-            named["t"] = pd.Series(clock.seconds)
-            start, notes = clock.start, clock.notes
-            faults += clock.faults
-    values = _numbers(named, where, faults)
-    comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
-    record = LenientRecord(file.stem, values, stated, where, Source(start=start), notes=notes, faults=tuple(faults))
-    return record, tuple(comment.splitlines())
-
-
-def _arrow_units(schema: Plain, frame: pd.DataFrame) -> dict[str, str]:
-    """Units that a Parquet file states beside its headers: in the fields' metadata, or in pandas' attrs."""
-    units = {}
-    attrs = frame.attrs.get("units", {})
-    for arrow_field in schema:
-        metadata = arrow_field.metadata or {}
-        stated = metadata.get(b"unit") or metadata.get(b"units")
-        unit = stated.decode("utf-8", "replace") if stated else attrs.get(arrow_field.name)
-        if unit:
-            units[arrow_field.name] = unit
-    return units
 
 
 def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialError]) -> dict[str, np.ndarray]:

@@ -112,8 +112,10 @@ class LiveTable:
 
         Raises
         ------
-        TrialError
+        EmptyFileError
             If the log has ended before its header was read.
+        TrialError
+            If the header cannot be read.
         """
         if self._layout is None:
             if not any(line.strip() and not self._is_comment(line) for line in self._head):
@@ -190,8 +192,12 @@ class LiveTable:
             )
             for fault in faults:
                 raise fault
+            unit = None
+            if not clock:  # a unit of its own, as in t [cs]
+                clock, unit = (layout.headers[found["t"]],), stated["t"]
             self._clock_at = tuple(layout.headers.index(header) for header in clock)
-            self._clock = RunningClock({header: table[header] for header in clock}, self._where, ClockFormat())
+            written = {header: table[header] for header in clock}
+            self._clock = RunningClock(written, self._where, ClockFormat(), unit)
         else:
             found, stated = by_format(fmt, layout.headers, layout.width, self._where, {})
             self._clock_at = clock_columns(fmt, found, layout.headers, self._where) if fmt.interval is None else ()
