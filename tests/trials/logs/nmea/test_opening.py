@@ -1,5 +1,10 @@
 """What a file is, by its lines: an NMEA log needs no option, and a table is none."""
 
+import bz2
+import gzip
+import io
+import zipfile
+
 import pytest
 
 from shipid.trials import errors as e
@@ -51,3 +56,19 @@ def test_a_file_of_zeros_and_one_long_line(log):
     assert not is_nmea(log("$HEHDT," * 100_000))
     with pytest.raises(e.TrialError):
         read_trial(log("$HEHDT," * 100_000), format="nmea")
+
+
+def zipped(data):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        archive.writestr("log.nmea", data)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize("compress", [gzip.compress, bz2.compress, zipped])
+def test_compressed(log, stamped, basic, compress):
+    text = stamped(*basic).encode()
+    trial = read_trial(log(compress(text), "log.nmea.gz"))
+    assert len(trial) == 101
+    with pytest.raises(e.ForeignFileError, match=r"damaged|cannot be opened"):
+        read_trial(log(compress(text)[:-30], "cut.nmea.gz"))
