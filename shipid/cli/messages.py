@@ -30,7 +30,8 @@ def say(message: str) -> None:
     width = min(110, max(40, width))
     lines = [printable(line) for line in f"shipid: {message}".split("\n")]
     click.echo(
-        "\n".join(textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in lines), err=True
+        "\n".join(textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in lines),
+        err=True,
     )
 
 
