@@ -9,10 +9,10 @@ from shipid.declaration import units
 from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.clocks.calendar import DAY
 from shipid.trials.logs.clocks.settings import moment_text
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.table import LiveSample
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
-from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.nmea.log import Origin
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
 from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time

@@ -62,7 +62,9 @@ def test_two_receivers_with_one_talker(receivers, toml, late, same_utc):
     assert len(warned) == 1 and warned[0].startswith("WARNING: GPGGA")
     assert "as in 'GPGGA#2'" in warned[0]
     assert float(warned[0].partition("talker, ")[2].split()[0]) == pytest.approx(8, abs=1.5)
-    assert any("GPGGA#2 not used" in n and "GGA of talker GP (stream 1)" in n for n in trial.source.notes)
+    assert any(
+        "not used: GPGGA#2 (1 a second, " in n and "GGA of talker GP (stream 1)" in n for n in trial.source.notes
+    )
     x, y = truth(trial["t"])
     assert np.hypot(trial["x"] - x + x[0], trial["y"] - y).max() < 0.3  # metres of the chord between two fixes
     other = read_trial(path, format=toml('[nmea.sources]\nposition = "GPGGA#2"\n'))
