@@ -116,7 +116,8 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     smooth = series.smoothed(psi.t, turned, calm)[running]
     quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
     for k, quarter in enumerate(quarters, start=1):
-        hole = None if quarter is None else psi.hole(quarter)
+        # The heading is averaged over that width.
+        hole = None if quarter is None else psi.hole(quarter - calm, quarter + calm)
         if hole is not None or (quarter is not None and "course" in reasons):
             reasons[f"times[{k}]"] = reasons[f"speeds[{k}]"] = faults.hole(
                 "psi", hole or psi.hole(when) or (when, when)

@@ -107,7 +107,7 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
 
 def _comes_from_opposite(steering: Steering, before: np.ndarray, calm: np.ndarray, way: float) -> bool:
     """Whether the rudder only passes midships on its way from the other side."""
-    opposite = np.flatnonzero(before < -0.5 * way)
+    opposite = np.flatnonzero(before < -0.75 * way)
     if not opposite.size:
         return False
     passing = 1.0 if steering.rate is None else 0.6 * way / (steering.rate * steering.channel.interval)
