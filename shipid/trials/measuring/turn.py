@@ -350,7 +350,9 @@ def _pull_out(steering: Steering, psi: Channel, plate: Plate, off: float) -> flo
     begin = released + int(after[0])
     # As long as the rudder is left where it was put.
     lies = float(np.median(rudder[begin : begin + max(5, (len(t) - begin) // 10)]))
-    moved = np.flatnonzero(np.abs(rudder[begin:] - lies) > max(0.05 * abs(plate.angle), _LEFT_THERE))
+    near = np.abs(rudder[begin:] - lies) <= max(0.05 * abs(plate.angle), _LEFT_THERE)
+    begin += int(np.argmax(near))
+    moved = np.flatnonzero(~near[int(np.argmax(near)) :])
     end = float(t[begin + int(moved[0])]) if moved.size else steering.end
     part = (psi.t >= end - 0.2 * (end - t[begin])) & (psi.t <= end)
     # The rate takes about as long to settle as the ship takes to turn by some 60 deg.
