@@ -10,6 +10,8 @@ from contextlib import contextmanager
 
 import click
 
+from shipid.foundation.printable import printable
+
 
 def watched() -> bool:
     """Return whether standard error is a terminal; it may also be closed."""
@@ -26,9 +28,10 @@ def say(message: str) -> None:
     """
     width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
     width = min(110, max(40, width))
-    lines = f"shipid: {message}".splitlines()
+    lines = [printable(line) for line in f"shipid: {message}".split("\n")]
     click.echo(
-        "\n".join(textwrap.fill(x, width, break_long_words=False, break_on_hyphens=False) for x in lines), err=True
+        "\n".join(textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in lines),
+        err=True,
     )
 
 

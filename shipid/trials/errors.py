@@ -9,6 +9,22 @@ class TrialError(ShipidError):
     """Base of everything that can be wrong with a trial record, its format file or its contents."""
 
 
+class ForeignFileError(TrialError):
+    """A file that is no table that can be read: named for what it is."""
+
+
+class FileSizeError(TrialError):
+    """A file that is larger, or expands to more, than is read."""
+
+
+class DamagedFileError(TrialError):
+    """A file of a known kind that cannot be read as one."""
+
+
+class ChoiceError(TrialError):
+    """A sheet, struct or group that is not there, or that has to be named because several hold a table."""
+
+
 class EmptyFileError(TrialError):
     """The file holds no samples."""
 
@@ -41,12 +57,20 @@ class TextInColumnError(TrialError):
     """A numeric column contains text."""
 
 
+class AmbiguousNumberError(TrialError):
+    """Numbers such as 1,234 that can be read in two ways, with nothing to tell which."""
+
+
 class NonFiniteError(TrialError):
     """A sample is empty, NaN or infinite."""
 
 
 class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
+
+
+class NotALiveLogError(TrialError):
+    """What is to be followed line by line is no text, or a line of it has no end."""
 
 
 class DateOrderError(TrialError):
