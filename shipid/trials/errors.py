@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.foundation.errors import ShipidError
+from shipid.foundation.errors import ShipidError, UsageError
 
 
 class TrialError(ShipidError):
@@ -69,6 +69,10 @@ class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
 
 
+class NotALiveLogError(TrialError):
+    """What is to be followed line by line is no text, or a line of it has no end."""
+
+
 class DateOrderError(TrialError):
     """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
 
@@ -111,3 +115,7 @@ class FormatFileError(TrialError):
 
 class NotAManoeuvreError(TrialError):
     """The record is neither a zig-zag nor a turning circle, so it cannot be measured as one."""
+
+
+class SeveralManoeuvresError(UsageError):
+    """The record holds several manoeuvres and none is chosen, or there is none with the number asked for."""

@@ -12,6 +12,7 @@ from shipid.foundation.errors import MissingFileError, nearest
 from shipid.trials import columns
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.nmea.reading import read_nmea
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.record import LenientRecord, Span, inside
@@ -93,6 +94,8 @@ def read_record(
     wanted = window if tail is None else tail
     span = _span(wanted, fmt, file)
     _check_file(file)
+    if fmt is None and is_nmea(file):
+        fmt = NmeaFormat("nmea", {})
     if isinstance(fmt, NmeaFormat):
         record, comments = read_nmea(file, fmt)
     else:

@@ -123,7 +123,7 @@ def read_clock(
         )
     values = pd.to_numeric(main, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     if layout is None and numeric:
-        layout = _layout(header, values)
+        layout = layout_of(header, values)
         if layout is None and beside is None:
             return None
     if layout is not None and layout not in DATE_ORDERS and layout not in TIMES:
@@ -183,8 +183,16 @@ def written_twice(columns: Iterable[pd.Series]) -> np.ndarray | None:
     return np.all(same, axis=0) if same else None
 
 
-def _layout(header: str, values: np.ndarray) -> str | None:
-    """The layout of numbers, by their unit or their size; None for seconds that count from a beginning of their own."""
+def layout_of(header: str, values: np.ndarray) -> str | None:
+    """Return the layout of numbers, by their unit or their size; None for seconds that count from a beginning of their own.
+
+    Parameters
+    ----------
+    header : str
+        Of the column.
+    values : ndarray, shape (n,)
+        As printed.
+    """
     unit = unit_of_time(header)
     if unit is None:
         return layout_of_numbers(values, short(header))
