@@ -164,7 +164,9 @@ def test_a_signal_that_is_mostly_missing_is_left_out(read):
     wind = (lambda t: "WIMWV,30.0,R,10.0,N,A" if t < 10 else "GPXXX,1", 1)
     trial = read(HDT, RSA, wind, seconds=60)
     assert not trial.has("wind_speed_relative") and trial["t"][-1] == pytest.approx(60)
-    assert any(n.startswith("WARNING: wind was left out: it is known for 15 % of the time only") for n in trial.source.notes)
+    assert any(
+        n.startswith("WARNING: wind was left out: it is known for 15 % of the time only") for n in trial.source.notes
+    )
 
 
 def test_headings_are_unwrapped_before_they_are_interpolated(read):
