@@ -20,7 +20,9 @@ FEWEST_SAMPLES = 10
 LARGEST = 1e30
 """No sensor reads more than this in any unit; a logger writes it where a sample is missing."""
 GAP = 5.0
-"""An interval this many times the median one is a gap."""
+"""An interval this many times the usual one is a gap."""
+_LIVE, _BURSTS = 0.2, 10
+"""Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts."""
 
 STEADY_RUDDER = np.radians(0.5)
 """Rudder movement below this is noise of the feedback, not a manoeuvre."""
@@ -172,8 +174,35 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
             raise fail(name, f"r is {1 / ratio:.0f} times the slope of the heading")
 
 
+def usual_interval(t: np.ndarray) -> float:
+    """Return the usual interval between samples: their median interval where they are regular.
+
+    Where samples are left out at random it is the mean of the intervals that are no gaps. Samples that come in bursts (several
+    sensors that write at nearly the same time) count as one for each burst.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times of the samples [s].
+
+    Returns
+    -------
+    float
+        Zero for fewer than two samples.
+    """
+    step = np.diff(t)
+    if not step.size:
+        return 0.0
+    median = float(np.median(step))
+    short = step <= GAP * median
+    if np.count_nonzero(~short) > _BURSTS and step[short].sum() < _LIVE * step.sum():
+        return usual_interval(t[np.concatenate([[True], ~short])])
+    # A median that lies between two usual intervals changes by chance; for regular samples it is exact.
+    return median if step[short].max() <= 1.5 * median else float(step[short].mean())
+
+
 def gaps(t: np.ndarray) -> np.ndarray:
-    """Return the indices of the samples after which the clock has a gap.
+    """Return the indices of the samples after which there is a gap.
 
     Parameters
     ----------
@@ -183,10 +212,9 @@ def gaps(t: np.ndarray) -> np.ndarray:
     Returns
     -------
     ndarray of int
-        Samples followed by an interval longer than `GAP` times the median one.
+        Samples followed by an interval longer than `GAP` times the usual one.
     """
-    step = np.diff(t)
-    return np.flatnonzero(step > GAP * np.median(step))
+    return np.flatnonzero(np.diff(t) > GAP * usual_interval(t))
 
 
 def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:

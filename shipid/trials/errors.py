@@ -49,8 +49,8 @@ class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
 
 
-class ClockGapError(TrialError):
-    """The clock has a gap."""
+class NoStretchError(TrialError):
+    """What drives a model has so many holes that no stretch of the record is long enough."""
 
 
 class LooksLikeDegreesError(TrialError):
