@@ -1,4 +1,4 @@
-"""What a record has to fulfil to be a trial: a rising clock, finite samples, angles in the unit that is stated."""
+"""What a record has to fulfil to be a trial: a rising clock, samples on it, angles in the unit that is stated."""
 
 from __future__ import annotations
 
@@ -9,20 +9,10 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
 from shipid.declaration.vocabulary import shown
-from shipid.trials.errors import (
-    ClockError,
-    LooksLikeDegreesError,
-    NonFiniteError,
-    TooShortError,
-)
+from shipid.trials.errors import ClockError, LooksLikeDegreesError, NonFiniteError, TooShortError
+from shipid.trials.filling import GAP, interpolated, usual_interval
 
 FEWEST_SAMPLES = 10
-LARGEST = 1e30
-"""No sensor reads more than this in any unit; a logger writes it where a sample is missing."""
-GAP = 5.0
-"""An interval this many times the usual one is a gap."""
-_LIVE, _BURSTS = 0.2, 10
-"""Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts."""
 
 STEADY_RUDDER = np.radians(0.5)
 """Rudder movement below this is noise of the feedback, not a manoeuvre."""
@@ -56,8 +46,8 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
         )
 
 
-def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[int], int]) -> None:
-    """Refuse samples that are empty, NaN, infinite, or so large that they stand for a missing one.
+def check_stamped(columns: Mapping[str, np.ndarray], where: str, line: Callable[[int], int]) -> None:
+    """Refuse samples that have no place on the clock.
 
     Parameters
     ----------
@@ -69,24 +59,15 @@ def check_finite(columns: Mapping[str, np.ndarray], where: str, line: Callable[[
     Raises
     ------
     NonFiniteError
-        With columns, rows, and whether they stand at the end of the record.
+        With the rows.
     """
-    bad = {name: ~(np.abs(values) <= LARGEST) for name, values in columns.items()}
-    bad = {name: mask for name, mask in bad.items() if mask.any()}
-    if not bad:
+    rows = np.flatnonzero(~np.isfinite(columns["t"]))
+    if not rows.size:
         return
-    rows = np.flatnonzero(np.any(list(bad.values()), axis=0))
-    n = len(next(iter(columns.values())))
-    trailing = rows[-1] == n - 1 and rows[0] == n - len(rows) > 0
     first = ", ".join(str(line(int(k))) for k in rows[:3]) + (", ..." if len(rows) > 3 else "")
-    remedy = (
-        "They all stand at the end of the record: remove them, or state [repairs] trailing = 'drop' in a format file."
-        if trailing
-        else "Remove the rows or fill them from neighbours you trust, or read a window without them (FILE@start:end)."
-    )
     raise NonFiniteError(
-        f"{where}: {len(rows)} samples are empty, not finite or beyond {LARGEST:g}, in rows {first}, "
-        f"column {', '.join(repr(name) for name in bad)}. {remedy}"
+        f"{where}: {len(rows)} rows have samples and no time, rows {first}, column 't'. Complete the clock or remove the rows; "
+        "if the samples come at a fixed interval, state [clock] interval in a format file."
     )
 
 
@@ -117,7 +98,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
     Parameters
     ----------
     columns : Mapping of str to ndarray
-        The record in SI units, the heading as it was read, not yet unwrapped.
+        The record in SI units, the heading as it was read, not yet unwrapped; NaN where a sample is missing.
     stated : Mapping of str to str
         The unit each column was said to have.
     where : str
@@ -140,14 +121,17 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
 
     said_radians = {name for name in columns if "rad" in stated.get(name, "")}
     for name in ("delta", "delta_order"):
-        if name in said_radians and (largest := float(np.abs(columns[name]).max())) > pi / 2:
+        if name in said_radians and (largest := float(np.nanmax(np.abs(columns[name])))) > pi / 2:
             raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
     # 1 rad/s is a full turn in 6 s: a 3 m model reaches a fifth of it.
-    if "r" in said_radians and (fast := float(np.quantile(np.abs(columns["r"]), 0.95, method="lower"))) > 1.0:
+    if "r" in said_radians and (fast := float(np.nanquantile(np.abs(columns["r"]), 0.95, method="lower"))) > 1.0:
         raise fail("r", f"the ship turns at {fast:.4g} rad/s, {shown(fast, 'r')}")
     if "psi" not in columns:
         return
-    t, psi = columns["t"], columns["psi"]
+    there = np.isfinite(columns["psi"])
+    t, psi = columns["t"][there], columns["psi"][there]
+    if t.size < 2:
+        return
     step = np.diff(psi)
     if "psi" in said_radians:
         if abs(psi[0]) > 8 * pi:
@@ -157,8 +141,12 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
         if (rate := float(np.quantile(np.abs(step) / np.diff(t), 0.95, method="lower"))) > 1.0:
             raise fail("psi", f"the heading runs from {psi.min():.4g} to {psi.max():.4g} rad, up to {rate:.3g} rad/s")
     if "r" in columns:
-        smooth = np.abs(step) < pi / 2  # not the wrap
-        turned, said = step[smooth], (0.5 * (columns["r"][1:] + columns["r"][:-1]) * np.diff(t))[smooth]
+        r = interpolated(columns["t"], columns["r"], t)
+        said = 0.5 * (r[1:] + r[:-1]) * np.diff(t)
+        smooth = (np.abs(step) < pi / 2) & np.isfinite(said)  # neither the wrap nor a hole
+        if not smooth.any():
+            return
+        turned, said = step[smooth], said[smooth]
         # Compare spread, not sample by sample: quantised headings step while the rate is smooth.
         blocks = max(1, len(turned) // 100)
         edges = np.arange(0, len(turned), blocks)
@@ -174,47 +162,22 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
             raise fail(name, f"r is {1 / ratio:.0f} times the slope of the heading")
 
 
-def usual_interval(t: np.ndarray) -> float:
-    """Return the usual interval between samples: their median interval where they are regular.
-
-    Where samples are left out at random it is the mean of the intervals that are no gaps. Samples that come in bursts (several
-    sensors that write at nearly the same time) count as one for each burst.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Times of the samples [s].
-
-    Returns
-    -------
-    float
-        Zero for fewer than two samples.
-    """
-    step = np.diff(t)
-    if not step.size:
-        return 0.0
-    median = float(np.median(step))
-    short = step <= GAP * median
-    if np.count_nonzero(~short) > _BURSTS and step[short].sum() < _LIVE * step.sum():
-        return usual_interval(t[np.concatenate([[True], ~short])])
-    # A median that lies between two usual intervals changes by chance; for regular samples it is exact.
-    return median if step[short].max() <= 1.5 * median else float(step[short].mean())
-
-
-def gaps(t: np.ndarray) -> np.ndarray:
-    """Return the indices of the samples after which there is a gap.
+def gaps(t: np.ndarray, usual: float | None = None) -> np.ndarray:
+    """Return the indices of the samples after which the clock has a gap.
 
     Parameters
     ----------
     t : ndarray, shape (n,)
         Time [s].
+    usual : float, optional
+        The usual interval [s], for a clock on which several signals keep their own; that of `t` by default.
 
     Returns
     -------
     ndarray of int
         Samples followed by an interval longer than `GAP` times the usual one.
     """
-    return np.flatnonzero(np.diff(t) > GAP * usual_interval(t))
+    return np.flatnonzero(np.diff(t) > GAP * (usual_interval(t) if usual is None else usual))
 
 
 def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
@@ -223,13 +186,18 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     Parameters
     ----------
     t, delta, r : ndarray, shape (n,)
-        Time [s], rudder angle [rad], rate of turn [rad/s].
+        Time [s], rudder angle [rad], rate of turn [rad/s]; NaN where a sample is missing.
 
     Returns
     -------
     bool
         True only where the sign is beyond doubt (ten standard deviations).
     """
+    delta = interpolated(t, delta)
+    both = np.isfinite(delta) & np.isfinite(r)
+    t, delta, r = t[both], delta[both], r[both]
+    if len(t) < 2:
+        return False
     # In integral form, over blocks: differentiating a noisy rate of turn would drown the sign.
     count = min(400, len(t) - 1)
     at = np.unique(np.linspace(0, len(t) - 1, count + 1).astype(int))

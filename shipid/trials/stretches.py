@@ -2,7 +2,7 @@
 
 A model can be run past a sample that is missing from what it predicts, and not past one that is missing from what drives it.
 Between its samples an input follows a stated rule: an order is held, a feedback runs in a straight line, over holes no longer than
-`shipid.trials.checks.GAP` times its own usual interval. A longer hole splits the record: what happened in it is not known, and
+`shipid.trials.filling.GAP` times its own usual interval. A longer hole splits the record: what happened in it is not known, and
 the model starts anew behind it.
 """
 
@@ -13,8 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.trials.checks import FEWEST_SAMPLES, GAP, usual_interval
+from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.errors import NoStretchError
+from shipid.trials.filling import GAP, held, interpolated, usual_interval
 from shipid.trials.speed import speed_before
 from shipid.trials.trial import Trial
 
@@ -38,18 +39,15 @@ class FilledInput:
     ----------
     values : ndarray, shape (N,)
         By the rule; NaN where it does not reach.
-    known : ndarray of bool, shape (N,)
-        Where it reaches.
     filled : int
-        Rows between samples.
-    breaks : ndarray of int
-        Samples after which there is a hole that is too long, as indices of rows.
+        Rows between samples that the rule reaches.
+    begins : ndarray of int
+        Rows at which the samples go on behind a hole.
     """
 
     values: np.ndarray
-    known: np.ndarray
     filled: int
-    breaks: np.ndarray
+    begins: np.ndarray
 
 
 def fill_input(t: np.ndarray, column: np.ndarray, order: bool) -> FilledInput:
@@ -67,26 +65,12 @@ def fill_input(t: np.ndarray, column: np.ndarray, order: bool) -> FilledInput:
     Returns
     -------
     FilledInput
-        Before the first sample, and after the last, the rule reaches one usual interval.
     """
     there = np.flatnonzero(np.isfinite(column))
-    if not there.size:
-        return FilledInput(np.full(t.size, np.nan), np.zeros(t.size, dtype=bool), 0, there)
-    own = t[there]
-    usual = usual_interval(own)
-    # A whole number of intervals is not one more by rounding.
-    long = np.diff(own) > GAP * usual * (1 + 1e-9)
-    known = np.ones(t.size, dtype=bool)
-    known[(t < own[0] - usual) | (t > own[-1] + usual)] = False
-    if there.size < t.size:
-        before = np.searchsorted(there, np.arange(t.size), side="right") - 1
-        inside = (before >= 0) & (before < there.size - 1)
-        known[inside] &= ~long[before[inside]] | (there[before[inside]] == np.flatnonzero(inside))
-        values = column[there[np.maximum(before, 0)]] if order else np.interp(t, own, column[there])
-        values = np.where(known, values, np.nan)
-    else:
-        values = column
-    return FilledInput(values, known, int(known.sum() - there.size), there[:-1][long])
+    values = (held if order else interpolated)(t, column) if there.size < t.size else column
+    usual = usual_interval(t[there])
+    behind = there[1:][np.diff(t[there]) > GAP * usual] if there.size > 1 else there[:0]
+    return FilledInput(values, int(np.isfinite(values).sum() - there.size), behind)
 
 
 def stretch_labels(filled: Sequence[FilledInput], count: int) -> np.ndarray:
@@ -101,9 +85,11 @@ def stretch_labels(filled: Sequence[FilledInput], count: int) -> np.ndarray:
     """
     known, begins = np.ones(count, dtype=bool), np.zeros(count, dtype=int)
     for one in filled:
-        known &= one.known
-        begins[one.breaks + 1] = 1
-    return np.where(known, np.unique(np.cumsum(begins), return_inverse=True)[1], -1)
+        known &= np.isfinite(one.values)
+        begins[one.begins] = 1
+    labels = np.where(known, np.cumsum(begins), -1)
+    labels[known] = np.unique(labels[known], return_inverse=True)[1]
+    return labels
 
 
 def stretches_of(
@@ -137,32 +123,25 @@ def stretches_of(
     t = trial["t"]
     found = {n: fill_input(t, trial[n], is_order(n)) for n in inputs}
     labels = stretch_labels(list(found.values()), len(trial))
-    if not any(one.filled for one in found.values()) and not labels.any():
+    if not labels.any() and not any(one.filled for one in found.values()):
         return (trial,)
-    numbers = [k for k in range(labels.max(initial=-1) + 1) if np.any(labels == k)]
-    spans = {k: np.flatnonzero(labels == k) for k in numbers}
-    kept = {
-        k: rows for k, rows in spans.items() if rows.size >= FEWEST_SAMPLES and t[rows[-1]] - t[rows[0]] >= least
-    }
+    spans = [np.flatnonzero(labels == k) for k in range(labels.max() + 1)]
+    kept = [rows for rows in spans if rows.size >= FEWEST_SAMPLES and t[rows[-1]] - t[rows[0]] >= least]
     if not kept:
-        raise _no_stretch(trial, inputs, t, list(spans.values()), least)
-    notes = [*trial.source.notes, *_notes(trial, found, t, spans, kept)]
+        raise _no_stretch(trial, inputs, spans, least)
     table = trial.table.assign(**{n: one.values for n, one in found.items()})
-    several = len(kept) > 1 or next(iter(kept.values())).size < len(trial)
-    before = _speed_before(trial, unit_time) if several else None
+    before = _speed_before(trial, unit_time) if labels.any() else None
     if before is not None:
         table = table.assign(cruise=before)
-    source = replace(trial.source, notes=tuple(notes))
+    source = replace(trial.source, notes=(*trial.source.notes, *_notes(trial, found, spans, kept)))
     whole = replace(trial, table=table, source=source)
-    if not several:
-        return (whole,)
-    return tuple(_cut(whole, rows) for rows in kept.values())
+    return tuple(_cut(whole, rows, named=len(kept) > 1) for rows in kept)
 
 
-def _cut(trial: Trial, rows: np.ndarray) -> Trial:
+def _cut(trial: Trial, rows: np.ndarray, named: bool) -> Trial:
     t = trial["t"]
-    stretch = trial.window(float(t[rows[0]]), float(t[rows[-1]]))
-    return replace(stretch, table=trial.table.iloc[rows].reset_index(drop=True))
+    name = trial.window(float(t[rows[0]]), float(t[rows[-1]])).name if named else trial.name
+    return replace(trial, name=name, table=trial.table.iloc[rows].reset_index(drop=True))
 
 
 def _speed_before(trial: Trial, unit_time: float | None) -> float | None:
@@ -174,42 +153,43 @@ def _speed_before(trial: Trial, unit_time: float | None) -> float | None:
 
 
 def _notes(
-    trial: Trial,
-    found: dict[str, FilledInput],
-    t: np.ndarray,
-    spans: dict[int, np.ndarray],
-    kept: dict[int, np.ndarray],
+    trial: Trial, found: dict[str, FilledInput], spans: list[np.ndarray], kept: list[np.ndarray]
 ) -> list[str]:
     """What was filled, and what was left out, in words."""
-    notes = []
+    t, notes = trial["t"], []
     for name, one in found.items():
         if one.filled:
             how = "held" if is_order(name) else "interpolated"
             samples = np.count_nonzero(np.isfinite(trial[name]))
-            notes.append(f"{name}: {how} between its {samples} samples, in {one.filled} of {len(trial)} rows")
-    if len(kept) > 1 or len(spans) > 1:
-        parts = ", ".join(f"{t[rows[0]]:.5g} to {t[rows[-1]]:.5g} s" for rows in kept.values())
-        notes.append(f"{', '.join(found)}: holes too long to fill; stretches that are used: {parts}")
-    short = [rows for k, rows in spans.items() if k not in kept]
-    if short:
-        parts = ", ".join(f"{t[rows[0]]:.5g} to {t[rows[-1]]:.5g} s" for rows in short[:3]) + (
-            ", ..." if len(short) > 3 else ""
+            notes.append(f"{name}: {how} between its {samples} samples, in {one.filled} of {len(trial)} rows.")
+    names = ", ".join(found)
+    if len(spans) > 1:
+        notes.append(
+            f"Holes in {names} split the record; {len(kept)} stretches are used, each with an initial state of its own: "
+            f"{_listed(t, kept)}."
         )
-        notes.append(f"{len(short)} stretches between holes are too short and left out ({parts})")
-    left = len(trial) - sum(rows.size for rows in kept.values())
+    if len(kept) < len(spans):
+        short = [rows for rows in spans if not any(rows is k for k in kept)]
+        notes.append(f"{len(short)} stretches between holes are too short and left out: {_listed(t, short)}.")
+    left = len(trial) - sum(rows.size for rows in kept)
     if left:
-        notes.append(f"{len(trial)} rows, {len(trial) - left} used: {left} lie in holes of {', '.join(found)} or beside them")
+        notes.append(f"{len(trial)} rows, {len(trial) - left} used: in {left} rows {names} is not known, or for too short a time.")
     return notes
 
 
-def _no_stretch(
-    trial: Trial, inputs: Sequence[str], t: np.ndarray, spans: list[np.ndarray], least: float
-) -> NoStretchError:
+def _listed(t: np.ndarray, spans: list[np.ndarray]) -> str:
+    """Stretches by their times; the first of many."""
+    parts = [f"{t[rows[0]]:.5g} to {t[rows[-1]]:.5g} s" for rows in spans[:6]]
+    return ", ".join(parts) + (f" and {len(spans) - 6} more" if len(spans) > 6 else "")
+
+
+def _no_stretch(trial: Trial, inputs: Sequence[str], spans: list[np.ndarray], least: float) -> NoStretchError:
+    t = trial["t"]
     longest = max((float(t[rows[-1]] - t[rows[0]]) for rows in spans), default=0.0)
-    counts = ", ".join(f"{n} {np.count_nonzero(np.isfinite(trial[n]))} of {len(trial)}" for n in inputs)
+    counts = ", ".join(f"{n} {np.count_nonzero(np.isfinite(trial[n]))}" for n in inputs)
     wanted = f"{FEWEST_SAMPLES} samples" + (f" and {least:.3g} s" if least else "")
     return NoStretchError(
         f"trial '{trial.name}': what drives the model has too many holes. The longest stretch without one lasts {longest:.3g} s, "
-        f"and at least {wanted} are needed (samples there: {counts}). A hole of more than {GAP:g} usual intervals of a column is "
-        "not filled: use a log in which it is recorded, or another column."
+        f"and at least {wanted} are needed. Samples there in {len(trial)} rows: {counts}. A hole of more than {GAP:g} usual "
+        "intervals of a column is not filled: use a log in which it is recorded."
     )

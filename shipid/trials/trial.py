@@ -14,6 +14,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import nearest
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
+from shipid.trials.filling import usual_interval
 from shipid.trials.logs.frames import record_of_frame
 from shipid.trials.logs.strict import sound_table
 from shipid.trials.source import Source
@@ -29,7 +30,7 @@ class Trial:
         The file's stem; a window adds ``@A:B``.
     table : pandas.DataFrame
         Column ``t`` (s, strictly increasing) and further float64 columns by canonical name, in the units of
-        `shipid.trials.FIELDS`; heading unwrapped; every sample finite.
+        `shipid.trials.FIELDS`; heading unwrapped. NaN where a sample is missing: signals keep their own clocks.
     source : Source
         Where it came from and what was done to it.
     ship : str or None
@@ -98,7 +99,12 @@ class Trial:
         for column in self.table.columns[1:]:
             shown = display_unit(column, self.unit(column))
             values = self[column] / self._factor(column, shown)
-            lines.append(f"  {column:<12s} {values.min():11.4g} to {values.max():.4g} {border.pretty(shown)}")
+            there = values[np.isfinite(values)]
+            missing = f", {len(values) - len(there)} missing" if len(there) < len(values) else ""
+            extent = (
+                f"{there.min():11.4g} to {there.max():.4g} {border.pretty(shown)}" if len(there) else f"{'none':>11s}"
+            )
+            lines.append(f"  {column:<12s} {extent}{missing}")
         lines += [f"  note: {note}" for note in self.source.notes]
         return "\n".join(lines)
 
@@ -114,8 +120,10 @@ class Trial:
 
     @property
     def sampling(self) -> float:
-        """Median sampling interval [s]."""
-        return float(np.median(np.diff(self["t"])))
+        """Median sampling interval [s]: of the signal that is sampled most often, where they keep their own clocks."""
+        t = self["t"]
+        own = [usual_interval(t, self[name]) for name in self.table.columns if name != "t"]
+        return float(np.nanmin([usual_interval(t), *own] if np.isnan(own).all() else own))
 
     @property
     def duration(self) -> float:
@@ -202,19 +210,25 @@ class Trial:
         return pd.DataFrame(result)
 
     def to_dict(self) -> dict[str, Plain]:
-        """Return name, ship, source, units and the columns as plain lists (JSON-able: every sample is finite)."""
+        """Return name, ship, source, units and the columns as plain lists (JSON-able: None where a sample is missing)."""
         return {
             "name": self.name,
             "ship": self.ship,
             "source": self.source.to_dict(),
             "units": {name: self.unit(name) for name in self.table.columns},
-            "columns": {name: self[name].tolist() for name in self.table.columns},
+            "columns": {name: _plain(self[name]) for name in self.table.columns},
         }
 
     def _factor(self, name: str, shown: str) -> float:
         if name in FIELDS:
             return columns.to_inside(name, shown)
         return border.factor(columns.spelt(shown), self.units[name], f"column '{name}'")
+
+
+def _plain(values: np.ndarray) -> list[float | None]:
+    """Return samples as JSON can hold them: None where one is missing."""
+    result: list[float | None] = np.where(np.isfinite(values), values, np.array(None)).tolist()
+    return result
 
 
 def _is_window(name: str) -> bool:

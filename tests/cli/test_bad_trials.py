@@ -6,6 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from shipid import read_trial
+
 FORMAT = """
 separator = "comma"
 header_lines = 1
@@ -26,12 +28,13 @@ span = [50, 150]
 @pytest.mark.parametrize("hole", ["", "nan", "inf", "-inf", "1e300"])
 def test_sample_that_is_no_number(refused, changed, column, fitted, hole):
     log = changed(column("psi", lambda value, k: hole if k == 100 else value))
-    refused(3, ["identify", log, *fitted], "log.csv", "1 samples", "rows 102", "'psi'", "FILE@start:end")
+    refused(3, ["identify", log, *fitted], "'log'", "samples of psi are missing", "FILE@start:end")
 
 
-def test_column_of_marks_for_missing_values(refused, changed, column, fitted):
-    said = refused(3, ["identify", changed(column("r", lambda *_: "9.97e36")), *fitted], "'r'", "beyond 1e+30")
-    assert "trailing" not in said  # dropping them would leave nothing
+def test_column_of_marks_for_missing_values(call, changed, column):
+    """It holds no sample: it is left out, and the record says so."""
+    log = changed(column("r", lambda *_: "9.97e36"))
+    assert "r holds no sample and was left out" in str(read_trial(log))
 
 
 def test_repeated_and_unsorted_samples(refused, changed, fitted):

@@ -68,7 +68,9 @@ def test_ragged_rows(log, table):
 def test_row_with_too_few_fields_is_a_hole(log, table):
     lines = table.splitlines()
     lines[7] = lines[7].rsplit(",", 1)[0]
-    refused(e.NonFiniteError, log("\n".join(lines)), "rows 8", "'delta'")
+    trial = read_trial(log("\n".join(lines)))
+    assert np.flatnonzero(np.isnan(trial["delta"])).tolist() == [6]
+    assert "delta: 1 of 20 samples are missing." in trial.source.notes
 
 
 def test_no_unit(log, table):
@@ -100,12 +102,30 @@ def test_row_numbers_count_comments_and_blank_lines(log, table):
 
 @pytest.mark.parametrize("hole", ["", "nan", "inf", "-inf"])
 def test_hole_in_the_record(log, table, hole):
-    message = refused(e.NonFiniteError, log(table.replace("2.0,11.2000", f"2.0,{hole}")), "rows 6", "'psi'")
-    assert "window without them" in message
+    trial = read_trial(log(table.replace("2.0,11.2000", f"2.0,{hole}")))
+    assert len(trial) == 20 and np.flatnonzero(np.isnan(trial["psi"])).tolist() == [4]
+    assert "psi: 1 of 20 samples are missing." in trial.source.notes
+    assert trial.to_dict()["columns"]["psi"][4] is None
+    assert "1 missing" in repr(trial)
 
 
-def test_hole_at_the_end_names_the_remedy(log, table):
-    refused(e.NonFiniteError, log(table + ",,,\n,,,\n"), "rows 22, 23", "trailing = 'drop'")
+def test_empty_rows_are_counted(log, table):
+    trial = read_trial(log(table + ",,,\n,,,\n"))
+    assert len(trial) == 20 and "2 rows without any number were left out of 22." in trial.source.notes
+
+
+def test_samples_without_a_time(log, table):
+    text = table.replace("\n2.0,", "\n,").replace("\n3.0,", "\nnan,")
+    refused(e.NonFiniteError, log(text), "2 rows have samples and no time", "rows 6, 8", "[clock] interval")
+
+
+def test_columns_without_a_sample(log, table):
+    rows = [row.split(",") for row in table.splitlines()]
+    silent = [rows[0], *([row[0], "", "", ""] for row in rows[1:])]
+    refused(e.EmptyFileError, log("\n".join(",".join(row) for row in silent)), "no sample in any column but the clock")
+    half = [rows[0], *([row[0], row[1], "", row[3]] for row in rows[1:])]
+    trial = read_trial(log("\n".join(",".join(row) for row in half)))
+    assert not trial.has("r") and "r holds no sample and was left out." in trial.source.notes
 
 
 def test_text_in_a_numeric_column(log, table):

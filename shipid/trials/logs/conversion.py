@@ -10,6 +10,7 @@ from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials import columns
+from shipid.trials.filling import interpolated
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.record import LenientRecord
 
@@ -18,7 +19,7 @@ GLITCH_WINDOW = 10.0
 
 
 def without_trailing(record: LenientRecord) -> LenientRecord:
-    """Drop the rows at the end of a log in which a column is empty, where the format file says so.
+    """Drop the rows at the end of a log that hold no sample, where the format file says so.
 
     Parameters
     ----------
@@ -33,7 +34,7 @@ def without_trailing(record: LenientRecord) -> LenientRecord:
     if record.format is None or not record.format.drop_trailing:
         return record
     n = len(record)
-    sound = np.flatnonzero(np.all([np.isfinite(values) for values in record.values.values()], axis=0))
+    sound = np.flatnonzero(np.any([np.isfinite(values) for values in record.values.values()], axis=0))
     keep = int(sound[-1]) + 1 if sound.size else 0
     if keep == n:
         return record
@@ -87,7 +88,7 @@ def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
     Returns
     -------
     LenientRecord
-        The heading is unwrapped; it is left alone where a sample is missing or the clock does not rise.
+        The heading is unwrapped; it is left alone where the clock does not rise.
     """
     values, notes = dict(record.values), list(record.notes)
     for name, column in fmt.columns.items():
@@ -100,23 +101,47 @@ def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:
         if column.frame == "from":
             values[name] = np.mod(values[name] + np.pi, 2 * np.pi)
             notes.append(f"{name} was turned by 180 deg: the record says where the wind comes from.")
-    sound = all(np.isfinite(v).all() for v in values.values()) and bool(np.all(np.diff(values["t"]) > 0))
-    if "psi" in values and sound:
-        if fmt.glitch_threshold is None:
-            values["psi"] = np.unwrap(values["psi"])
+    if "psi" in values and bool(np.all(np.diff(values["t"]) > 0)):
+        t, psi = values["t"], values["psi"]
+        there = np.isfinite(psi)
+        r = interpolated(t, values["r"]) if fmt.glitch_threshold is not None else None
+        if r is None or fmt.glitch_threshold is None:
+            values["psi"] = unwrapped(psi)
         else:
-            values["psi"], bad = mended_heading(values["t"], values["psi"], values["r"], fmt.glitch_threshold)
+            there &= np.isfinite(r)
+            mended, bad = mended_heading(t[there], psi[there], r[there], fmt.glitch_threshold)
+            values["psi"] = psi.copy()
+            values["psi"][there] = mended
+            values["psi"] = unwrapped(values["psi"])
             if bad:
                 notes.append(
                     f"{bad} heading samples disagreed with r by more than {angle(fmt.glitch_threshold, 6)} and were "
                     "replaced by integrating r between good neighbours."
                 )
     if any(column.frame == "earth" for column in fmt.columns.values()):
-        c, s = np.cos(values["psi"]), np.sin(values["psi"])
+        psi = interpolated(values["t"], values["psi"])
+        c, s = np.cos(psi), np.sin(psi)
         north, east = values["u"], values["v"]
         values["u"], values["v"] = north * c + east * s, east * c - north * s
         notes.append("u and v were rotated from the earth's axes to the ship's with psi.")
     return replace(record, values=values, notes=tuple(notes))
+
+
+def unwrapped(angle: np.ndarray) -> np.ndarray:
+    """Return an angle without the jumps of a full turn, over the samples that are there.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        In rad; NaN where a sample is missing.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    result, there = angle.copy(), np.isfinite(angle)
+    result[there] = np.unwrap(angle[there])
+    return result
 
 
 def mended_heading(t: np.ndarray, psi: np.ndarray, r: np.ndarray, threshold: float) -> tuple[np.ndarray, int]:

@@ -55,9 +55,9 @@ def read_trial(
         raise WindowError(f"'{path}' names a window and so does the argument window. Give one of the two.")
     record = read_record(path, format, window)
     record.refuse()
-    fmt, span = record.format, record.window
-    if span is not None and _has_holes(record) and (fmt is None or fmt.interval is None):
-        # Samples that are missing outside the window do not matter.
+    span = record.window
+    if span is not None and not np.isfinite(record.values.get("t", np.zeros(1))).all():
+        # Rows without a time outside the window do not matter.
         record = _cut(record, span)
     sound = sound_table(record)
     trial = Trial(record.name, sound.table, sound.source, record.ship, sound.units)
@@ -180,10 +180,6 @@ def _check_file(file: Path) -> None:
 def _sha256(file: Path) -> str:
     with file.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def _has_holes(record: LenientRecord) -> bool:
-    return not all(np.isfinite(values).all() for values in record.values.values())
 
 
 def _cut(record: LenientRecord, span: Span) -> LenientRecord:

@@ -9,7 +9,9 @@ import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import checks, columns
-from shipid.trials.logs.conversion import in_si, put_right, without_trailing
+from shipid.trials.filling import usual_interval
+from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_trailing
+from shipid.trials.logs.missing import with_missing
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
 
@@ -21,7 +23,7 @@ class SoundTable:
     Attributes
     ----------
     table : pandas.DataFrame
-        Column ``t`` and further columns, in the units inside a trial, every sample finite.
+        Column ``t`` and further columns, in the units inside a trial; NaN where a sample is missing.
     source : Source
         Where it came from, and what was done to it.
     units : dict of str to str
@@ -54,15 +56,18 @@ def sound_table(record: LenientRecord) -> SoundTable:
     where, line, fmt = record.where, record.line, record.format
     record = without_trailing(record)
     checks.check_length(len(record), where)
-    checks.check_finite(record.values, where, line)
+    record = with_missing(record)
+    line = record.line
+    checks.check_length(len(record), where)
     record = in_si(record, fmt)
+    checks.check_stamped(record.values, where, line)
     checks.check_clock(record.values["t"], where, line)
     checks.check_angles(record.values, record.stated, where)
     if fmt is not None:
         record = put_right(record, fmt)
     values = dict(record.values)
     if fmt is None and "psi" in values:
-        values["psi"] = np.unwrap(values["psi"])
+        values["psi"] = unwrapped(values["psi"])
     extra = {name: columns.inside_unit(name, record.stated[name]) for name in values if name not in FIELDS}
     order = ["t", *(c for c in FIELDS if c in values and c != "t"), *extra]
     table = pd.DataFrame({c: np.ascontiguousarray(values[c], dtype=float) for c in order})
@@ -74,7 +79,8 @@ def _remarks(table: pd.DataFrame) -> list[str]:
     """Return what a reader should know and no check refuses."""
     notes = []
     t = table["t"].to_numpy()
-    found = checks.gaps(t)
+    channels = [table[c].to_numpy() for c in table.columns if c != "t"]
+    found = checks.gaps(t, min((usual_interval(t, c) for c in channels), default=usual_interval(t)))
     if found.size:
         k = int(found[np.argmax(np.diff(t)[found])])
         notes.append(f"The clock has {found.size} gaps, the longest from {t[k]:g} to {t[k + 1]:g} s.")

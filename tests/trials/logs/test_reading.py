@@ -91,6 +91,12 @@ def test_holes_outside_the_window_do_not_matter(log, table):
     broken = table.replace("\n0.5,10.3000", "\n0.5,nan")
     path = log(broken)
     assert len(read_trial(f"{path}@2:9")) == 15
+    assert np.isnan(read_trial(path)["psi"][1])
+
+
+def test_rows_without_a_time_outside_the_window_do_not_matter(log, table):
+    path = log(table.replace("\n0.5,", "\n,"))
+    assert len(read_trial(f"{path}@2:9")) == 15
     with pytest.raises(e.NonFiniteError):
         read_trial(path)
 

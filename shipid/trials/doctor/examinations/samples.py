@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import median_filter
 
-from shipid.trials.checks import LARGEST
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations import rate_of_turn as rates
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.missing_marks import LARGEST
 
 _HOLE = 5
 """Up to this many missing samples in a row are interpolated linearly; over more of them the motion is unknown."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.trials.checks import GAP
+from shipid.trials.filling import GAP
 
 COVERAGE = 0.9
 """A signal that covers less of heading and rudder is left out, so that it does not cost the others their samples."""
@@ -54,7 +54,7 @@ def resample(
     step : float
         Sampling interval [s].
     gap : float or None
-        Longest interval of a signal to interpolate across [s]; None is `shipid.trials.checks.GAP` of the signal's own
+        Longest interval of a signal to interpolate across [s]; None is `shipid.trials.filling.GAP` of the signal's own
         intervals or of the trial's, whichever is longer.
 
     Returns

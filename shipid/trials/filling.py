@@ -1,0 +1,100 @@
+"""Values between the samples of a channel: held for an order, interpolated for a measurement, and none across a hole."""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: An interval this many times the usual one of its channel is a hole (of a clock: a gap).
+GAP = 5.0
+#: Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts.
+_LIVE, _BURSTS = 0.2, 10
+
+
+def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
+    """Return the usual interval between the samples of a channel: the median one where they are regular.
+
+    Where samples are left out at random it is the mean of the intervals that are no holes. Samples that come in bursts (several
+    sensors that write at nearly the same time) count as one for each burst.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    values : ndarray, shape (n,), optional
+        The channel, NaN where a sample is missing; by default every time is one of a sample.
+
+    Returns
+    -------
+    float
+        In s; NaN where there are fewer than two samples.
+    """
+    times = t if values is None else t[np.isfinite(values)]
+    if times.size < 2:
+        return float("nan")
+    step = np.diff(times)
+    median = float(np.median(step))
+    short = step <= GAP * median
+    if np.count_nonzero(~short) > _BURSTS and step[short].sum() < _LIVE * step.sum():
+        return usual_interval(times[np.concatenate([[True], ~short])])
+    # Of irregular samples the median lies between two intervals and changes by chance; of regular ones it is exact.
+    return median if step[short].max() <= 1.5 * median else float(step[short].mean())
+
+
+def interpolated(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:
+    """Return a measurement between its samples, by straight lines.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    values : ndarray, shape (n,)
+        The channel, NaN where a sample is missing; an angle unwrapped.
+    at : ndarray, shape (m,), optional
+        Where it is wanted [s]; at `t` by default.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        NaN before the first sample, behind the last, and inside a hole: an interval longer than `GAP` usual ones.
+    """
+    return _between(t, values, at, held=False)
+
+
+def held(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:
+    """Return an order between its samples: the last one holds.
+
+    Parameters
+    ----------
+    t, values, at
+        As for `interpolated`.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        NaN before the first sample, and inside a hole or behind the last sample, `GAP` usual intervals after it.
+    """
+    return _between(t, values, at, held=True)
+
+
+def _between(t: np.ndarray, values: np.ndarray, at: np.ndarray | None, *, held: bool) -> np.ndarray:
+    at = t if at is None else np.asarray(at, dtype=float)
+    there = np.isfinite(values)
+    result = np.full(at.shape, np.nan)
+    times, samples = t[there], values[there]
+    if not times.size:
+        return result
+    before = np.searchsorted(times, at, side="right") - 1
+    on = (before >= 0) & (times[before.clip(0)] == at)
+    if times.size == 1:
+        result[on] = samples[0]
+        return result
+    longest = GAP * usual_interval(times)
+    if held:
+        valid = (before >= 0) & (at - times[before.clip(0)] <= longest)
+        result[valid] = samples[before[valid]]
+        return result
+    after = (before + 1).clip(0, times.size - 1)
+    inside = (before >= 0) & (before < times.size - 1) & (times[after] - times[before.clip(0)] <= longest)
+    result[inside] = np.interp(at[inside], times, samples)
+    result[on] = samples[before[on]]
+    return result
