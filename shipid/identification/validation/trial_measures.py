@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from shipid.foundation.errors import ShipidError
+from shipid.trials.filling import interpolated
 from shipid.trials.measuring.measure import detect, measure
 from shipid.trials.measuring.measures import TurningCircle, ZigZag
 from shipid.trials.trial import Trial
@@ -52,6 +55,7 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     TrialMeasures
     """
     metres = f"{length!r} m" if length else None
+    trial = _between_samples(trial)
     try:
         kind = detect(trial)
     except ShipidError:
@@ -66,6 +70,19 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
         zigzag if isinstance(zigzag, ZigZag) else None,
         circle,
     )
+
+
+def _between_samples(trial: Trial) -> Trial:
+    """A trial with straight lines over the short holes of its signals, and without the signals that have long ones."""
+    if not trial.table.isna().to_numpy().any():
+        return trial
+    t = trial["t"]
+    filled = {n: interpolated(t, trial[n]) for n in trial.table.columns if n != "t"}
+    # Before the first and behind the last sample of a slow signal it is not known: the others are read there.
+    whole = np.isfinite(filled["psi"]) if "psi" in filled else np.ones(t.size, dtype=bool)
+    inside = slice(int(np.argmax(whole)), t.size - int(np.argmax(whole[::-1])))
+    table = trial.table.assign(**filled).iloc[inside].reset_index(drop=True)
+    return replace(trial, table=table.dropna(axis="columns"))
 
 
 def measured_circle(trial: Trial, length: str | None, execute: str | None = None) -> TurningCircle | None:
