@@ -129,11 +129,13 @@ def identify(
     check_length(setting, trials)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
     # Holes in what drives the model split a trial; each stretch is a trial of its own from here on.
-    trials, predicted = (
-        [s for t in group for s in with_whole_inputs(setting.model, t, shown, unit_time)] for group in (trials, validate)
+    pairs, predicted = (
+        [(s, t) for t in group for s in with_whole_inputs(setting.model, t, shown, unit_time)]
+        for group in (trials, validate)
     )
+    trials = [stretch for stretch, _ in pairs]
     # The trials to predict are checked as well, so that missing columns are found before the search.
-    everything = [prepare(setting.model, t, shown, own_speed, unit_time) for t in (*trials, *predicted)]
+    everything = [prepare(setting.model, s, shown, own_speed, unit_time, t) for s, t in (*pairs, *predicted)]
     data = everything[: len(trials)]
     # For prediction, residuals are weighted by what a low-order model can reach, and the trials share their biases.
     structural = purpose == "prediction" and noise is None

@@ -47,6 +47,8 @@ class TrialData:
         Median speed in m/s (1 where neither trial nor ship states it).
     settled : bool
         Whether it begins on a steady course, rudder amidships: then states that are not measured begin near zero.
+    sampled : ndarray of bool, shape (inputs, N), or None
+        Where each input has a sample of its own; between them it is filled. None where all are whole.
     """
 
     trial: Trial
@@ -58,6 +60,7 @@ class TrialData:
     cruise_std: float
     speed: float
     settled: bool = True
+    sampled: np.ndarray | None = None
 
     @functools.cached_property
     def there(self) -> np.ndarray:
@@ -115,8 +118,9 @@ class TrialData:
                 kept[np.flatnonzero(there)[:: max(1, min(n, count // _FEW))]] = True
         t = self.t[kept]
         return replace(
-            self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, kept], measured=self.measured[:, kept]
-        )
+            self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, kept], measured=self.measured[:, kept],
+            sampled=None,
+        )  # fmt: skip
 
     def shows(self, name: str) -> bool:
         """Return whether the trial holds a sample of a column.
@@ -164,8 +168,9 @@ class TrialData:
             How many.
         """
         return replace(
-            self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count]
-        )
+            self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count],
+            sampled=None,
+        )  # fmt: skip
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
@@ -230,7 +235,12 @@ def with_whole_inputs(model: Model, trial: Trial, signals: Sequence[str], unit_t
 
 
 def prepare(
-    model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, unit_time: float | None = None
+    model: Model,
+    trial: Trial,
+    signals: Sequence[str],
+    own_speed: float | None,
+    unit_time: float | None = None,
+    recorded_in: Trial | None = None,
 ) -> TrialData:
     """Return a trial as a model reads it.
 
@@ -246,6 +256,8 @@ def prepare(
         Speed of the ship in m/s, for trials that do not record it.
     unit_time : float, optional
         L/U in s. The first guess of the initial state is taken from a quarter of it, by default from 2 % of the record.
+    recorded_in : Trial, optional
+        The trial of which it is a stretch with filled inputs.
 
     Returns
     -------
@@ -285,7 +297,17 @@ def prepare(
         0.0 if measured is None else measured.std,
         (own_speed if recorded is None else float(np.nanmedian(recorded))) or 1.0,
         (measured is None or measured.source != "usual speed") and _settled(trial, min(first, 10)),
+        None if recorded_in is None else _sampled(model, trial, recorded_in),
     )
+
+
+def _sampled(model: Model, stretch: Trial, whole: Trial) -> np.ndarray | None:
+    """Where each input of a stretch has a sample of its own, or None where all do everywhere."""
+    rows = np.searchsorted(whole["t"], stretch["t"])
+    everywhere = np.ones(rows.size, dtype=bool)
+    inputs = (n if whole.has(n) and n not in _ONE_NUMBER else None for n in model.inputs)
+    found = np.array([everywhere if n is None else np.isfinite(whole[n][rows]) for n in inputs])
+    return None if found.all() else found
 
 
 def _everywhere(t: np.ndarray, column: np.ndarray) -> np.ndarray:

@@ -16,6 +16,7 @@ from shipid.estimation.estimate import UNDETERMINED
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.uncertainty.filled_inputs import effects_of
 from shipid.identification.uncertainty.residual_groups import ResidualGroup, groups_of
 
 #: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
@@ -146,16 +147,19 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
     groups: list[ResidualGroup] = []
-    at = 0
+    at, by_inputs = 0, np.zeros_like(flat)
     for i, data in enumerate(problem.trials):
         count = data.intervals.size
         rows = slice(at, at + count * signals)
         at += count * signals
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
         block = scaled[rows][:, used].reshape(signals, count, -1)
+        if (effects := effects_of(problem, solution.q, i)) is not None:
+            pulls = effects.reshape(len(effects), -1) @ scaled[rows]
+            by_inputs += pulls.T @ pulls / len(effects)
         groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
     terms, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
-    prior = bounds.T @ bounds
+    prior = bounds.T @ bounds + by_inputs
     if problem.prior is not None:
         prior = prior + problem.prior.strength * terms.T @ terms
 
