@@ -10,7 +10,8 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
-from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
+from shipid.estimation.records.arrangement import Arrangement, FilterRecord, Hole, arrange, columns_of
+from shipid.estimation.records.restart import run_stretches
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
@@ -123,7 +124,8 @@ class RecursiveIdentifier:
         Parameters
         ----------
         record : Trial or mapping of str to ndarray
-            SI columns with ``t``; a mapping may hold NaN where a sample is missing.
+            SI columns with ``t``; NaN where a sample is missing. An input is filled between its samples; behind a hole that is
+            too long for that, the measured state starts anew.
 
         Returns
         -------
@@ -157,15 +159,21 @@ class RecursiveIdentifier:
         """
         design = self.design
         arranged = [_arranged(design, r) for r in records]
-        levels = [design.level_of(a.z[a.there[:, 0], 0]) for a in arranged]
+        levels = [design.level_of(a.z[a.there[:, 0], 0], a.t[a.there[:, 0]]) for a in arranged]
         starts = [
             design.carried(float(a.z[a.there[:, 0], 0][0]), a.inputs[0], level) for a, level in zip(arranged, levels)
         ]
         controls = [_controls(design, a) for a in arranged]
-        done = design.loop.map(starts, controls, [design.constants(level) for level in levels], threads)
+        constants = [design.constants(level) for level in levels]
+        if any(a.holes for a in arranged):
+            done = [
+                _over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)
+            ]
+        else:
+            done = [out for _, out in design.loop.map(starts, controls, constants, threads)]
         return [
             RecursiveIdentification(design, columns_of(r)[1], a, level, out)
-            for r, a, level, (_, out) in zip(records, arranged, levels, done)
+            for r, a, level, out in zip(records, arranged, levels, done)
         ]
 
     def start(self) -> OnlineIdentifier:
@@ -197,6 +205,25 @@ def _arranged(design: RecursiveDesign, record: FilterRecord) -> Arrangement:
         column = design.instruments.column_of(design.sensor, columns)
         raise NotMeasurableError(f"column '{column}' of record {name} holds no sample that is a number.")
     return arranged
+
+
+def _over_holes(
+    design: RecursiveDesign,
+    start: np.ndarray,
+    control: np.ndarray,
+    constants: np.ndarray,
+    arranged: Arrangement,
+    level: float,
+) -> np.ndarray:
+    """Run a record with holes in its inputs: behind each the measured state starts anew, and the parameters go on."""
+
+    def anew(carried: np.ndarray, hole: Hole) -> np.ndarray:
+        piece = next(p for p in arranged.pieces if p.start == hole.row)
+        z, there = arranged.z[piece, 0], arranged.there[piece, 0]
+        first = float(z[np.argmax(there)]) if there.any() else None
+        return design.behind_hole(carried, first, arranged.inputs[hole.row], level)
+
+    return run_stretches(design.loop, start, control, constants, arranged, anew)[1]
 
 
 def _controls(design: RecursiveDesign, arranged: Arrangement) -> np.ndarray:
