@@ -188,7 +188,12 @@ def measure(case: Case, runs: int, timed: int) -> dict[str, Any]:
         "coverage": together,
         "asked": [LOW - slack, min(1.0, HIGH + slack)],
         "parameters": {
-            n: {"coverage": float(h), "mean_std_over_scatter": float(m / s), "scatter": float(s), "bias_over_scatter": float(b / s)}
+            n: {
+                "coverage": float(h),
+                "mean_std_over_scatter": float(m / s),
+                "scatter": float(s),
+                "bias_over_scatter": float(b / s),
+            }
             for n, h, m, s, b in zip(names, hits, np.mean(spreads, axis=0), scatter, np.mean(errors, axis=0))
         },
         "seconds": float(slow),

@@ -217,6 +217,13 @@ class Fit:
                 }
                 for c in self.validation
             },
+            "samples": {
+                c.trial.name: {
+                    "signals": {s: {"there": n, "possible": most} for s, (n, most) in c.samples.items()},
+                    "notes": list(c.notes),
+                }
+                for c in compared
+            },
             "manoeuvre": {
                 c.trial.name: {
                     "overshoots_deg": in_degrees(c.overshoots),

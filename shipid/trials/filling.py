@@ -40,6 +40,31 @@ def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
     return median if step[short].max() <= 1.5 * median else float(step[short].mean())
 
 
+def samples_of(t: np.ndarray, values: np.ndarray) -> tuple[int, int]:
+    """Return how many samples of a channel are there, and how many there might be.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    values : ndarray, shape (n,)
+        The channel, NaN where a sample is missing.
+
+    Returns
+    -------
+    there, possible : int
+        Of a channel that keeps a slower clock of its own there might be one at each of its intervals; of any other one a row.
+    """
+    there = np.isfinite(values)
+    count = int(there.sum())
+    if count < 3 or count == t.size:
+        return count, int(t.size)
+    step = np.diff(t[there])
+    own = float(np.median(step))
+    slower = own > 1.5 * usual_interval(t) and np.mean(np.abs(step - own) < 0.2 * own) > 0.9
+    return count, max(count, round((t[there][-1] - t[there][0]) / own) + 1) if slower else int(t.size)
+
+
 def interpolated(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:
     """Return a measurement between its samples, by straight lines.
 

@@ -31,6 +31,21 @@ def is_order(name: str) -> bool:
     return name == "n" or name.endswith("_order")
 
 
+#: How the notes begin that say what was filled and left out.
+_FILLED, _SPLIT, _SHORT, _LEFT = "Filled input ", "Holes in ", "Too short between holes: ", "Rows of the record: "
+
+
+def is_note(text: str) -> bool:
+    """Return whether a note of a trial's source says what was filled and left out for the sake of its inputs.
+
+    Parameters
+    ----------
+    text : str
+        The note.
+    """
+    return text.startswith((_FILLED, _SPLIT, _SHORT, _LEFT))
+
+
 @dataclass(frozen=True, eq=False)
 class FilledInput:
     """An input between its samples; N rows.
@@ -161,19 +176,21 @@ def _notes(
         if one.filled:
             how = "held" if is_order(name) else "interpolated"
             samples = np.count_nonzero(np.isfinite(trial[name]))
-            notes.append(f"{name}: {how} between its {samples} samples, in {one.filled} of {len(trial)} rows.")
+            notes.append(f"{_FILLED}{name}: {how} between its {samples} samples, in {one.filled} of {len(trial)} rows.")
     names = ", ".join(found)
     if len(spans) > 1:
         notes.append(
-            f"Holes in {names} split the record; {len(kept)} stretches are used, each with an initial state of its own: "
+            f"{_SPLIT}{names} split the record; {len(kept)} stretches are used, each with an initial state of its own: "
             f"{_listed(t, kept)}."
         )
     if len(kept) < len(spans):
         short = [rows for rows in spans if not any(rows is k for k in kept)]
-        notes.append(f"{len(short)} stretches between holes are too short and left out: {_listed(t, short)}.")
+        notes.append(f"{_SHORT}{len(short)} stretches are left out, {_listed(t, short)}.")
     left = len(trial) - sum(rows.size for rows in kept)
     if left:
-        notes.append(f"{len(trial)} rows, {len(trial) - left} used: in {left} rows {names} is not known, or for too short a time.")
+        notes.append(
+            f"{_LEFT}{len(trial)}, of which {len(trial) - left} are used; in {left} {names} is not known, or for too short a time."
+        )
     return notes
 
 

@@ -25,8 +25,10 @@ from shipid.identification.problem.trial_data import prepare, warm_up_samples, w
 from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
+from shipid.trials.filling import samples_of
 from shipid.trials.measuring.measures import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.stretches import is_note
 from shipid.trials.trial import Trial
 
 _NONE = np.zeros(0)
@@ -178,6 +180,8 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
         predicted_overshoots=foreseen,
         predicted_circle=_predicted_circle(trial, measures, predicted, length),
         initial=dict(zip(problem.initial, q[problem.own(index)].tolist())),
+        samples={s: samples_of(trial["t"], trial[s]) for s in problem.signals},
+        notes=tuple(n for n in trial.source.notes if is_note(n)),
     )
 
 
