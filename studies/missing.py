@@ -198,9 +198,7 @@ def measure(case: Case, runs: int, timed: int) -> dict[str, Any]:
         },
         "seconds": float(slow),
         "time_ratio": float(slow / fast),
-        "holds": bool(
-            LOW - slack <= together <= HIGH + slack and slow / fast <= SLOWEST and failed <= 0.02 * runs
-        ),
+        "holds": bool(LOW - slack <= together <= HIGH + slack and slow / fast <= SLOWEST and failed <= 0.02 * runs),
     }
 
 

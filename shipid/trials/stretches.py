@@ -167,9 +167,7 @@ def _speed_before(trial: Trial, unit_time: float | None) -> float | None:
     return None if found is None else found.value
 
 
-def _notes(
-    trial: Trial, found: dict[str, FilledInput], spans: list[np.ndarray], kept: list[np.ndarray]
-) -> list[str]:
+def _notes(trial: Trial, found: dict[str, FilledInput], spans: list[np.ndarray], kept: list[np.ndarray]) -> list[str]:
     """What was filled, and what was left out, in words."""
     t, notes = trial["t"], []
     for name, one in found.items():

@@ -12,8 +12,8 @@ import pytest
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.measuring.measure import measure
-from shipid.trials.measuring.series import smoothed
 from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.signals.series import smoothed
 from shipid.trials.stretches import stretches_of
 
 FORMATS = Path(__file__).resolve().parents[2] / "studies" / "formats"

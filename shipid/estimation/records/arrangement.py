@@ -110,7 +110,9 @@ class Arrangement:
         ]
         if self.unknown.any():
             count = int(self.unknown.sum())
-            said.append(f"{count} of {rows} samples lie in holes of an input that are too long to fill, and are left out.")
+            said.append(
+                f"{count} of {rows} samples lie in holes of an input that are too long to fill, and are left out."
+            )
         said += [
             f"No {', '.join(hole.inputs)} from {hole.begin:.5g} to {hole.end:.5g} s: no estimates there; what it drives starts anew."
             for hole in self.holes

@@ -247,9 +247,7 @@ class RecursiveDesign:
         z[places["joint"]][diagonal_of(self.layout.n + 1)] = np.concatenate([[own**2], self.deviation**2])
         return z
 
-    def behind_hole(
-        self, carried: np.ndarray, first: float | None, inputs: np.ndarray, level: float
-    ) -> np.ndarray:
+    def behind_hole(self, carried: np.ndarray, first: float | None, inputs: np.ndarray, level: float) -> np.ndarray:
         """Return what is carried into the first sample behind a hole of an input: the parameters go on, the state starts anew.
 
         Parameters

@@ -166,9 +166,7 @@ class RecursiveIdentifier:
         controls = [_controls(design, a) for a in arranged]
         constants = [design.constants(level) for level in levels]
         if any(a.holes for a in arranged):
-            done = [
-                _over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)
-            ]
+            done = [_over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)]
         else:
             done = [out for _, out in design.loop.map(starts, controls, constants, threads)]
         return [

@@ -133,10 +133,7 @@ def _measured(problem: Problem) -> list[np.ndarray]:
     """The states of each trial as far as they are measured, shape (states, N); the others stay as they begin."""
     return [
         np.array(
-            [
-                data.column(n) if data.shows(n) else np.full(data.intervals.size, data.start[n])
-                for n in problem.initial
-            ]
+            [data.column(n) if data.shows(n) else np.full(data.intervals.size, data.start[n]) for n in problem.initial]
         )
         for data in problem.trials
     ]

@@ -276,7 +276,9 @@ def _block(problem: Problem, equations: tuple[str, ...], data: TrialData, unit_t
     half = int(np.clip(np.ceil(_HALF * unit_time / step), _LEAST, max(_LEAST, (at.size - 1) // 8)))
     if at.size < 2 * half + 1:
         nothing = np.zeros((len(equations), 0))
-        return RegressionBlock(np.zeros((0, 0)), inputs, np.zeros(0), nothing, make_window(half, step), np.zeros(0, bool))
+        return RegressionBlock(
+            np.zeros((0, 0)), inputs, np.zeros(0), nothing, make_window(half, step), np.zeros(0, bool)
+        )
     window = make_window(half, step)
     states = problem.model.states
     names = [n for n in dict.fromkeys((*states, *equations)) if data.shows(n)]
