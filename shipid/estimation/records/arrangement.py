@@ -15,14 +15,11 @@ import numpy as np
 
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
 from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, filter_time, steps
+from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_table, names_of, never_known, ruled
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.generation.simulator import input_rows
-from shipid.trials.errors import NoStretchError
-from shipid.trials.filling import GAP, usual_interval
-from shipid.trials.speed import speed_before
-from shipid.trials.stretches import fill_input, is_order
+from shipid.trials.stretches import is_order
 from shipid.trials.trial import Trial
 
 #: What can be filtered: a trial, or SI columns with ``t`` in which NaN stands for a sample that is missing.
@@ -205,10 +202,10 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
     columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
     z, there, limited = _sensor_table(instruments, columns, name)
     table = input_table(instruments, columns, name)
-    whole = table if filled or np.isfinite(table).all() else _filled(instruments, t, table)
-    known = np.isfinite(whole[:, _ruled(instruments)]).all(axis=1)
+    whole = table if filled or np.isfinite(table).all() else filled_inputs(instruments, t, table)
+    known = np.isfinite(whole[:, ruled(instruments)]).all(axis=1)
     if not known.any():
-        raise _never_known(instruments, table, name)
+        raise never_known(instruments, table, name)
     unknown = np.zeros(forward.size, dtype=bool)
     unknown[forward] = ~known
     counts = (np.isfinite(whole) & ~np.isfinite(table)).sum(axis=0)
@@ -216,7 +213,7 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
     used = np.flatnonzero(known)
     behind = used[1:][np.diff(used) > 1]
     before = used[:-1][np.diff(used) > 1]
-    gone = [tuple(_names(instruments, ~np.isfinite(whole[a + 1 : b]).all(axis=0))) for a, b in zip(before, behind)]
+    gone = [names_of(instruments, ~np.isfinite(whole[a + 1 : b]).all(axis=0)) for a, b in zip(before, behind)]
     ends = list(zip(t[before], t[behind], gone))
     t, z, there, table, whole = t[known], z[known], there[known], table[known], whole[known]
     rows = _bridged(t)
@@ -236,41 +233,6 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
     forward = forward & ~unknown
     return Arrangement(
         rows, intervals, inputs, full_z, full_there, lost, shown, limited, forward, unknown, holes, counted
-    )
-
-
-def _ruled(instruments: Instruments) -> np.ndarray:
-    """Which inputs have to be known: those with an influence, unless the uncertainty of a missing one was given."""
-    names = instruments.model.inputs
-    return np.array([n in instruments.needed and n not in instruments.lost for n in names], dtype=bool)
-
-
-def _names(instruments: Instruments, missing: np.ndarray) -> list[str]:
-    ruled = _ruled(instruments)
-    return [n for n, gone, rule in zip(instruments.model.inputs, missing, ruled) if gone and rule]
-
-
-def _filled(instruments: Instruments, t: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """The inputs between their samples, as far as the rule reaches; at both ends the nearest sample stands as long."""
-    whole = table.copy()
-    for k, (name, ruled) in enumerate(zip(instruments.model.inputs, _ruled(instruments))):
-        own = np.flatnonzero(np.isfinite(table[:, k]))
-        if not ruled or own.size == t.size or not own.size:
-            continue
-        whole[:, k] = fill_input(t, table[:, k], is_order(name)).values
-        reach = GAP * usual_interval(t[own]) if own.size > 1 else 0.0
-        early, late = (t < t[own[0]]) & (t >= t[own[0]] - reach), (t > t[own[-1]]) & (t <= t[own[-1]] + reach)
-        whole[early, k], whole[late, k] = table[own[0], k], table[own[-1], k]
-    return whole
-
-
-def _never_known(instruments: Instruments, table: np.ndarray, record: str) -> NoStretchError:
-    counts = np.isfinite(table).sum(axis=0)
-    ruled = zip(instruments.model.inputs, counts, _ruled(instruments))
-    held = ", ".join(f"{n} {c} of {len(table)}" for n, c, rule in ruled if rule)
-    return NoStretchError(
-        f"trial {record}: at no time is everything known that drives model {instruments.model.name}. Samples there: {held}. "
-        "Record it, state it as a constant input, or choose a model that does not read it."
     )
 
 
@@ -349,61 +311,6 @@ def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, tria
     read = np.zeros(t.size, dtype=bool)
     read[shows[np.diff(number, prepend=-1) > 0]] = True
     return read
-
-
-def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], record: str) -> np.ndarray:
-    """Return the inputs of a model along a record, SI, shape (N, inputs); NaN where one is missing.
-
-    Parameters
-    ----------
-    instruments : Instruments
-        Constant inputs, and those that are needed.
-    columns : mapping of str to ndarray, shape (N,)
-        The record, SI.
-    record : str
-        Its name, for messages.
-
-    Raises
-    ------
-    UnstatedInputError
-        If the record lacks an input that is needed and declares no default.
-    """
-    given: dict[str, float | np.ndarray] = {}
-    speed = instruments.scale.speed
-    if speed is not None:
-        given |= {"cruise": speed, "u": speed}
-    if "u" in columns:
-        before = speed_before(columns["t"], columns["u"], columns.get("delta"), instruments.scale.unit_time)
-        if before is not None:
-            given["cruise"] = before.value
-    # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
-    given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
-    given |= instruments.inputs
-    return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
-
-
-def hold_last(table: np.ndarray) -> np.ndarray:
-    """Return a table in which the last value stands in where one is missing.
-
-    Parameters
-    ----------
-    table : ndarray, shape (N, columns)
-        NaN where a value is missing.
-
-    Returns
-    -------
-    ndarray, shape (N, columns)
-        Before the first value of a column that value; zero where it has none.
-    """
-    finite = np.isfinite(table)
-    if finite.all():
-        return table
-    index = np.where(finite, np.arange(len(table))[:, None], -1)
-    index = np.maximum.accumulate(index, axis=0)
-    first = np.argmax(finite, axis=0)
-    index = np.where(index < 0, first[None, :], index)
-    held = np.take_along_axis(table, index, axis=0)
-    return np.where(np.isfinite(held), held, 0.0)
 
 
 def _bridged(t: np.ndarray) -> np.ndarray:

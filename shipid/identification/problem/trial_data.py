@@ -65,7 +65,7 @@ class TrialData:
     @functools.cached_property
     def there(self) -> np.ndarray:
         """Which samples of the fitted signals are there, shape (signals, N)."""
-        return np.isfinite(self.measured)
+        return np.asarray(np.isfinite(self.measured))
 
     @functools.cached_property
     def regular(self) -> bool:
@@ -157,7 +157,7 @@ class TrialData:
             Times from zero in s.
         """
         t = self.trial["t"]
-        return np.isfinite(interpolated(t, self.trial[name], t[0] + at))
+        return np.asarray(np.isfinite(interpolated(t, self.trial[name], t[0] + at)))
 
     def head(self, count: int) -> TrialData:
         """Return the first samples.

@@ -247,33 +247,6 @@ class RecursiveDesign:
         z[places["joint"]][diagonal_of(self.layout.n + 1)] = np.concatenate([[own**2], self.deviation**2])
         return z
 
-    def behind_hole(self, carried: np.ndarray, first: float | None, inputs: np.ndarray, level: float) -> np.ndarray:
-        """Return what is carried into the first sample behind a hole of an input: the parameters go on, the state starts anew.
-
-        Parameters
-        ----------
-        carried : ndarray
-            What was carried out of the last sample before it.
-        first : float or None
-            First sample of the measured state behind it, SI; None where there is none.
-        inputs : ndarray, shape (inputs,)
-            The inputs there.
-        level : float
-            Standard deviation of a sample of the measured state, SI.
-        """
-        places, z = self.layout.carried, np.array(carried, dtype=float)
-        if first is not None:
-            z[places["y"]] = z[places["y_aux"]] = first
-        z[places["u"]], z[places["P_y"]] = inputs, level**2
-        joint = z[places["joint"]]
-        # The first row of the packed triangle's matrix: the state, and what it has in common with the parameters.
-        joint[diagonal_of(self.layout.n + 1) - np.arange(self.layout.n + 1)] = 0.0
-        joint[0] = level**2
-        z[places["joint"]] = joint
-        if self.starts_at_sample:
-            z[places["age"]] = 0.0
-        return z
-
     @functools.cached_property
     def fingerprint(self) -> str:
         """A hash of everything that a saved state depends on."""

@@ -10,12 +10,12 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
-from shipid.estimation.records.arrangement import Arrangement, FilterRecord, Hole, arrange, columns_of
-from shipid.estimation.records.restart import run_stretches
+from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
 from shipid.identification.recursive.design import RecursiveDesign, RecursiveSettings, design_recursion
+from shipid.identification.recursive.holes import run_over_holes
 from shipid.identification.recursive.online import OnlineIdentifier
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.parameters.parameter_set import ParameterSet
@@ -166,7 +166,7 @@ class RecursiveIdentifier:
         controls = [_controls(design, a) for a in arranged]
         constants = [design.constants(level) for level in levels]
         if any(a.holes for a in arranged):
-            done = [_over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)]
+            done = [run_over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)]
         else:
             done = [out for _, out in design.loop.map(starts, controls, constants, threads)]
         return [
@@ -203,25 +203,6 @@ def _arranged(design: RecursiveDesign, record: FilterRecord) -> Arrangement:
         column = design.instruments.column_of(design.sensor, columns)
         raise NotMeasurableError(f"column '{column}' of record {name} holds no sample that is a number.")
     return arranged
-
-
-def _over_holes(
-    design: RecursiveDesign,
-    start: np.ndarray,
-    control: np.ndarray,
-    constants: np.ndarray,
-    arranged: Arrangement,
-    level: float,
-) -> np.ndarray:
-    """Run a record with holes in its inputs: behind each the measured state starts anew, and the parameters go on."""
-
-    def anew(carried: np.ndarray, hole: Hole) -> np.ndarray:
-        piece = next(p for p in arranged.pieces if p.start == hole.row)
-        z, there = arranged.z[piece, 0], arranged.there[piece, 0]
-        first = float(z[np.argmax(there)]) if there.any() else None
-        return design.behind_hole(carried, first, arranged.inputs[hole.row], level)
-
-    return run_stretches(design.loop, start, control, constants, arranged, anew)[1]
 
 
 def _controls(design: RecursiveDesign, arranged: Arrangement) -> np.ndarray:

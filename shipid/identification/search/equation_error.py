@@ -15,11 +15,11 @@ import numpy as np
 
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.noise.autoregression import autoregression_of
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY
 from shipid.identification.search.regression import Regression
 from shipid.identification.search.trust_region import search
-from shipid.identification.uncertainty.autoregression import autoregression_of
 
 _STEPS = 30
 _TURNS = 6

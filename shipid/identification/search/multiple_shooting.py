@@ -295,7 +295,7 @@ class _Shooting:
 
 def _over(pick: np.ufunc, measured: np.ndarray) -> np.ndarray:
     """The largest or smallest sample of each signal; zero where it has none."""
-    return np.nan_to_num(pick.reduce(measured, axis=1))
+    return np.asarray(np.nan_to_num(pick.reduce(measured, axis=1)))
 
 
 def _spread(rows: np.ndarray, where: np.ndarray, size: int) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 Residuals of a real trial are not white: the error of a slightly wrong model lasts for many samples, and waves disturb
 heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
-(`shipid.identification.uncertainty.autoregression`). The result is given in effective samples: as many
+(`shipid.identification.noise.autoregression`). The result is given in effective samples: as many
 independent ones would hold as much information. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
 """
 
@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.estimation.estimate import UNDETERMINED
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.noise.filled_inputs import effects_of
+from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
-from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
-from shipid.identification.uncertainty.filled_inputs import effects_of
-from shipid.identification.uncertainty.residual_groups import ResidualGroup, groups_of
 
 #: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
 _CORRECTIONS = 2

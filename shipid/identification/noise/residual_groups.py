@@ -84,7 +84,8 @@ def groups_of(
     groups = []
     if on.any():
         at = [j for j, is_on in zip(shown, on) if is_on]
-        groups.append(ResidualGroup(trial, tuple(at), *(part[on] for part in common), powers[at], used))
+        rows, slopes, there = (part[on] for part in common)
+        groups.append(ResidualGroup(trial, tuple(at), rows, slopes, there, powers[at], used))
     for j in (j for j, is_on in zip(shown, on) if not is_on):
         own = _on_grid(data, [j], residual, jacobian, max(least, data.step_of(j)))
         groups.append(ResidualGroup(trial, (j,), *own, powers[[j]], used))
