@@ -55,7 +55,7 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     TrialMeasures
     """
     metres = f"{length!r} m" if length else None
-    trial = _between_samples(trial)
+    trial = between_samples(trial)
     try:
         kind = detect(trial)
     except ShipidError:
@@ -72,8 +72,14 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     )
 
 
-def _between_samples(trial: Trial) -> Trial:
-    """A trial with straight lines over the short holes of its signals, and without the signals that have long ones."""
+def between_samples(trial: Trial) -> Trial:
+    """Return a trial with straight lines over the short holes of its signals, and without the signals that have long ones.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    """
     if not trial.table.isna().to_numpy().any():
         return trial
     t = trial["t"]

@@ -9,10 +9,13 @@ from markupsafe import Markup
 
 from shipid.declaration.model import Model
 from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.trial_measures import between_samples
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
+from shipid.report.figures.svg import with_gaps
 from shipid.report.typography.quantities import shown, shown_field
 from shipid.report.views.fit.runaway import good_samples
 from shipid.trials.measuring.track import track
+from shipid.trials.trial import Trial
 
 #: Signals that come first, whether or not they were fitted.
 _FIRST = ("psi", "r", "u", "v")
@@ -93,7 +96,7 @@ def track_of(comparison: Comparison, key: str) -> tuple[Markup | None, str]:
         As for `histories_of`.
     """
     trial, predicted, count = comparison.trial, comparison.predicted, good_samples(comparison)
-    measured = track(trial)
+    measured = _measured_track(trial)
     curves, note = [], ""
     shift = (0.0, 0.0)
     if measured is not None:
@@ -107,6 +110,15 @@ def track_of(comparison: Comparison, key: str) -> tuple[Markup | None, str]:
     if not curves:
         return None, ""
     return tracks(curves, f"{key}-t", f"Track, north up, trial {trial.name}"), note
+
+
+def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
+    """North and east in m, NaN where the line breaks, and where they come from."""
+    t = trial["t"]
+    if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
+        north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
+        return north, east, "positions"
+    return track(between_samples(trial))
 
 
 def _labels(panels: list[Panel]) -> str:
