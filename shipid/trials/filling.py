@@ -8,12 +8,14 @@ import numpy as np
 GAP = 5.0
 #: Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts.
 _LIVE, _BURSTS = 0.2, 10
+#: Share of the intervals, longer than the median one, beyond which samples are irregular.
+_IRREGULAR = 1 / 3
 
 
 def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
     """Return the usual interval between the samples of a channel: the median one where they are regular.
 
-    Where samples are left out at random it is the mean of the intervals that are no holes. Samples that come in bursts (several
+    Where many samples are left out at random it is the mean of the intervals that are no holes. Samples that come in bursts (several
     sensors that write at nearly the same time) count as one for each burst.
 
     Parameters
@@ -36,8 +38,9 @@ def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
     short = step <= GAP * median
     if np.count_nonzero(~short) > _BURSTS and step[short].sum() < _LIVE * step.sum():
         return usual_interval(times[np.concatenate([[True], ~short])])
-    # Of irregular samples the median lies between two intervals and changes by chance; of regular ones it is exact.
-    return median if step[short].max() <= 1.5 * median else float(step[short].mean())
+    # Where every other sample is missing the median lies between two intervals, and changes by chance.
+    irregular = np.mean(step[short] > 1.5 * median) > _IRREGULAR
+    return float(step[short].mean()) if irregular else median
 
 
 def samples_of(t: np.ndarray, values: np.ndarray) -> tuple[int, int]:
@@ -53,7 +56,7 @@ def samples_of(t: np.ndarray, values: np.ndarray) -> tuple[int, int]:
     Returns
     -------
     there, possible : int
-        Of a channel that keeps a slower clock of its own there might be one at each of its intervals; of any other one a row.
+        Of a channel that keeps a regular clock there might be one at each of its intervals, of any other one in each row.
     """
     there = np.isfinite(values)
     count = int(there.sum())
@@ -61,8 +64,8 @@ def samples_of(t: np.ndarray, values: np.ndarray) -> tuple[int, int]:
         return count, int(t.size)
     step = np.diff(t[there])
     own = float(np.median(step))
-    slower = own > 1.5 * usual_interval(t) and np.mean(np.abs(step - own) < 0.2 * own) > 0.9
-    return count, max(count, round((t[there][-1] - t[there][0]) / own) + 1) if slower else int(t.size)
+    regular = np.mean(np.abs(step - own) < 0.2 * own) > 0.9
+    return count, max(count, round((t[there][-1] - t[there][0]) / own) + 1) if regular else int(t.size)
 
 
 def interpolated(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:

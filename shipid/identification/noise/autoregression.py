@@ -101,48 +101,36 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))
 
 
-def autoregression_of(residual: np.ndarray, there: np.ndarray | None = None) -> Autoregression:
+def autoregression_of(residual: np.ndarray) -> Autoregression:
     """Return the autoregression of the residuals of one trial.
 
     Parameters
     ----------
     residual : ndarray, shape (signals, N)
-        Residuals at regular samples, in units of their standard deviation; zero where one is missing.
-    there : ndarray of bool, shape (signals, N), optional
-        Which samples are there; all by default. Of the others nothing is taken: each autocovariance is that of the pairs of
-        samples that are there (Parzen 1963).
+        Residuals at regular samples, in units of their standard deviation.
     """
     signals, count = residual.shape
     none = np.zeros((0, signals, signals))
     if not np.isfinite(residual).all() or count < 8:
         return Autoregression(none, np.eye(signals))
-    if there is not None and not there.sum(axis=1).min() >= 8:
-        # A signal without samples has no power of its own: it takes no part in the covariance.
-        return Autoregression(none, np.diag(_powers(residual, there)))
-    samples = count if there is None else int(there.sum(axis=1).min())
-    most = max((p for p in _ORDERS if p * signals * _SAMPLES <= samples), default=0)
-    lags = _lags(residual, most, there)
+    most = max((p for p in _ORDERS if p * signals * _SAMPLES <= count), default=0)
+    lags = _lags(residual, most)
     diagonal = np.diag(np.diag(lags[0]))
     if (np.diag(diagonal) <= 0).any():
         return Autoregression(none, diagonal)
-    price = np.log(samples) / samples
+    price = np.log(count) / count
     best, least = Autoregression(none, diagonal), float(np.log(np.diag(diagonal)).sum())
     for order in (p for p in (0, *_ORDERS) if p <= most):
         found = _yule_walker(lags, order)
         sign, size = np.linalg.slogdet(found.drive)
         numbers = order * signals**2 + signals * (signals - 1) / 2
-        if sign > 0 and size + numbers * price < least and (there is None or found.stable):
+        if sign > 0 and size + numbers * price < least:
             best, least = found, size + numbers * price
     return best
 
 
 def corrected(
-    model: Autoregression,
-    residual: np.ndarray,
-    jacobian: np.ndarray,
-    flat: np.ndarray,
-    cover: np.ndarray,
-    there: np.ndarray | None = None,
+    model: Autoregression, residual: np.ndarray, jacobian: np.ndarray, flat: np.ndarray, cover: np.ndarray
 ) -> Autoregression:
     """Return the autoregression corrected for the part of the noise that the fit absorbed.
 
@@ -156,11 +144,9 @@ def corrected(
     residual : ndarray, shape (signals, N)
         Those residuals.
     jacobian : ndarray, shape (signals, N, unknowns)
-        Their derivatives; zero where a sample is missing.
+        Their derivatives.
     flat, cover : ndarray, shape (unknowns, unknowns)
         Inverse of the information matrix of the search, and covariance of the unknowns.
-    there : ndarray of bool, shape (signals, N), optional
-        Which samples are there; all by default.
 
     Returns
     -------
@@ -170,15 +156,12 @@ def corrected(
     count = residual.shape[1]
     # Residual = (I - P) noise with P = J flat J', so its covariance is C - PC - CP + PCP.
     along = model.spread(jacobian) @ flat
-    if there is not None:
-        along = along * there[:, :, None]
     back = jacobian @ cover
-    lags = _lags(residual, model.order, there)
+    lags = _lags(residual, model.order)
     for k, lag in enumerate(lags):
         late, early = slice(k, None), slice(0, count - k)
-        share = 1 / count if there is None else _weights(there, k)
         for one, two, sign in ((jacobian, along, 1), (along, jacobian, 1), (back, jacobian, -1)):
-            lag += sign * share * np.tensordot(one[:, late], two[:, early], axes=((1, 2), (1, 2)))
+            lag += sign * np.tensordot(one[:, late], two[:, early], axes=((1, 2), (1, 2))) / count
     if model.order == 0 and not np.any(model.drive - np.diag(np.diag(model.drive))):
         found = Autoregression(model.steps, np.diag(np.diag(lags[0])))
     else:
@@ -186,25 +169,10 @@ def corrected(
     return found if found.stable else model
 
 
-def _lags(residual: np.ndarray, most: int, there: np.ndarray | None = None) -> list[np.ndarray]:
+def _lags(residual: np.ndarray, most: int) -> list[np.ndarray]:
     """Autocovariances E e(t + k) e(t)', the biased estimate."""
     count = residual.shape[1]
-    sums = [residual[:, k:] @ residual[:, : count - k].T for k in range(most + 1)]
-    return [total * (1 / count if there is None else _weights(there, k)) for k, total in enumerate(sums)]
-
-
-def _weights(there: np.ndarray, lag: int) -> np.ndarray:
-    """What turns a sum over pairs of samples into an autocovariance: 1/N where all are there, shape (signals, signals)."""
-    count = there.shape[1]
-    here = there.astype(float)
-    pairs = here[:, lag:] @ here[:, : count - lag].T
-    return np.asarray((1 - lag / count) / np.maximum(pairs, 1.0))
-
-
-def _powers(residual: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """Mean square of each signal's samples; 1 where there are none."""
-    samples = there.sum(axis=1)
-    return np.asarray(np.where(samples > 0, (residual**2).sum(axis=1) / np.maximum(samples, 1), 1.0))
+    return [residual[:, k:] @ residual[:, : count - k].T / count for k in range(most + 1)]
 
 
 def _yule_walker(lags: list[np.ndarray], order: int) -> Autoregression:

@@ -1,7 +1,9 @@
-"""Residuals of a trial at regular times, for their spectrum: several samples in a row are taken together.
+"""Residuals of a trial as series without holes, for their spectrum.
 
-Signals that keep their own clocks, and signals with holes, are laid on a common grid; where a signal has no sample the grid has
-none. A signal that is sampled much less often than the others has a grid of its own, and its correlation with them is left out.
+Signals of a regular trial are one series, sample by sample; of long records several samples in a row are taken together. Where
+samples are missing, or signals keep their own clocks, those that are near each other make one entry of the series, at least one
+sample of each signal: correlations from entry to entry are those of the noise as it was sampled. What a signal shows in a hole of
+another, and a signal that is sampled much less often, are series of their own.
 """
 
 from __future__ import annotations
@@ -11,17 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.identification.problem.trial_data import TrialData
+from shipid.trials.filling import interpolated
 
 #: Samples of a record that are enough for its spectrum: of longer ones several in a row are taken together, which loses nothing
 #: at the frequencies at which a ship answers.
 _ENOUGH = 1000
-#: Share of the times of a grid at which a signal has a sample, if it is to be on it.
-_ON_THE_GRID = 0.4
+#: A signal whose usual interval is this many times the median one of all has a series of its own.
+_SLOW = 3.0
 
 
 @dataclass(frozen=True, eq=False)
 class ResidualGroup:
-    """Signals of one trial on one grid; N times.
+    """Signals of one trial in one series; N entries.
 
     Attributes
     ----------
@@ -30,11 +33,9 @@ class ResidualGroup:
     signals : tuple of int
         Which signals.
     residual : ndarray, shape (signals, N)
-        Weighted residuals; zero where a sample is missing.
+        Weighted residuals.
     jacobian : ndarray, shape (signals, N, used unknowns)
-        Their derivatives; zero where a sample is missing.
-    there : ndarray of bool, shape (signals, N), or None
-        Which samples are there; None where all are.
+        Their derivatives.
     powers : ndarray, shape (signals,)
         Mean squares of the residuals, sample by sample.
     used : ndarray of int
@@ -45,7 +46,6 @@ class ResidualGroup:
     signals: tuple[int, ...]
     residual: np.ndarray
     jacobian: np.ndarray
-    there: np.ndarray | None
     powers: np.ndarray
     used: np.ndarray
 
@@ -53,7 +53,7 @@ class ResidualGroup:
 def groups_of(
     data: TrialData, trial: int, residual: np.ndarray, jacobian: np.ndarray, used: np.ndarray
 ) -> list[ResidualGroup]:
-    """Return the residuals of a trial on grids of regular times.
+    """Return the residuals of a trial in series.
 
     Parameters
     ----------
@@ -62,52 +62,74 @@ def groups_of(
     trial : int
         Its number.
     residual : ndarray, shape (signals, N)
-        Weighted residuals.
+        Weighted residuals; zero where a sample is missing.
     jacobian : ndarray, shape (signals, N, used unknowns)
-        Their derivatives.
+        Their derivatives; zero where a sample is missing.
     used : ndarray of int
         Unknowns that the trial depends on.
     """
     signals = tuple(range(len(residual)))
     if data.regular:
-        every = max(1, residual.shape[1] // _ENOUGH)
-        powers = np.mean(residual**2, axis=1)
-        whole = gathered(residual, every), gathered(jacobian, every)
-        return [ResidualGroup(trial, signals, *whole, None, powers, used)]
+        entries = [(signals, residual, jacobian)]
+    else:
+        entries = [(rows, *_series(cells, residual[list(rows)], jacobian[list(rows)])) for rows, cells in _cells(data)]
     counts = data.there.sum(axis=1)
     powers = np.where(counts > 0, (residual**2).sum(axis=1) / np.maximum(counts, 1), 1.0)
-    least = float(data.t[-1]) / _ENOUGH
-    shown = [j for j in signals if counts[j]]
-    step = max(least, float(np.median([data.step_of(j) for j in shown]))) if shown else least
-    common = _on_grid(data, shown, residual, jacobian, step)
-    on = common[2].mean(axis=1) >= _ON_THE_GRID
     groups = []
-    if on.any():
-        at = [j for j, is_on in zip(shown, on) if is_on]
-        rows, slopes, there = (part[on] for part in common)
-        groups.append(ResidualGroup(trial, tuple(at), rows, slopes, there, powers[at], used))
-    for j in (j for j, is_on in zip(shown, on) if not is_on):
-        own = _on_grid(data, [j], residual, jacobian, max(least, data.step_of(j)))
-        groups.append(ResidualGroup(trial, (j,), *own, powers[[j]], used))
+    for rows, errors, slopes in entries:
+        every = max(1, errors.shape[1] // _ENOUGH)
+        groups.append(
+            ResidualGroup(trial, rows, gathered(errors, every), gathered(slopes, every), powers[list(rows)], used)
+        )
     return groups
 
 
-def _on_grid(
-    data: TrialData, signals: list[int], residual: np.ndarray, jacobian: np.ndarray, step: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Sums of the samples nearest to each time of a grid, scaled as by `gathered`, and at which times there are any."""
-    cell = np.floor(data.t / step + 0.5).astype(int)
-    count = int(cell[-1]) + 1
-    rows, slopes = np.zeros((len(signals), count)), np.zeros((len(signals), count, jacobian.shape[2]))
-    there = np.zeros((len(signals), count), dtype=bool)
-    for k, j in enumerate(signals):
-        own = data.there[j]
-        cells, starts, counts = np.unique(cell[own], return_index=True, return_counts=True)
+def _cells(data: TrialData) -> list[tuple[tuple[int, ...], np.ndarray]]:
+    """Series by their signals: the number of the entry that each sample belongs to, -1 for none, shape (signals, N)."""
+    shown = [j for j, there in enumerate(data.there) if there.any()]
+    steps = {j: data.step_of(j) for j in shown}
+    usual = sorted(steps.values())[(len(steps) - 1) // 2] if steps else 0.0
+    together = [j for j in shown if steps[j] < _SLOW * usual]
+    series, alone = [], {j: data.there[j] for j in shown if j not in together}
+    if len(together) > 1:
+        # Outside its samples, and in a hole, a signal is not near the others.
+        near = np.all([np.isfinite(interpolated(data.t, data.measured[j])) for j in together], axis=0)
+        there = data.there[together] & near
+        if there.any(axis=1).all():
+            series.append((tuple(together), _numbered(data.t, there)))
+        else:
+            near = np.zeros_like(near)
+        alone |= {j: data.there[j] & ~near for j in together}
+    else:
+        alone |= {j: data.there[j] for j in together}
+    for j, there in sorted(alone.items()):
+        if there.any():
+            series.append(((j,), np.where(there, np.cumsum(there) - 1, -1)[None]))
+    return series
+
+
+def _numbered(t: np.ndarray, there: np.ndarray) -> np.ndarray:
+    """Entries around the samples of the signal that has the fewest; one that lacks a signal is joined to the next."""
+    anchors = t[there[np.argmin(there.sum(axis=1))]]
+    cell = np.searchsorted(0.5 * (anchors[1:] + anchors[:-1]), t)
+    full = np.ones(anchors.size, dtype=bool)
+    for row in there:
+        full &= np.bincount(cell[row], minlength=anchors.size) > 0
+    number = np.cumsum(full) - full
+    last = max(int(np.count_nonzero(full)) - 1, 0)
+    return np.where(there, np.minimum(number, last)[cell], -1)
+
+
+def _series(cells: np.ndarray, residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Sums of the samples of each entry, scaled as by `gathered`."""
+    errors, slopes = [], []
+    for cell, row, slope in zip(cells, residual, jacobian):
+        own = cell >= 0
+        _, starts, counts = np.unique(cell[own], return_index=True, return_counts=True)
         root = np.sqrt(counts)
-        rows[k, cells] = np.add.reduceat(residual[j, own], starts) / root
-        slopes[k, cells] = np.add.reduceat(jacobian[j, own], starts, axis=0) / root[:, None]
-        there[k, cells] = True
-    return rows, slopes, there
+        errors.append(np.add.reduceat(row[own], starts) / root)
+        slopes.append(np.add.reduceat(slope[own], starts, axis=0) / root[:, None])
+    return np.array(errors), np.array(slopes)
 
 
 def gathered(rows: np.ndarray, every: int) -> np.ndarray:

@@ -170,13 +170,11 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
             scatter[np.ix_(g.used, g.used)] += shaped.T @ shaped
         return np.asarray(flat @ scatter @ flat)
 
-    noise = [autoregression_of(g.residual, g.there) for g in groups]
+    noise = [autoregression_of(g.residual) for g in groups]
     found = covariance_under(noise)
     for _ in range(_CORRECTIONS):
         noise = [
-            corrected(
-                model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], found[np.ix_(g.used, g.used)], g.there
-            )
+            corrected(model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], found[np.ix_(g.used, g.used)])
             for model, g in zip(noise, groups)
         ]
         found = covariance_under(noise)

@@ -20,6 +20,7 @@ from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.trials.measuring.executes import first_execute, leaves
+from shipid.trials.filling import interpolated
 from shipid.trials.measuring.measures import ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.signals import series
@@ -62,7 +63,7 @@ class ZigzagHelmsman:
 
 
 def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
-    """Return the helmsman of a zig-zag, or None where the rudder itself was not recorded.
+    """Return the helmsman of a zig-zag, or None where the rudder, or the heading at a reversal, was not recorded.
 
     Parameters
     ----------
@@ -82,6 +83,9 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     left = [leaves(t, delta, plate, "order") for plate in held[:-1]]
     start = first_execute(t, delta, held[0], "order")
     begin = start[0] if start is not None and start[0] < left[0] else float(t[held[0].first])
+    if not np.isfinite(interpolated(t, psi, np.array(left))).all():
+        return None  # where the rudder left a plate the heading has a hole
+    t_psi, psi = t[np.isfinite(psi)], psi[np.isfinite(psi)]
     half = 0.03 * float(np.median(np.diff([begin, *left])))
     rates = []
     for one, two in pairwise(held):
@@ -98,7 +102,7 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
         begin,
         held[0].side,
         np.array([plate.angle for plate in held]),
-        np.array([series.value_at(t, psi, when, half, 1) for when in left]),
+        np.array([series.value_at(t_psi, psi, when, half, 1) for when in left]),
         float(np.median(rates)) if rates else _NEVER,
         float(np.median(np.array(executes) - left[: len(executes)])) if executes else 0.0,
     )

@@ -115,7 +115,9 @@ def tracks(curves: Sequence[Curve], key: str, title: str) -> Markup:
             kept = np.union1d(thin(curve.x, MOST_POINTS // 2), thin(curve.y, MOST_POINTS // 2))
             ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
         begins = np.flatnonzero(np.isfinite(curves[0].x))[:1]
-        ax.plot(curves[0].x[begins], curves[0].y[begins], "o", color="black", markersize=4, linestyle="none", label="start")
+        ax.plot(
+            curves[0].x[begins], curves[0].y[begins], "o", color="black", markersize=4, linestyle="none", label="start"
+        )
         ax.set_aspect("equal", adjustable="box")
         ax.set_xlim(*across)
         ax.set_ylim(*along)

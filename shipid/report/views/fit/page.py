@@ -140,7 +140,10 @@ def _cautions(fit: Fit) -> list[str]:
     """Where a validation trial leaves the range of the fitted ones, and what was not asked for."""
     beyond: dict[str, list[str]] = {}
     for name in ("delta", "r"):
-        largest = max((float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)), default=np.inf)
+        largest = max(
+            (float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)),
+            default=np.inf,
+        )
         how = shown(fit.model, name)
         for c in fit.validation:
             size = float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) if c.trial.has(name) else 0.0
