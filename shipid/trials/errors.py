@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
-from shipid.foundation.errors import ShipidError
+from shipid.foundation.errors import ShipidError, UsageError
 
 
 class TrialError(ShipidError):
     """Base of everything that can be wrong with a trial record, its format file or its contents."""
+
+
+class ForeignFileError(TrialError):
+    """A file that is no table that can be read: named for what it is."""
+
+
+class FileSizeError(TrialError):
+    """A file that is larger, or expands to more, than is read."""
+
+
+class DamagedFileError(TrialError):
+    """A file of a known kind that cannot be read as one."""
+
+
+class ChoiceError(TrialError):
+    """A sheet, struct or group that is not there, or that has to be named because several hold a table."""
 
 
 class EmptyFileError(TrialError):
@@ -41,12 +57,20 @@ class TextInColumnError(TrialError):
     """A numeric column contains text."""
 
 
+class AmbiguousNumberError(TrialError):
+    """Numbers such as 1,234 that can be read in two ways, with nothing to tell which."""
+
+
 class NonFiniteError(TrialError):
     """A sample is empty, NaN or infinite."""
 
 
 class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
+
+
+class NotALiveLogError(TrialError):
+    """What is to be followed line by line is no text, or a line of it has no end."""
 
 
 class DateOrderError(TrialError):
@@ -91,3 +115,7 @@ class FormatFileError(TrialError):
 
 class NotAManoeuvreError(TrialError):
     """The record is neither a zig-zag nor a turning circle, so it cannot be measured as one."""
+
+
+class SeveralManoeuvresError(UsageError):
+    """The record holds several manoeuvres and none is chosen, or there is none with the number asked for."""

@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-
 from scipy.signal import lfilter
 
 import shipid

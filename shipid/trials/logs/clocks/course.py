@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from shipid.trials import checks
+from shipid.trials.filling import GAP
 
 DAY = 86400.0
 HOUR = 3600.0
@@ -58,7 +58,7 @@ def hour_back(seconds: np.ndarray) -> int | None:
     if step.size < 2:
         return None
     usual = float(np.median(step[step > 0])) if (step > 0).any() else 1.0
-    back = np.flatnonzero(np.abs(step + HOUR - usual) <= max(checks.GAP * usual, 1.0))
+    back = np.flatnonzero(np.abs(step + HOUR - usual) <= max(GAP * usual, 1.0))
     return int(at[back[0] + 1]) if back.size else None
 
 
@@ -74,13 +74,15 @@ def ends_summer(before: float) -> bool:
     return moment.weekday() == 6 and moment.month in (3, 4, 9, 10, 11) and moment.hour < 4
 
 
-def spread(seconds: np.ndarray) -> tuple[np.ndarray, float | None]:
+def spread(seconds: np.ndarray, twice: np.ndarray | None = None) -> tuple[np.ndarray, float | None]:
     """Spread samples that share a stamp of low resolution evenly over it.
 
     Parameters
     ----------
     seconds : ndarray, shape (n,)
         The clock, not falling; NaN where there is no stamp.
+    twice : ndarray of bool, shape (n,), optional
+        Rows that stand twice; where most of the stamps that repeat do so for them, nothing is spread.
 
     Returns
     -------
@@ -93,6 +95,8 @@ def spread(seconds: np.ndarray) -> tuple[np.ndarray, float | None]:
     known = seconds[at]
     step = np.diff(known)
     if step.size < 2 or (step < 0).any() or not (step > 0).any() or np.mean(step == 0) < COARSE:
+        return seconds, None
+    if twice is not None and twice[at[1:]][step == 0].mean() > 0.5:
         return seconds, None
     resolution = next((r for r in reversed(_RESOLUTIONS) if _multiples(known, r)), None)
     if resolution is None:
