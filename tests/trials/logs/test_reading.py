@@ -154,7 +154,7 @@ class TestParquet:
         assert read_trial(tmp_path / "log.parquet").has("psi")  # numbers as text are numbers
         frame.loc[5, "psi [deg]"] = "north"
         frame.to_parquet(tmp_path / "log.parquet")
-        with pytest.raises(e.TextInColumnError, match="row 5, column 'psi .deg.': 'north'"):
+        with pytest.raises(e.TextInColumnError, match=r"row 5, column 'psi .deg.': 'north'"):
             read_trial(tmp_path / "log.parquet")
         (tmp_path / "bad.parquet").write_bytes(b"PAR1 not really")
         with pytest.raises(e.TrialError, match="not a readable Parquet"):

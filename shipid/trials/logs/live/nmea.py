@@ -13,8 +13,8 @@ from shipid.trials.logs.live.table import LiveSample
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.geodesy import to_local
-from shipid.trials.logs.nmea.lines import checksum, split_line, stamp_reader, tag_time
-from shipid.trials.logs.nmea.sentences import CARRIED, parser
+from shipid.trials.logs.nmea.sentences.fields import CARRIED
+from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time
 from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
 
 _DEG = pi / 180
@@ -43,17 +43,12 @@ class LiveNmea:
     ----------
     names : tuple of str
         The channels that were heard so far, after ``t``.
-
-    Raises
-    ------
-    MissingExtraError
-        If pynmeagps is not installed.
     """
 
     def __init__(self, fmt: NmeaFormat, where: str, tell: Callable[[str], None]) -> None:
         self.names: tuple[str, ...] = ("t",)
         self._fmt, self._where, self._tell = fmt, where, tell
-        self._parse, self._stamp = parser(), stamp_reader(fmt.stamp)
+        self._stamp = stamp_reader(fmt.stamp)
         self._source: dict[str, tuple[int, str]] = {}
         self._now: float | None = None
         self._origin: float | None = None
@@ -139,10 +134,9 @@ class LiveNmea:
         """The fields of a sentence that is read here, by name."""
         if kind not in CARRIED or text[0] != "$":
             return {}
-        message = self._parse(text)
         try:
-            values = () if message is None else CARRIED[kind][1](message)
-        except AttributeError:  # too few fields
+            values = CARRIED[kind][1](text.split(","))
+        except ValueError:  # a field that is no number
             values = ()
         if not values:
             self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import tempfile
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -15,17 +15,20 @@ from shipid.trials.errors import EmptyFileError, TrialError
 from shipid.trials.logs.clocks.formatted import clock_columns
 from shipid.trials.logs.clocks.headers import find_clock
 from shipid.trials.logs.clocks.settings import ClockFormat
-from shipid.trials.logs.clocks.stamps import is_stamp
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
-from shipid.trials.logs.text_layout import NUMBER, TextLayout, fields, lay_out
+from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out
+from shipid.trials.logs.tables.header_rows import is_sample_row
+from shipid.trials.logs.tables.numerals import Decimal, certain_sign, is_missing, read_numbers
 from shipid.trials.missing_marks import LARGEST
 
 #: So many lines may stand before the first sample.
 _HEAD = 200
 #: So many samples may be needed to know what kind of clock a log has.
 _FIRST = 3
+#: Numbers that need no second look.
+_PLAIN = re.compile(r"[-+]?[0-9]+(\.[0-9]*)?([eE][-+]?[0-9]{1,3})?")
 
 
 class LiveSample(NamedTuple):
@@ -70,9 +73,13 @@ class LiveTable:
         self._layout: TextLayout | None = None
         self._clock: RunningClock | None = None
         self._clock_at: tuple[int, ...] = ()
+        self._headers: tuple[str, ...] = ()
+        self._sign: Decimal | None = None
+        sign = re.escape(self._comment)
+        self._remark = re.compile(rf"(?:^|\s){sign}(?![A-Z0]+[/!?]|NA|NV).*")  # #N/A, #DIV/0! are cells
         self._channels: dict[str, tuple[int, float]] = {}
         self._before: list[str] = []
-        self._count = 0
+        self._count = self._tried = 0
 
     def take(self, number: int, line: str) -> Iterator[LiveSample]:
         """Yield the samples that a line completes.
@@ -97,7 +104,13 @@ class LiveTable:
             self._head.append(line.rstrip("\r\n"))
             if not self._head_is_whole():
                 return
-            self._layout = self._lay_out()
+            self._tried += 1
+            try:
+                self._layout = self._lay_out()
+            except TrialError:  # one sample may be too few to tell a header from a row of units
+                if self._tried >= _FIRST:
+                    raise
+                return
             for k, text in enumerate(self._head[self._layout.skip :], start=self._layout.skip + 1):
                 yield from self._row(k, text)
             return
@@ -137,27 +150,31 @@ class LiveTable:
         if skip is not None:
             return len(self._head) > skip and bool(self._head[-1].strip()) and not self._is_comment(self._head[-1])
         lines = [line for line in self._head if line.strip() and not self._is_comment(line)]
-        if len(lines) < 2:
-            return False
-        return any(sum(map(_is_value, fields(lines[-1], sep))) > 1 for sep in SEPARATORS.values())
+        # NumPy writes the header as a comment.
+        needed = 1 if len(lines) < len([line for line in self._head if line.strip()]) and self._is_sample(lines) else 2
+        return len(lines) >= needed and self._is_sample(lines)
+
+    @staticmethod
+    def _is_sample(lines: list[str]) -> bool:
+        rows = [fields(lines[-1], separator) for separator in SEPARATORS.values()] if lines else []
+        return any(len(row) > 1 and is_sample_row(row) for row in rows)
 
     def _lay_out(self) -> TextLayout:
         """Lay out the head as that of a file."""
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "head.txt"
-            path.write_text("\n".join(self._head) + "\n", encoding="utf-8")
-            try:
-                return lay_out(path, self._fmt)
-            except TrialError as error:
-                raise type(error)(
-                    str(error).replace(f"'{path}'", self._where).replace(str(path), self._where)
-                ) from None
+        layout = lay_out("\n".join(self._head).encode("utf-8", "replace"), Path(self._where), self._fmt)
+        self._sign = layout.decimal
+        if layout.headers and any(layout.units):
+            pairs = zip(layout.headers, layout.units)
+            self._headers = tuple(headers.header(name, unit) if name and unit else name for name, unit in pairs)
+        else:
+            self._headers = layout.headers
+        return layout
 
     def _row(self, number: int, line: str) -> Iterator[LiveSample]:
         assert self._layout is not None
         if not line.strip() or self._is_comment(line):
             return
-        cells = fields(line.split(self._comment)[0].rstrip("\r\n"), self._layout.separator)
+        cells = fields(self._remark.sub("", line.rstrip("\r\n")), self._layout.separator)
         width = self._layout.width
         if len(cells) == width - 1 and self._layout.headers and self._layout.headers[-1] == "":
             cells.append("")
@@ -181,28 +198,28 @@ class LiveTable:
         rows = [cells for _, cells in self._waiting]
         columns = [pd.Series([self._plain(row[k]) for row in rows], dtype=object) for k in range(layout.width)]
         if fmt is None:
-            table = {header: columns[k] for k, header in enumerate(layout.headers) if header}
+            table = {header: columns[k] for k, header in enumerate(self._headers) if header}
             clock, others = find_clock(table)
             if not clock and not last:
                 return
             rest = [header for header in table if header not in clock + others]
-            place = f"{self._where}, line {layout.skip}"
+            place = f"{self._where}, line {layout.row}"
             found, stated, faults = by_header(
-                {h: layout.headers.index(h) for h in rest} | ({"t [s]": -1} if clock else {}), {}, place
+                {h: self._headers.index(h) for h in rest} | ({"t [s]": -1} if clock else {}), {}, place
             )
             for fault in faults:
                 raise fault
             unit = None
             if not clock:  # a unit of its own, as in t [cs]
-                clock, unit = (layout.headers[found["t"]],), stated["t"]
-            self._clock_at = tuple(layout.headers.index(header) for header in clock)
+                clock, unit = (self._headers[found["t"]],), stated["t"]
+            self._clock_at = tuple(self._headers.index(header) for header in clock)
             written = {header: table[header] for header in clock}
             self._clock = RunningClock(written, self._where, ClockFormat(), unit)
         else:
-            found, stated = by_format(fmt, layout.headers, layout.width, self._where, {})
-            self._clock_at = clock_columns(fmt, found, layout.headers, self._where) if fmt.interval is None else ()
+            found, stated = by_format(fmt, self._headers, layout.width, self._where, {})
+            self._clock_at = clock_columns(fmt, found, self._headers, self._where) if fmt.interval is None else ()
             if self._clock_at:
-                names = [layout.headers[k] if k < len(layout.headers) else f"number {k}" for k in self._clock_at]
+                names = [self._headers[k] if k < len(self._headers) else f"number {k}" for k in self._clock_at]
                 written = {name: columns[k] for name, k in zip(names, self._clock_at)}
                 self._clock = RunningClock(written, self._where, fmt.clock, stated.get("t"))
         self._channels = {}
@@ -217,8 +234,17 @@ class LiveTable:
             yield from self._sample(number, cells)
 
     def _plain(self, cell: str) -> str:
-        assert self._layout is not None
-        return cell.replace(",", ".") if self._layout.decimal == "," and NUMBER.match(cell) else cell
+        """A cell of the clock with a decimal point."""
+        value = self._number(cell)
+        return cell if np.isnan(value) or _PLAIN.fullmatch(cell) else repr(value)
+
+    def _number(self, cell: str) -> float:
+        """The number in a cell; NaN where it is none."""
+        if self._sign != "," and _PLAIN.fullmatch(cell):
+            return float(cell)
+        if self._sign is None:
+            self._sign = certain_sign(cell)
+        return float(read_numbers(pd.Series([cell], dtype="str"), self._sign or ".")[0][0])
 
     def _sample(self, number: int, cells: list[str]) -> Iterator[LiveSample]:
         if self._clock is None:
@@ -235,14 +261,14 @@ class LiveTable:
         self._count += 1
         values = {"t": t}
         for name, (k, factor) in self._channels.items():
-            values[name] = self._value(number, name, self._plain(cells[k])) * factor
+            values[name] = self._value(number, name, cells[k]) * factor
         yield LiveSample(number, self._put_right(values))
 
     def _value(self, number: int, name: str, cell: str) -> float:
-        if not cell:
+        if is_missing(cell):
             return np.nan
-        value = float(cell) if NUMBER.match(cell) and "," not in cell else np.nan
-        if abs(value) <= LARGEST or cell.lower().lstrip("+-") == "nan":
+        value = self._number(cell)
+        if abs(value) <= LARGEST:
             return value
         self._tell(f"{self._where}, line {number}: {name} is no number there; it counts as missing.")
         return np.nan
@@ -259,7 +285,3 @@ class LiveTable:
             north, east = values["u"], values["v"]
             values["u"], values["v"] = north * c + east * s, east * c - north * s
         return values
-
-
-def _is_value(cell: str) -> bool:
-    return bool(cell) and (bool(NUMBER.match(cell)) or is_stamp(cell))

@@ -65,12 +65,13 @@ tuple of float or None
     @property
     def leading_executes(self) -> tuple[float, ...]:
         """Times of the reversals up to the first that is not known [s]."""
-        return tuple(takewhile(lambda e: e is not None, self.executes or ()))
+        return tuple(e for e in takewhile(lambda e: e is not None, self.executes or ()) if e is not None)
 
     @property
     def leading_overshoots(self) -> tuple[float, ...]:
         """Overshoots up to the first that is not known or not reached [rad]: entry k belongs to leading execute k."""
-        return tuple(takewhile(lambda o: o is not None, self.overshoots or ()))[: len(self.leading_executes)]
+        known = tuple(o for o in takewhile(lambda o: o is not None, self.overshoots or ()) if o is not None)
+        return known[: len(self.leading_executes)]
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:
         """The quantities of the whole zig-zag, and a table with a row a reversal."""

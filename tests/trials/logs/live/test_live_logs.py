@@ -73,6 +73,14 @@ def test_decimal_commas(tmp_path):
     same_as_the_record(frame(**{"t [s]": SECONDS}).to_csv(index=False, sep=";", decimal=","), tmp_path / "log.csv")
 
 
+def test_headers_and_numbers_as_people_write_them(tmp_path):
+    rows = "".join(f'{0.5 * k},"1,0{k:02d}.25",{k}\n' for k in range(N))
+    same_as_the_record("t,x,delta\ns,m,deg\n" + rows, tmp_path / "log.csv")
+    rows = "".join(f"{0.5 * k}D+00 {k}.5D-01 {k}\n" for k in range(N))
+    same_as_the_record("t[s] psi[deg] delta[deg]\n" + rows, tmp_path / "log.dat")
+    same_as_the_record("# t[s] psi[deg] delta[deg]\n" + rows, tmp_path / "log.dat")
+
+
 @pytest.mark.parametrize(
     "clock, cells, text",
     [
@@ -180,7 +188,7 @@ def test_midnight_and_the_end_of_summer_time_are_told():
         ("time,psi [deg]\n0,1\n1,1\n2,1\n", e.NoUnitError, "column 'time' says no unit"),
         ("t [kg],psi [deg]\n0,1\n1,1\n2,1\n", e.ColumnUnitError, "kg"),
         ("t [s],psi [m]\n0,1\n1,1\n2,1\n", e.ColumnUnitError, "psi"),
-        ("t [s]\n0\n1\n", e.SeparatorError, "log, line 1"),
+        ("t [s]\n0\n1\n", e.SeparatorError, "'log', line"),
     ],
 )
 def test_headers_that_cannot_be_read(text, error, words):
