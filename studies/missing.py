@@ -6,6 +6,7 @@ of every column on its own, the rudder included:
 
 - random: each sample with a chance of 5, 20 or 50 %;
 - holes: as many, in holes of 3 to 40 samples; those of the rudder split the record;
+- rows: a fifth of the rows, of all columns together;
 - rates: heading and rudder at 10 Hz, rate of turn at 5, speed and position at 1;
 - offset: the same, each sensor with its own clock, 3 ms apart.
 
@@ -90,6 +91,15 @@ def in_holes(share: float) -> Spoil:
     return spoil
 
 
+def rows_at_random(share: float) -> Spoil:
+    """Whole rows are missing: what the rudder did between those that are left is not known either."""
+
+    def spoil(table: Table, rng: Any) -> Table:
+        return table[rng.random(len(table)) >= share].reset_index(drop=True)
+
+    return spoil
+
+
 def at_rates(table: Table, _: Any) -> Table:
     """Each sensor at its own rate, at the same stamps."""
     gone = np.array([np.arange(len(table)) % EVERY.get(n, 1) != 0 for n in table.columns]).T
@@ -112,6 +122,7 @@ def offset(table: Table, _: Any) -> Table:
 CASES = (
     *(Case(f"{share:.0%} missing at random", 1.0, at_random(share)) for share in (0.05, 0.2, 0.5)),
     *(Case(f"{share:.0%} missing in holes", 1.0, in_holes(share)) for share in (0.05, 0.2, 0.5)),
+    Case("20% of the rows missing", 1.0, rows_at_random(0.2)),
     Case("10, 5 and 1 Hz", 0.1, at_rates),
     Case("10, 5 and 1 Hz, 3 ms apart", 0.1, offset),
 )

@@ -14,6 +14,7 @@ from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.problem.output_error import Problem
 from shipid.parameters.draws import normal_draws
+from shipid.trials.filling import usual_interval
 
 #: Draws: enough for a variance to be known to a fifth, a standard deviation to a tenth.
 _DRAWS = 64
@@ -34,30 +35,47 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
     Returns
     -------
     ndarray, shape (draws, signals, N), or None
-        None where every input is whole, or the model runs away.
+        None where every input is whole and no row is missing, or the model runs away.
     """
     data, model = problem.trials[index], problem.model
-    if data.sampled is None:
+    between = _between_rows(data.t)
+    if data.sampled is None and not between.size:
         return None
-    errors = np.zeros((_DRAWS, *data.inputs.shape))
-    for k, sampled in enumerate(data.sampled):
-        if not sampled.all() and sampled.any():
-            errors[:, k] = errors_between(data.t, data.inputs[k], sampled, seed=k)
+    t = np.sort(np.concatenate([data.t, between]))
+    rows = np.searchsorted(t, data.t)
+    recorded = np.array([np.interp(t, data.t, row) for row in data.inputs])
+    errors = np.zeros((_DRAWS, *recorded.shape))
+    for k, values in enumerate(recorded):
+        sampled = np.zeros(t.size, dtype=bool)
+        sampled[rows] = True if data.sampled is None else data.sampled[k]
+        if sampled.any():
+            errors[:, k] = errors_between(t, values, sampled, seed=k)
     if not errors.any():
         return None
     record = make_record(model, problem.signals)
     x0 = initial_state(model, problem.start(q, index))
     p, bias = coefficient_vector(model, problem.values(q)), problem.bias_vector(q[problem.own(index)])
     # The first run is without errors.
-    inputs = np.concatenate([data.inputs[None], data.inputs + errors])
+    inputs = np.concatenate([recorded[None], recorded + errors])
     x0, p, bias = (np.broadcast_to(v, (len(inputs), v.size)) for v in (x0, p, bias))
-    y, _ = run_many(record, x0, inputs, data.intervals, p, bias)
+    y = run_many(record, x0, inputs, np.diff(t, append=t[-1]), p, bias)[0][:, :, rows]
     if not np.isfinite(y).all():
         return None
     change = np.where(data.there, (y[1:] - y[0]) / problem.sigma[:, None], 0.0)
     if problem.weights is not None:
         change = change * np.sqrt(problem.weights[index])
     return np.asarray(change)
+
+
+def _between_rows(t: np.ndarray) -> np.ndarray:
+    """Times in the middle of the intervals in which rows are missing."""
+    steps = np.diff(t)
+    if not steps.size:
+        return steps
+    usual, median = usual_interval(t), float(np.median(steps))
+    # Rows of several sensors come close to each other: the interval of one of them counts.
+    long = steps > 1.5 * (usual if usual > 3 * median else median)
+    return np.asarray((t[:-1] + 0.5 * steps)[long])
 
 
 def errors_between(t: np.ndarray, values: np.ndarray, sampled: np.ndarray, seed: int = 0) -> np.ndarray:
