@@ -8,7 +8,7 @@ from pathlib import Path
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.live.nmea import LiveNmea
 from shipid.trials.logs.live.table import LiveSample, LiveTable
-from shipid.trials.logs.nmea.lines import split_line
+from shipid.trials.logs.nmea.sentences.lines import split_line
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 
 

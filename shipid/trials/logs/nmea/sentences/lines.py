@@ -93,7 +93,7 @@ def split_line(line: str) -> Sentence | None:
 
 
 def sentences_of(line: str) -> list[str]:
-    """Split a line that holds several whole sentences, one behind the other, as logs do that lost their line ends.
+    """Return the sentences of a line that holds several whole ones, one behind the other, as logs do that lost their line ends.
 
     Parameters
     ----------
