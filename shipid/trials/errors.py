@@ -81,8 +81,8 @@ class DateOrderError(TrialError):
     """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
 
 
-class ClockGapError(TrialError):
-    """The clock has a gap."""
+class NoStretchError(TrialError):
+    """What drives a model has so many holes that no stretch of the record is long enough."""
 
 
 class LooksLikeDegreesError(TrialError):
