@@ -52,7 +52,7 @@ def below(what: str, limit: float, measured: float, unit: str = "") -> Row:
     return Row(what, f"below {limit:.1g}{tail}", f"{measured:.1e}{tail}", measured < limit)
 
 
-def show(title: str, rows: list[Row], notes: str = "") -> None:
+def show(title: str, rows: list[Row], notes: str = "", as_json: bool | None = None) -> None:
     """Print the rows and exit: 0 when every row holds, 1 otherwise. With ``--json`` they come as JSON.
 
     Parameters
@@ -63,10 +63,14 @@ def show(title: str, rows: list[Row], notes: str = "") -> None:
         The rows.
     notes : str
         Printed below the table.
+    as_json : bool, optional
+        Whether they come as JSON, for a study that has parsed its options.
     """
-    parser = argparse.ArgumentParser(description=title)
-    parser.add_argument("--json", action="store_true", help="print the rows as JSON")
-    if parser.parse_args().json:
+    if as_json is None:
+        parser = argparse.ArgumentParser(description=title)
+        parser.add_argument("--json", action="store_true", help="print the rows as JSON")
+        as_json = parser.parse_args().json
+    if as_json:
         print(
             json.dumps(
                 [asdict(r) | {"holds": bool(r.holds), "verdict": r.verdict} for r in rows], indent=1, ensure_ascii=False

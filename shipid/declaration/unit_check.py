@@ -12,6 +12,7 @@ import types
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
@@ -29,12 +30,15 @@ def check_units(model: Model) -> None:
     Raises
     ------
     UnitError
-        If terms of an equation do not match, or its result does not have the unit of what it defines.
+        If terms of an equation do not match, its result does not have the unit of what it defines, or a shaft speed is declared
+        in radians.
     DeclarationError
         If an equation raises, reads what is not declared, or derived quantities form a circle.
     """
     import numpy as np
 
+    for entry in model.entries.values():
+        _check_field(model, entry)
     quantity = units.registry().Quantity
 
     def value(name: str, unit: str) -> Expression:
@@ -52,6 +56,18 @@ def check_units(model: Model) -> None:
                 evaluation.equation(entry)
 
 
+def _check_field(model: Model, entry: Entry) -> None:
+    """A shaft speed is counted, as records count it: samples go into the model as they are."""
+    if entry.name not in FIELDS or entry.quantity.kind in ("parameter", "constant"):
+        return
+    if units.counts_revolutions(FIELDS[entry.name].unit) and units.angle_exponent(entry.unit):
+        raise UnitError(
+            f"model {model.name}: {entry.owner.__name__} declares '{entry.name}' in {units.pretty(entry.unit)}, and in records "
+            f"'{entry.name}' is {FIELDS[entry.name].meaning} [{units.pretty(FIELDS[entry.name].unit)}]. Declare it in that unit, "
+            "or give the quantity another name."
+        )
+
+
 class _Checked(Evaluation):
     """An evaluation over quantities with units that checks the unit of every result."""
 
@@ -65,9 +81,9 @@ class _Checked(Evaluation):
         except UnitError:
             raise
         except ShipidError as error:
-            raise _named(error, where, _line(error, equation.function.__code__)) from None
+            raise _named(error, where, user_line(error, equation.function.__code__)) from None
         except Exception as error:
-            place = _line(error, equation.function.__code__)
+            place = user_line(error, equation.function.__code__)
             if type(error).__module__.startswith("pint"):
                 raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
             raise DeclarationError(
@@ -121,8 +137,16 @@ def _either(unit: Expression) -> str:
         return str(unit)
 
 
-def _line(error: Exception, code: types.CodeType) -> str:
-    """Return the deepest line of the user's own file in a traceback."""
+def user_line(error: Exception, code: types.CodeType) -> str:
+    """Return the deepest line of the user's own file in a traceback: ``file:line``.
+
+    Parameters
+    ----------
+    error : Exception
+        As it was raised in an equation.
+    code : types.CodeType
+        Of the equation.
+    """
     frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == code.co_filename]
     line = frames[-1].lineno if frames else code.co_firstlineno
     return f"{code.co_filename}:{line}"

@@ -31,7 +31,10 @@ def registry() -> PintUnit:
         ureg: PintUnit = pint.UnitRegistry(cache_folder=folder)
     except Exception:  # a damaged cache must not stop the toolbox: the definitions are parsed again
         ureg = pint.UnitRegistry()
-    ureg.define("rps = revolution / second")
+    # A shaft is counted, not turned through an angle: pint's revolution is 2 pi rad, and 2 rps would be 12.57 1/s.
+    ureg.define("revolution = [] = rev")
+    ureg.define("shaft_revolutions_per_second = revolution / second = rps")
+    ureg.define("shaft_revolutions_per_minute = revolution / minute = rpm = revolutions_per_minute")
     return ureg
 
 
@@ -86,8 +89,10 @@ def pretty(text: str) -> str:
     shown = _tidy(text)
     if shown in ("", "1", "-"):
         return "1"
-    shown = re.sub(r"\*\*\(?(-?\d+)\)?", lambda m: _raise(m.group(1)), shown)
-    return shown.replace("*", "·").replace(" ", "")
+    # Blanks beside an operator or a bracket go; one between two units stays, as in m/(rad s).
+    shown = re.sub(r"\s*(\*\*|[*/()])\s*", r"\1", shown)
+    shown = re.sub(r"\*\*(?:\((-?\d+)\)|(-?\d+))", lambda m: _raise(m.group(1) or m.group(2)), shown)
+    return shown.replace("*", "·")
 
 
 def _raise(digits: str) -> str:
@@ -96,15 +101,31 @@ def _raise(digits: str) -> str:
 
 @functools.cache
 def angle_exponent(text: str) -> float:
-    """Return the power of the angle in a unit: 1 for ``deg/s`` and ``rpm``, -2 for ``s^2/deg^2``, 0 for ``1/s``.
+    """Return the power of the angle in a unit: 1 for ``deg/s``, -2 for ``s^2/deg^2``, 0 for ``1/s`` and ``rpm``.
 
     Parameters
     ----------
     text : str
         The unit.
     """
+    return _exponent(text, "radian")
+
+
+@functools.cache
+def counts_revolutions(text: str) -> bool:
+    """Return whether a unit counts revolutions, as ``rpm`` does.
+
+    Parameters
+    ----------
+    text : str
+        The unit.
+    """
+    return _exponent(text, "revolution") != 0
+
+
+def _exponent(text: str, base: str) -> float:
     root = registry().Quantity(1, unit(text)).to_root_units()
-    return float(dict(root.unit_items()).get("radian", 0))
+    return float(dict(root.unit_items()).get(base, 0))
 
 
 @functools.cache
@@ -145,7 +166,8 @@ def factor(given: str, wanted: str, what: str = "the value") -> float:
     Raises
     ------
     UnitError
-        If the units measure different things, or `wanted` names an angle and `given` does not.
+        If the units measure different things, `wanted` names an angle and `given` does not, or `wanted` counts revolutions and
+        `given` is an angle.
     """
     if not same_dimension(given, wanted):
         raise UnitError(f"{what} needs the unit {pretty(wanted)}, and {pretty(given)} does not fit it.")
@@ -154,6 +176,10 @@ def factor(given: str, wanted: str, what: str = "the value") -> float:
         raise UnitError(
             f"{what} needs the unit {pretty(wanted)}, and {pretty(given)} does not say which angle it counts in. "
             f"Write the angle, as {pretty(wanted)} or {pretty(wanted).replace('rad', 'deg')}."
+        )
+    if counts_revolutions(wanted) and angle_exponent(given):
+        raise UnitError(
+            f"{what} counts revolutions in {pretty(wanted)}, and {pretty(given)} is an angle. Write it in rpm or rps (1 rps is 6.283 rad/s)."
         )
     return float(registry().Quantity(1.0, unit(given)).to(unit(wanted)).magnitude)
 

@@ -59,12 +59,15 @@ _FIELDS = (
     Field("y", "m", "m", "Position east", "position, east"),
     Field("psi", "rad", "deg", "Heading", "heading, clockwise from north, unwrapped", wraps=True),
     Field("r", "rad/s", "deg/s", "Rate of turn", "rate of turn, positive to starboard"),
-    Field("u", "m/s", "m/s", "Forward speed", "forward speed, along the ship"),
-    Field("v", "m/s", "m/s", "Sway speed", "sideways speed, positive to starboard"),
-    Field("U", "m/s", "m/s", "Speed over all", "speed over all"),
+    Field("u", "m/s", "m/s", "Forward speed", "forward speed through the water, along the ship"),
+    Field("v", "m/s", "m/s", "Sway speed", "sideways speed through the water, positive to starboard"),
+    Field("U", "m/s", "m/s", "Speed through the water", "speed through the water, in the direction of motion: hypot(u, v)"),
+    Field("SOG", "m/s", "m/s", "Speed over ground", "speed over the ground: a current is in it"),
+    Field("COG", "rad", "deg", "Course over ground", "course over the ground, clockwise from north", wraps=True),
     Field("delta", "rad", "deg", "Rudder angle", "rudder angle, positive turns to starboard", _REFUSED),
     Field("delta_order", "rad", "deg", "Rudder order", "ordered rudder angle, positive turns to starboard", _REFUSED),
     Field("n", "rps", "rpm", "Revolutions", "propeller revolutions, per second inside", _REFUSED),
+    Field("n_order", "rps", "rpm", "Ordered revolutions", "ordered propeller revolutions, per second inside", _REFUSED),
     Field("phi", "rad", "deg", "Roll angle", "roll angle, positive to starboard"),
     Field("p", "rad/s", "deg/s", "Roll rate", "roll rate, positive to starboard"),
     Field("wind_speed", "m/s", "m/s", "Wind speed", "true wind speed", _REFUSED),
@@ -89,7 +92,7 @@ _FIELDS = (
 FIELDS: Mapping[str, Field] = MappingProxyType({f.name: f for f in _FIELDS})
 
 #: How quantities outside the vocabulary are shown, by the unit they have inside.
-_SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm"}
+_SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm", "rev/s": "rpm"}
 
 
 def label(name: str, meaning: str = "") -> str:

@@ -12,9 +12,10 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.component import SAMPLING_INTERVAL
-from shipid.declaration.model import Evaluation, Model
+from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
+from shipid.generation.symbolic_evaluation import SymbolicEvaluation
 
 # CasADi has two modes for NumPy functions of its symbols; equations need the one that returns symbols.
 ca.GlobalOptions.setNumpyMode(1)
@@ -231,7 +232,7 @@ def generate(model: Model) -> System:
     }
     symbols = {n: ca.SX.sym(n) for names in groups.values() for n in names}
     interval = ca.SX.sym(SAMPLING_INTERVAL)
-    evaluation = Evaluation(model, symbols | {SAMPLING_INTERVAL: interval})
+    evaluation = SymbolicEvaluation(model, symbols | {SAMPLING_INTERVAL: interval})
     rates = evaluation.right_hand_sides("rate")
     nexts = evaluation.right_hand_sides("next")
     values = {n: symbols[n] if n in symbols else ca.SX(evaluation[n]) for n in model.entries if n != SAMPLING_INTERVAL}

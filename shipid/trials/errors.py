@@ -49,6 +49,10 @@ class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
 
 
+class DateOrderError(TrialError):
+    """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
+
+
 class ClockGapError(TrialError):
     """The clock has a gap."""
 

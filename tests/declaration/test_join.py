@@ -488,3 +488,15 @@ def test_a_quantity_declared_anew_is_stated_by_both() -> None:
         join("ship", ScaledYaw, OtherShare)
     with pytest.raises(DeclarationError, match=r"stated twice: by ScaledYaw .* and by ScaledYaw"):
         join("ship", ScaledYaw, ScaledYaw)
+
+
+@pytest.mark.parametrize(("name", "unit"), [("n", "rad/s"), ("n_order", "rad/s")])
+def test_a_shaft_is_counted_in_models_too(name: str, unit: str) -> None:
+    """Samples of a record go into a model as they are: n in rad/s would be driven with revolutions per second."""
+    wrong = type("Engine", (Component,), {name: given(unit, "something")})
+    with pytest.raises(UnitError, match=rf"Engine declares '{name}' in .* Declare it in that unit"):
+        join("ship", Yaw, wrong)
+
+
+def test_an_angle_may_be_declared_as_a_number() -> None:
+    assert "n" in join("ship", Yaw, type("Engine", (Component,), {"n": given("1/s", "revolutions")})).inputs

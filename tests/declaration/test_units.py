@@ -20,8 +20,10 @@ from shipid.foundation.errors import UnitError
         ("0.4 s²/deg²", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
         ("0.4 s**2/deg**2", "s^2/rad^2", 0.4 * (180 / pi) ** 2),
         ("20 °", "rad", pi / 9),
-        ("60 rpm", "rad/s", 2 * pi),
-        ("1 rps", "rad/s", 2 * pi),
+        ("60 rpm", "rps", 1.0),
+        ("2 rps", "1/s", 2.0),
+        ("2 1/s", "rps", 2.0),
+        ("120 rev/min", "1/s", 2.0),
         ("-1.5e3 m", "km", -1.5),
         ((2.0, "km"), "m", 2000.0),
         ("3", "1", 3.0),
@@ -68,7 +70,7 @@ def test_what_does_not_fit_says_what_was_needed(value: object, wanted: str, word
     ("text", "power"),
     [
         ("deg/s", 1),
-        ("rpm", 1),
+        ("rpm", 0),
         ("s^2*deg^2", 2),
         ("s^2/deg^2", -2),
         ("s²/rad²", -2),
@@ -101,8 +103,25 @@ def test_there_and_back(number: float, unit: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "shown"), [("s^2/deg^2", "s²/deg²"), ("1", "1"), ("-", "1"), ("m*s", "m·s"), ("1/s^2", "1/s²")]
+    ("text", "shown"),
+    [
+        ("s^2/deg^2", "s²/deg²"),
+        ("1", "1"),
+        ("-", "1"),
+        ("m*s", "m·s"),
+        ("1/s^2", "1/s²"),
+        ("m/(rad s)", "m/(rad s)"),
+        ("m/(s^2 rad^2)", "m/(s² rad²)"),
+        ("m / (s ** 2 * rad)", "m/(s²·rad)"),
+        ("m^(-2)", "m⁻²"),
+    ],
 )
 def test_units_as_they_are_printed(text: str, shown: str) -> None:
     assert units.pretty(text) == shown
     assert units.same_dimension(shown, text)
+
+
+@pytest.mark.parametrize(("value", "wanted"), [("12.6 rad/s", "rps"), ("720 deg/s", "rpm"), ("2 rps", "rad/s")])
+def test_a_shaft_is_counted_and_not_turned_through_an_angle(value: str, wanted: str) -> None:
+    with pytest.raises(UnitError, match="shaft speed"):
+        units.to_si(value, wanted, "the shaft speed")

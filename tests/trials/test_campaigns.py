@@ -12,8 +12,8 @@ import pytest
 from shipid.trials.fitness import check_identifiable_input, check_regular
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.measuring.measure import measure
-from shipid.trials.measuring.series import smoothed
 from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.signals.series import smoothed
 
 FORMATS = Path(__file__).resolve().parents[2] / "studies" / "formats"
 MARIN = [f"MARIN_FREE_KVLCC2_{run}_m.dat" for run in ("zz_20", "zz_-20", "zz_10", "tc_35")]

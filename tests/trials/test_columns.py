@@ -60,7 +60,10 @@ def test_factor_to_inside(name, unit, factor):
     assert columns.to_inside(name, unit) == pytest.approx(factor)
 
 
-@pytest.mark.parametrize(("name", "unit"), [("psi", "m"), ("psi", "1"), ("r", "1/s"), ("n", "1/s"), ("u", "furlong/")])
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("psi", "m"), ("psi", "1"), ("r", "1/s"), ("n", "rad/s"), ("n_order", "deg/s"), ("u", "furlong/")],
+)
 def test_unit_that_does_not_fit_is_refused_with_a_remedy(name, unit):
     with pytest.raises(ColumnUnitError, match=rf"'{name}'(.|\n)*Correct the header, as in '{name} \["):
         columns.to_inside(name, unit)
@@ -70,3 +73,12 @@ def test_other_columns_take_the_coherent_unit():
     assert columns.inside_unit("fuel", "kg/h") == "kg/s"
     with pytest.raises(ColumnUnitError, match="fuel"):
         columns.inside_unit("fuel", "litres per fortnite")
+
+
+@pytest.mark.parametrize("name", ["n", "n_order", "n_port"])
+@pytest.mark.parametrize(
+    ("unit", "factor"), [("rps", 1), ("1/s", 1), ("Hz", 1), ("rev/s", 1), ("rpm", 1 / 60), ("rev/min", 1 / 60)]
+)
+def test_revolutions_have_one_meaning(name, unit, factor):
+    """Two revolutions a second are 2 in every spelling and under every name."""
+    assert columns.to_inside(name, unit) == pytest.approx(factor, rel=1e-12)

@@ -19,10 +19,11 @@ from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
-from shipid.trials.measuring import rudder as helm
-from shipid.trials.measuring import series
+from shipid.trials.measuring.executes import first_execute, leaves
 from shipid.trials.measuring.measures import ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.signals import series
+from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
 #: Reversals that are followed.
@@ -73,15 +74,15 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     if not trial.has("delta", "psi") or not measured.executes:
         return None
     t, delta, psi = trial["t"], trial["delta"], trial["psi"]
-    held = helm.regular(helm.plates(delta))[: MOST + 1]
+    held = regular(plates(delta))[: MOST + 1]
     reversals = min(len(held) - 1, len(measured.executes))
     if reversals < 1:
         return None
     held = held[: reversals + 1]
-    leaves = [helm.leaves(t, delta, plate, "order") for plate in held[:-1]]
-    start = helm.first_execute(t, delta, held[0], "order")
-    begin = start[0] if start is not None and start[0] < leaves[0] else float(t[held[0].first])
-    half = 0.03 * float(np.median(np.diff([begin, *leaves])))
+    left = [leaves(t, delta, plate, "order") for plate in held[:-1]]
+    start = first_execute(t, delta, held[0], "order")
+    begin = start[0] if start is not None and start[0] < left[0] else float(t[held[0].first])
+    half = 0.03 * float(np.median(np.diff([begin, *left])))
     rates = []
     for one, two in pairwise(held):
         # From 70 % of one angle to 70 % of the other, where the ramp is straight.
@@ -97,9 +98,9 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
         begin,
         held[0].side,
         np.array([plate.angle for plate in held]),
-        np.array([series.value_at(t, psi, when, half, 1) for when in leaves]),
+        np.array([series.value_at(t, psi, when, half, 1) for when in left]),
         float(np.median(rates)) if rates else _NEVER,
-        float(np.median(np.array(executes) - leaves[: len(executes)])) if executes else 0.0,
+        float(np.median(np.array(executes) - left[: len(executes)])) if executes else 0.0,
     )
 
 

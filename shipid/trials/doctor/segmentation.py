@@ -7,8 +7,8 @@ import numpy as np
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
-from shipid.trials.measuring.rudder import Plate, held_angle
-from shipid.trials.measuring.series import smoothed
+from shipid.trials.signals.plates import Plate, held_angle
+from shipid.trials.signals.series import smoothed
 
 _LEAST = np.radians(1.5)
 """Rudder angles below this are course keeping."""

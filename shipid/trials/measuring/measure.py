@@ -9,10 +9,11 @@ import numpy as np
 from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
-from shipid.trials.measuring import rudder as helm
+from shipid.trials.measuring.executes import convention
 from shipid.trials.measuring.measures import Measures
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
+from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
 KINDS = ("zig-zag", "turning circle")
@@ -30,7 +31,7 @@ def measure(
     kind : {"zig-zag", "turning circle"}, optional
         What it is; found out from rudder and heading by default.
     execute : {"moved", "order"}, optional
-        How the execute is read (`shipid.trials.measuring.rudder`): the rudder has left its plate by 15 % (in a turn: 3 deg
+        How the execute is read (`shipid.trials.measuring.executes`): the rudder has left its plate by 15 % (in a turn: 3 deg
         from midships), or the order. By default the order where it is recorded, else "moved".
     length : str, optional
         Ship length with its unit, as in "320 m", for the ratios to it.
@@ -78,13 +79,13 @@ def detect(trial: Trial) -> str:
     NotAManoeuvreError
         If it is neither.
     """
-    _, rudder = helm.convention(trial, None)
-    found = helm.plates(rudder)
+    _, rudder = convention(trial, None)
+    found = plates(rudder)
     psi = trial["psi"]
     turning = turning_plate(trial, rudder)
     if turning is not None and turning.side * (psi[turning.last - 1] - psi[turning.first]) > pi:
         return KINDS[1]
-    held = helm.regular(found)
+    held = regular(found)
     if len(held) >= 2 and _reversed_by_heading(trial, held):
         return KINDS[0]
     if turning is not None:
@@ -96,7 +97,7 @@ def detect(trial: Trial) -> str:
     )
 
 
-def _reversed_by_heading(trial: Trial, held: list[helm.Plate]) -> bool:
+def _reversed_by_heading(trial: Trial, held: list[Plate]) -> bool:
     """Whether the rudder is reversed at two headings in turn, as in a zig-zag, and not at any heading by a clock."""
     psi = trial["psi"]
     at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in held[:-1]]) * held[0].side

@@ -42,7 +42,7 @@ class Measures:
     trial : str
         Name of the trial.
     execute : {"moved", "order"}
-        How the execute was read (`shipid.trials.measuring.rudder`).
+        How the execute was read (`shipid.trials.measuring.executes`).
     rudder, approach_speed, first_execute, course : float or None
         What every manoeuvre has; see the meaning of each in `quantities`.
     """

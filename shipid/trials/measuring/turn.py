@@ -7,10 +7,11 @@ from math import pi
 import numpy as np
 
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring import rudder as helm
-from shipid.trials.measuring import series
+from shipid.trials.measuring.executes import LEFT, convention, first_execute
 from shipid.trials.measuring.measures import TurningCircle
 from shipid.trials.measuring.track import drift, speed, track
+from shipid.trials.signals import series
+from shipid.trials.signals.plates import Plate, plates
 from shipid.trials.trial import Trial
 
 MOVED = np.radians(3.0)
@@ -19,7 +20,7 @@ MOVED = np.radians(3.0)
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 
 
-def turning_plate(trial: Trial, rudder: np.ndarray) -> helm.Plate | None:
+def turning_plate(trial: Trial, rudder: np.ndarray) -> Plate | None:
     """Return the plate during which the heading changes most, if it changes by 90 deg or more.
 
     Parameters
@@ -31,7 +32,7 @@ def turning_plate(trial: Trial, rudder: np.ndarray) -> helm.Plate | None:
     """
     psi = trial["psi"]
     best = max(
-        helm.plates(rudder), key=lambda p: p.side * (psi[p.last - 1] - psi[p.first]), default=None
+        plates(rudder), key=lambda p: p.side * (psi[p.last - 1] - psi[p.first]), default=None
     )  # fmt: skip
     if best is None or best.side * (psi[best.last - 1] - psi[best.first]) < pi / 2:
         return None
@@ -59,7 +60,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None) -> Tur
     NotAManoeuvreError
         If the heading never changes by 90 deg on one rudder, or the record begins in the turn.
     """
-    execute, rudder = helm.convention(trial, execute)
+    execute, rudder = convention(trial, execute)
     t, psi = trial["t"], trial["psi"]
     plate = turning_plate(trial, rudder)
     if plate is None:
@@ -67,7 +68,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None) -> Tur
             f"trial '{trial.name}' is no turning circle: the heading does not change by 90 deg on one rudder angle. "
             "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
         )
-    start = helm.first_execute(t, rudder, plate, execute, moved=MOVED)
+    start = first_execute(t, rudder, plate, execute, moved=MOVED)
     if start is None:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' begins with the rudder over already, so the moment of the order is not in it. "
@@ -113,9 +114,9 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None) -> Tur
     )
 
 
-def _released(rudder: np.ndarray, plate: helm.Plate) -> int:
+def _released(rudder: np.ndarray, plate: Plate) -> int:
     """The sample at which the rudder comes off its plate for good, the end of the record at the latest."""
-    on = np.flatnonzero(plate.side * rudder[: plate.last] >= (1 - helm.LEFT) * abs(plate.angle))
+    on = np.flatnonzero(plate.side * rudder[: plate.last] >= (1 - LEFT) * abs(plate.angle))
     return int(on[-1]) + 1
 
 
@@ -172,7 +173,7 @@ def _steady(
     }
 
 
-def _pull_out(trial: Trial, rudder: np.ndarray, plate: helm.Plate, released: int) -> float | None:
+def _pull_out(trial: Trial, rudder: np.ndarray, plate: Plate, released: int) -> float | None:
     """Rate of turn left when the rudder has been midships for a while: the last fifth of what is recorded of it."""
     t = trial["t"]
     after = np.flatnonzero(np.abs(rudder[released:]) < 0.1 * abs(plate.angle))

@@ -8,10 +8,11 @@ from itertools import pairwise
 import numpy as np
 
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring import rudder as helm
-from shipid.trials.measuring import series
+from shipid.trials.measuring.executes import convention, first_execute, leaves
 from shipid.trials.measuring.measures import ZigZag
 from shipid.trials.measuring.track import speed
+from shipid.trials.signals import series
+from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
 _WIDTH = 0.03
@@ -117,27 +118,27 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None) -> Z
     NotAManoeuvreError
         If the rudder never goes from one plate to the opposite one.
     """
-    execute, rudder = helm.convention(trial, execute)
+    execute, rudder = convention(trial, execute)
     t, psi = trial["t"], trial["psi"]
-    held = helm.regular(helm.plates(rudder))
+    held = regular(plates(rudder))
     if len(held) < 2:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' is no zig-zag: the rudder does not go from one held angle to the opposite one. "
             "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
         )
-    executes = [helm.leaves(t, rudder, plate, execute) for plate in held[:-1]]
+    executes = [leaves(t, rudder, plate, execute) for plate in held[:-1]]
     side = held[0].side
     end = float(t[min(held[-1].last, len(t) - 1)])
     found = swings(t, psi, executes, side=side, end=end)
     at = np.array([heading for _, _, heading in found])
-    start = helm.first_execute(t, rudder, held[0], execute)
+    start = first_execute(t, rudder, held[0], execute)
     if start is not None and (held[0].first == 0 or start[0] >= executes[0]):
         start = None
     course = _course(t, psi, at, side, start[0] if start else None)
     signs = side * (-1.0) ** np.arange(len(at))
     change = float(np.median(signs * (at - course)))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
-    ordered = [float(np.interp(helm.leaves(t, rudder, plate, "order"), t, psi)) for plate in held[:-1]]
+    ordered = [float(np.interp(leaves(t, rudder, plate, "order"), t, psi)) for plate in held[:-1]]
     switch = float(np.median(signs * (np.array(ordered) - course)))
     angle = float(np.median([abs(plate.angle) for plate in held]))
     first = start[0] if start else None

@@ -80,6 +80,14 @@ def test_a_handful_of_samples_is_short_and_no_crash(tmp_path, n):
     assert "short" in check_trial(write(tmp_path, rows(n))).kinds
 
 
+def test_a_row_without_a_time_stamp_is_a_sure_finding(tmp_path):
+    lines = rows()
+    lines[50] = lines[50].partition(",")[1] + lines[50].partition(",")[2]
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
+    assert (found.channel, found.rows, found.count) == ("t", (49, 49), 1)
+    assert found.serious and 0.95 < found.confidence < 1
+
+
 def test_a_column_that_holds_nothing(tmp_path):
     lines = rows()
     lines = [lines[0] + ",u [m/s]", *(line + "," for line in lines[1:])]

@@ -32,8 +32,10 @@ def test_zigzag_has_its_angles(simulated, manoeuvre, rudder, heading, side, nois
 
 
 def test_turn_with_pull_out(simulated):
-    kinds = [m.kind for m in check_trial(simulated("turn:35", "none")).manoeuvres]
-    assert kinds[:3] == ["steady", "turn", "pull-out"]
+    found = check_trial(simulated("turn:35", "none")).manoeuvres
+    assert [m.kind for m in found[:3]] == ["steady", "turn", "pull-out"]
+    # Rudder amidships; the course change of a pull-out is not asked for.
+    assert (found[2].rudder_deg, found[2].heading_deg, found[2].side) == (0.0, None, found[1].side)
 
 
 def test_telegraph_is_no_regular_zigzag(simulated):

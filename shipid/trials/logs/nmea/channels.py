@@ -23,6 +23,7 @@ _QUALITIES = {1: "GPS", 2: "differential", 3: "precise", 4: "RTK", 5: "float RTK
 _TRUE: list[Wanted] = [("THS", ("heading",)), ("HDT", ("heading",))]
 _MAGNETIC: list[Wanted] = [("HDG", ("heading",)), ("HDM", ("heading",))]
 _LAST: list[Wanted] = [("VHW", ("heading",))]
+_BOTTOM_TRACK: Wanted = ("VBW", ("u_ground", "v_ground"))
 
 
 def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, Signal]:
@@ -40,9 +41,9 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     Returns
     -------
     dict of str to Signal
-        ``psi`` and at least one of ``delta`` and ``delta_order``; further ``r``, ``water`` or ``ground`` (u, v),
-        ``course`` (velocity over ground along the ship and across), ``position`` (x, y of the antenna), ``wind`` and ``true wind`` (speed and
-        components), ``depth``.
+        ``psi`` and at least one of ``delta`` and ``delta_order``; further ``r``, ``speeds`` (u, v), ``course`` or
+        ``bottom track`` (speed and course over ground, of a receiver or of a log), ``position`` (x, y of the antenna), ``wind`` and ``true wind``
+        (speed and components), ``depth``.
 
     Raises
     ------
@@ -63,11 +64,10 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
             f"{log.where} holds no rudder angle: no RSA and no ROR with two valid values. Seen were {log.seen()}. Log the "
             "rudder angle sensor (RSA) too; without the rudder there is nothing to identify or to measure."
         )
-    course = _course(log, times, fmt, heading)
     found += [
         _rate(log, times, fmt),
-        _log_speed(log, times, fmt, course is not None),
-        course,
+        _along_the_ship(log, times, fmt),
+        _over_ground(log, times, fmt, heading),
         _position(log, times, fmt),
     ]
     found += _winds(log, times, fmt, heading)
@@ -173,34 +173,48 @@ def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     return Signal("r", found.t, r, (note + ".",))
 
 
-def _log_speed(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, has_course: bool) -> Signal | None:
-    """Speeds of the log: through the water or over ground, both axes where there are two."""
-    water: list[list[Wanted]] = [[("VBW", ("u", "v"))], [("VBW", ("u",)), ("VHW", ("u",))]]
-    ground: list[list[Wanted]] = [[("VBW", ("u_ground", "v_ground"))], [("VBW", ("u_ground",))]]
-    # Course and speed over ground, too, come before a speed through the water.
-    over_ground = [ground] if has_course else [ground, water]
-    for tiers in over_ground if fmt.speed == "ground" else [water, ground]:
-        found = choose(log, times, fmt, "u", tiers)
-        if found is not None:
-            over = found.fields[0] == "u_ground"
-            name, what = ", ".join(f[0] for f in found.fields), "over ground" if over else "through the water"
-            note = f"{name}: {found.describe()}; {what}, knots."
-            return Signal("ground" if over else "water", found.t, found.values * KNOT, (note,))
-    return None
-
-
-def _course(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
-    """Velocity over ground along the ship and across: it changes less than north and east do between two sentences."""
-    found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))]])
+def _along_the_ship(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
+    """Speeds along the ship and across of a log: through the water, over ground only where the format file asks for it."""
+    tiers: list[list[Wanted]] = [[("VBW", ("u", "v"))], [("VBW", ("u",)), ("VHW", ("u",))]]
+    if fmt.speed == "ground":
+        tiers = [[_BOTTOM_TRACK], [("VBW", ("u_ground",))]]
+    found = choose(log, times, fmt, "u", tiers)
     if found is None:
         return None
-    inside = (found.t >= psi.t[0]) & (found.t <= psi.t[-1])
-    t, (speed, course) = found.t[inside], found.values[inside].T * ((KNOT,), (_DEG,))
-    if len(t) < 2:
+    axes = ", ".join(("u", "v")[: len(found.fields)])
+    over = (
+        "over ground, as the format file asks for; a current is in it" if fmt.speed == "ground" else "through the water"
+    )
+    return Signal("speeds", found.t, found.values * KNOT, (f"{axes}: {found.describe()}; {over}, knots.",))
+
+
+def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
+    """Speed and course over ground: of a receiver, else of a log that tracks the bottom."""
+    found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))], [_BOTTOM_TRACK]])
+    if found is None:
         return None
-    angle = course - np.interp(t, psi.t, psi.values[:, 0])
-    vector = np.column_stack((speed * np.cos(angle), speed * np.sin(angle)))
-    return Signal("course", t, vector, (f"U: {found.describe()}; over ground, knots.",))
+    note = f"SOG, COG: {found.describe()}; over ground, knots"
+    if found.kind != "VBW":
+        speed, course = found.values.T * ((KNOT,), (_DEG,))
+        return Signal("course", found.t, np.column_stack((speed, np.unwrap(course))), (note + ".",))
+    inside = (found.t >= psi.t[0]) & (found.t <= psi.t[-1])
+    if inside.sum() < 2:
+        return None
+    t, (forward, starboard) = found.t[inside], found.values[inside].T * KNOT
+    course = np.unwrap(np.interp(t, psi.t, psi.values[:, 0]) + np.arctan2(starboard, forward))
+    note += f" along the ship and across, turned by psi{' (magnetic)' if is_magnetic(psi) else ''}."
+    return Signal("bottom track", t, np.column_stack((np.hypot(forward, starboard), course)), (note,))
+
+
+def is_magnetic(psi: Signal) -> bool:
+    """Return whether a heading is magnetic, with a variation that nothing states.
+
+    Parameters
+    ----------
+    psi : Signal
+        The heading.
+    """
+    return any(note.startswith("WARNING: psi is the magnetic heading") for note in psi.notes)
 
 
 def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:

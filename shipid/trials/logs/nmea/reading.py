@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
-from shipid.trials.logs.nmea.channels import read_signals
+from shipid.trials.logs.nmea.channels import is_magnetic, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
 from shipid.trials.logs.nmea.log import read_log
@@ -21,8 +21,8 @@ SHORTEST = 0.1
 """Shortest sampling interval that is taken by itself [s]."""
 
 _UNITS = {
-    "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "U": "m/s",
-    "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
+    "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "SOG": "m/s",
+    "COG": "rad",     "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
     "wind_direction_relative": "rad", "depth": "m",
 }  # fmt: skip
 
@@ -95,18 +95,20 @@ def _columns(
         x, y = found["position"].T
         result["x"] = x - forward * np.cos(psi) + starboard * np.sin(psi)
         result["y"] = y - forward * np.sin(psi) - starboard * np.cos(psi)
-    speeds = found.get("water", found.get("ground"))
-    if speeds is not None:
-        result |= dict(zip(("u", "v"), speeds.T))
-    if "course" in found:
-        u, v = found["course"].T
-        if forward or starboard:
+    if "speeds" in found:
+        result |= dict(zip(("u", "v"), found["speeds"].T))
+    if "course" in found or "bottom track" in found:
+        speed, course = found["course" if "course" in found else "bottom track"].T
+        north, east = speed * np.cos(course), speed * np.sin(course)
+        c, s = np.cos(psi), np.sin(psi)
+        if "course" in found and (forward or starboard):
             # The antenna goes round midship.
             r = _turning(t, found, signals["psi"])
-            u, v = u + r * starboard, v - r * forward
-        result["U"] = np.hypot(u, v)
-        if speeds is None and not _magnetic(signals["psi"]):
-            result |= {"u": u, "v": v}
+            north, east = north + r * (forward * s + starboard * c), east + r * (starboard * s - forward * c)
+        result["SOG"] = np.hypot(north, east)
+        result["COG"] = np.mod(np.arctan2(east, north), 2 * pi)
+        if fmt.speed == "ground" and "speeds" not in found and not is_magnetic(signals["psi"]):
+            result |= {"u": north * c + east * s, "v": east * c - north * s}
     for name, tail in (("wind", "_relative"), ("true wind", "")):
         if name in found:
             speed, along, across = found[name].T
@@ -120,20 +122,28 @@ def _turning(t: np.ndarray, found: dict[str, np.ndarray], psi: Signal) -> np.nda
     return found["r"][:, 0] if "r" in found else np.interp(t, psi.t, np.gradient(psi.values[:, 0], psi.t))
 
 
-def _magnetic(psi: Signal) -> bool:
-    return any(note.startswith("WARNING") for note in psi.notes)
-
-
 def _derived(
     columns: dict[str, np.ndarray], found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
 ) -> list[str]:
     """Say what was computed of several signals, and what is missing for it."""
     notes = []
-    if "u" in columns and "water" not in found and "ground" not in found:
-        notes.append("u, v: of course and speed over ground and the heading; a current is in them.")
+    if "u" in columns and "speeds" not in found:
+        notes.append(
+            "u, v: of SOG, COG and psi, over ground, as the format file asks for (speed = 'ground'); a current is in them."
+        )
+    elif "u" not in columns and fmt.speed == "ground":
+        notes.append(
+            "WARNING: the format file asks for u over ground, and nothing gives it: it takes VBW with a speed over ground, "
+            "or VTG or RMC beside a true heading."
+        )
+    elif "u" not in columns and "SOG" in columns:
+        notes.append(
+            "SOG is a speed over ground, and no sentence gives the speed through the water, u. State speed = 'ground' in "
+            "[nmea] of a format file to have u and v of SOG, COG and psi; a current is then in them."
+        )
     if fmt.antenna is not None and {"position", "course"} & set(found):
         notes.append(
-            f"x, y, U are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
+            f"x, y, SOG, COG are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
             "of it."
         )
     elif "position" in found:

@@ -8,7 +8,7 @@ Everything is optional; ``--format nmea`` alone stands for an empty table::
     date = 2026-05-04          # where neither stamp nor sentence says it
     interval = "0.2 s"         # of the trial; the median interval of the heading by default
     gap = "3 s"                # nothing is interpolated across more; five intervals of the sentence by default
-    speed = "ground"           # or water, the default: whose u and v are wanted where both are there
+    speed = "ground"           # or water, the default: u and v over ground, for a log without a speed through the water
     leave_out = ["depth"]      # signals that are not wanted
 
     [nmea.rudder]              # angle = sign * (scale * RSA + offset)
@@ -59,7 +59,7 @@ SIGNALS: dict[str, tuple[str, ...]] = {
     "delta": ("RSA",),
     "delta_order": ("ROR",),
     "u": ("VBW", "VHW"),
-    "course": ("VTG", "RMC"),
+    "course": ("VTG", "RMC", "VBW"),
     "position": ("GGA", "RMC", "GLL"),
     "wind": ("MWV",),
     "depth": ("DPT",),
@@ -115,7 +115,7 @@ class NmeaFormat(TrialFormat):
     gap : float or None
         Longest interval to interpolate across [s]; None is five intervals of the sentence.
     speed : str
-        ``water`` or ``ground``.
+        What u and v are: through the ``water``, or over ``ground``.
     leave_out : tuple of str
         Signals that are not wanted.
     reference : str

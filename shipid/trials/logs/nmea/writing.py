@@ -26,9 +26,13 @@ ORIGIN = (63.45 * pi / 180, 10.42 * pi / 180)
 
 _NEEDS = {
     "HDT": ("psi",), "THS": ("psi",), "ROT": ("r",), "RSA": ("delta",), "ROR": ("delta_order",), "VBW": ("u",),
-    "VHW": ("u",), "GGA": ("x", "y"), "GLL": ("x", "y"), "RMC": ("x", "y"), "VTG": ("u", "v", "psi"), "ZDA": (),
+    "VHW": ("u",), "GGA": ("x", "y"), "GLL": ("x", "y"), "RMC": ("x", "y"), "VTG": ("SOG", "COG"), "ZDA": (),
     "MWV": ("wind_speed_relative", "wind_direction_relative"), "DPT": ("depth",),
 }  # fmt: skip
+
+
+#: What a sentence says besides, where the trial has it.
+_OPTIONAL = ("v", "SOG", "COG")
 
 
 def sentence(address: str, *fields: str) -> str:
@@ -76,9 +80,7 @@ def _fields(kind: str, v: dict[str, float], moment: datetime) -> tuple[str, ...]
         case "GLL":
             return *place, utc, "A", "A"
         case "RMC" | "VTG":
-            north = v["u"] * np.cos(v["psi"]) - v.get("v", 0.0) * np.sin(v["psi"]) if "u" in v and "psi" in v else 0.0
-            east = v["u"] * np.sin(v["psi"]) + v.get("v", 0.0) * np.cos(v["psi"]) if "u" in v and "psi" in v else 0.0
-            knots, course = np.hypot(north, east) / KNOT, round(float(np.degrees(np.arctan2(east, north))), 1) % 360
+            knots, course = v.get("SOG", 0.0) / KNOT, round(float(np.degrees(v.get("COG", 0.0))), 1) % 360
             if kind == "VTG":
                 return f"{course:.1f}", "T", "", "M", f"{knots:.2f}", "N", f"{knots * 1.852:.2f}", "K", "A"
             return utc, "A", *place, f"{knots:.2f}", f"{course:.1f}", f"{moment:%d%m%y}", "", "", "A"
@@ -122,7 +124,8 @@ def nmea_lines(
     Parameters
     ----------
     trial : Trial
-        What was sailed. Speeds and courses over ground are those of ``u`` and ``v``: without a current.
+        What was sailed. Where it holds no ``SOG`` and ``COG``, those of ``u``, ``v`` and ``psi`` are written: without a
+        current.
     rates : Mapping of str to float, optional
         Sentences a second by address (`RATES`); those the trial has no columns for are left out.
     stamp : str
@@ -148,25 +151,35 @@ def nmea_lines(
             raise UnknownNameError("sentence that is written called", address[2:], _NEEDS)
     if stamp not in STAMPS:
         raise UnknownNameError("stamp called", stamp, STAMPS)
-    table = {name: trial[name] for name in trial.table.columns}
+    table = _with_course({name: trial[name] for name in trial.table.columns})
     t = table["t"]
     events: list[tuple[float, str, dict[str, float]]] = []
     for slot, (address, rate) in enumerate(rates.items()):
         names = _NEEDS[address[2:]]
-        if not trial.has(*names):
+        if not set(names) <= set(table):
             continue
         # Instruments do not wait for each other: each has its place within the interval.
         phase = 0.0 if slot == 0 else 0.013 * slot
         at = np.arange(t[0] + phase, t[-1] + 1e-9, 1 / rate)
-        values = {name: np.interp(at, t, table[name]) for name in {*names, "u", "v", "psi"} if name in table}
+        values = {name: np.interp(at, t, table[name]) for name in {*names, *_OPTIONAL} if name in table}
+        if "COG" in values:
+            north, east = (np.interp(at, t, turn(table["COG"])) for turn in (np.cos, np.sin))
+            values["COG"] = np.arctan2(east, north)
         if "x" in names:
-            x, y = (np.interp(at, t, table[n]) for n in ("x", "y"))
-            values["lat"], values["lon"] = to_geographic(x, y, origin)
+            values["lat"], values["lon"] = to_geographic(values["x"], values["y"], origin)
         rows = zip(*values.values()) if values else ((),) * len(at)
         events += [(s, address, dict(zip(values, row))) for s, row in zip(at, rows)]
     for seconds, address, values_then in sorted(events, key=lambda event: event[0]):
         moment = start + timedelta(seconds=float(seconds))
         yield STAMPS[stamp](moment) + sentence(address, *_fields(address[2:], values_then, moment))
+
+
+def _with_course(table: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Add speed and course over ground, without a current, where a trial holds the motion through the water alone."""
+    if "SOG" in table or not {"u", "psi"} <= set(table):
+        return table
+    u, v, psi = table["u"], table.get("v", np.zeros_like(table["u"])), table["psi"]
+    return table | {"SOG": np.hypot(u, v), "COG": np.mod(psi + np.arctan2(v, u), 2 * pi)}
 
 
 def write_nmea(

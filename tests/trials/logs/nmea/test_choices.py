@@ -94,13 +94,43 @@ def test_a_source_that_fails_early_is_not_taken(read):
     assert np.degrees(trial["psi"][-1]) == pytest.approx(30)
 
 
-def test_speed_over_ground_where_it_is_wanted(read):
+@pytest.mark.parametrize(("seconds", "heading"), [(18.0, 30), (16.0, 33)])
+def test_ten_values_are_a_signal_and_nine_are_not_where_another_source_has_more(read, seconds, heading):
+    slow = steady("HEHDT,30.0,T", 0.5)
+    trial = read(slow, steady("HCHDM,33.0,M"), RSA, seconds=seconds)
+    assert np.degrees(trial["psi"][0]) == pytest.approx(heading)
+
+
+def test_two_courses_are_enough_to_interpolate(read):
+    """Both stand inside the trial, and no further apart than the gap that is interpolated."""
+    trial = read(HDT, RSA, steady("GPVTG,30.0,T,,M,12.0,N,,K,A", 1 / 20))
+    np.testing.assert_allclose(trial["SOG"], 12 * KNOT)
+
+
+def test_u_is_over_ground_only_where_it_is_asked_for(read):
     both = HDT, RSA, steady("VDVBW,10.0,0.0,A,12.0,1.0,A", 1)
     assert read(*both)["u"][0] == pytest.approx(10 * KNOT)
-    assert read(*both, text='speed = "ground"')["u"][0] == pytest.approx(12 * KNOT)
-    log_and_receiver = HDT, RSA, steady("VWVHW,,T,,M,10.0,N,,K", 1), steady("GPVTG,30.0,T,,M,12.0,N,,K,A", 1)
-    assert read(*log_and_receiver, text='speed = "ground"')["u"][0] == pytest.approx(12 * KNOT)
-    assert read(*log_and_receiver[:3], text='speed = "ground"')["u"][0] == pytest.approx(10 * KNOT)
+    asked = read(*both, text='speed = "ground"')
+    assert asked["u"][0] == pytest.approx(12 * KNOT) and asked["v"][0] == pytest.approx(KNOT)
+    assert "over ground, as the format file asks for" in " ".join(asked.source.notes)
+    vtg = steady("GPVTG,60.0,T,,M,12.0,N,,K,A", 1)
+    plain = read(HDT, RSA, vtg)
+    assert not plain.has("u") and plain["SOG"][0] == pytest.approx(12 * KNOT)
+    assert "State speed = 'ground' in [nmea] of a format file" in " ".join(plain.source.notes)
+    asked = read(HDT, RSA, vtg, steady("VWVHW,,T,,M,10.0,N,,K", 1), text='speed = "ground"')
+    assert asked["u"][0] == pytest.approx(12 * KNOT * np.cos(np.radians(30)))
+    assert asked["v"][0] == pytest.approx(6 * KNOT)
+    assert "u, v: of SOG, COG and psi, over ground, as the format file asks for" in " ".join(asked.source.notes)
+
+
+@pytest.mark.parametrize("heading", ["HEHDT,30.0,T", "HCHDM,30.0,M"])
+def test_u_over_ground_that_nothing_gives_is_not_u_through_the_water(read, heading):
+    sources = [steady("VWVHW,,T,,M,10.0,N,,K", 1)]
+    if "HDM" in heading:  # a course is true: it says nothing of the drift beside a magnetic heading
+        sources = [steady("GPVTG,60.0,T,,M,12.0,N,,K,A", 1)]
+    trial = read(steady(heading), RSA, *sources, text='speed = "ground"')
+    assert not trial.has("u")
+    assert any(n.startswith("WARNING: the format file asks for u over ground") for n in trial.source.notes)
 
 
 def test_what_is_left_out(read):
@@ -134,7 +164,9 @@ def test_a_signal_that_is_mostly_missing_is_left_out(read):
     wind = (lambda t: "WIMWV,30.0,R,10.0,N,A" if t < 10 else "GPXXX,1", 1)
     trial = read(HDT, RSA, wind, seconds=60)
     assert not trial.has("wind_speed_relative") and trial["t"][-1] == pytest.approx(60)
-    assert any(n.startswith("WARNING: wind was left out: it is known for 1") for n in trial.source.notes)
+    assert any(
+        n.startswith("WARNING: wind was left out: it is known for 15 % of the time only") for n in trial.source.notes
+    )
 
 
 def test_headings_are_unwrapped_before_they_are_interpolated(read):
@@ -167,9 +199,9 @@ def test_the_antenna_goes_round_midship(read):
     sentences = (lambda t: f"HEHDT,{rate * t % 360:.3f},T", 5), RSA, (gga, 5), (vtg, 5), steady(f"HEROT,{60 * rate},A")
     trial = read(*sentences, text='[nmea.antenna]\nx = "30 m"\ny = "-4 m"')
     assert np.ptp(trial["x"]) < 0.01 and np.ptp(trial["y"]) < 0.01
-    assert trial["U"].max() < 0.01
+    assert trial["SOG"].max() < 0.01
     without = read(*sentences[:-1], text='[nmea.antenna]\nx = "30 m"\ny = "-4 m"')  # the heading's slope instead of ROT
-    assert without["U"].max() < 0.01
+    assert without["SOG"].max() < 0.01
     assert np.ptp(read(*sentences)["x"]) > 4
 
 

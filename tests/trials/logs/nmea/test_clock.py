@@ -86,6 +86,22 @@ def test_whole_seconds_are_spread(log, stamped, basic):
     assert trial.sampling < 0.25
 
 
+def test_whole_seconds_of_two_sentences_are_spread(log, stamped):
+    """The rudder comes half a second behind the heading, as the second of two sentences of each second."""
+    turning = (lambda t: f"IIRSA,{t:.1f},A,,V", 1)
+    text = stamped(("HEHDT,30.0,T", 1), turning, stamp=lambda s: f"{at(s):%H:%M:%S} ")
+    trial = read_trial(log(text), format="nmea")
+    assert any("spread evenly" in n for n in trial.source.notes)
+    np.testing.assert_allclose(np.degrees(trial["delta"]), trial["t"] - 0.5, atol=1e-6)
+
+
+def test_one_sentence_a_second_is_not_spread(log, stamped):
+    alternate = (lambda t: "HEHDT,30.0,T" if t % 2 else "IIRSA,5.0,A,,V", 1)
+    text = stamped(alternate, seconds=60, stamp=lambda s: f"{at(s):%H:%M:%S} ")
+    trial = read_trial(log(text), format="nmea")
+    assert not any("spread" in n for n in trial.source.notes)
+
+
 def test_whole_seconds_are_not_spread_over_a_gap(log, stamped, basic):
     text = stamped(*basic, stamp=lambda s: f"{at(s if s < 10 else s + 300):%H:%M:%S} ")
     trial = read_trial(log(text), format="nmea")
@@ -120,6 +136,17 @@ def test_utc_passes_midnight(log, stamped, basic, dated):
     assert any(n.startswith("t = 0 is 2026-05-04 23:59:50") for n in trial.source.notes) is dated
 
 
+def test_every_midnight_is_counted(log, stamped):
+    """A sample every 20 minutes from nine o'clock on: 72 hours pass three midnights."""
+    each = ("HEHDT,30.0,T", 1 / 1200), ("IIRSA,5.0,A,,V", 1 / 1200)
+    text = stamped(*each, seconds=72 * 3600, stamp=lambda s: f"{at(s):%H:%M:%S.%f} ")
+    trial = read_trial(log(text), format="nmea")
+    assert trial["t"][-1] == pytest.approx(72 * 3600)
+    assert "The clock passes midnight 3 times." in trial.source.notes
+    two = read_trial(log(stamped(*each, seconds=48 * 3600, stamp=lambda s: f"{at(s):%H:%M:%S.%f} ")), format="nmea")
+    assert "The clock passes midnight 2 times." in two.source.notes
+
+
 def test_gga_takes_the_date_of_zda(log, stamped, basic):
     def fix(t):
         return f"GPGGA,{at(t):%H%M%S}.00,6327.00000,N,01025.00000,E,1,9,1.0,5.0,M,40.0,M,,"
@@ -151,6 +178,13 @@ def test_a_clock_that_jumps_back_is_named(log, stamped, basic):
 def test_utc_that_jumps_back_is_named(log, stamped, basic):
     text = stamped((lambda t: zda(t if t < 10 else t - 5), 1), *basic, stamp=lambda s: "")
     with pytest.raises(e.ClockError, match=r"line 82: the clock jumps back by 4 s .*UTC of GPZDA"):
+        read_trial(log(text), format="nmea")
+
+
+def test_utc_that_jumps_back_by_less_than_a_second_is_named(log, stamped, basic):
+    """By 0.5 s, after 0.2 s between two of them."""
+    text = stamped((lambda t: zda(t if t < 10 else t - 0.5), 5), *basic, stamp=lambda s: "")
+    with pytest.raises(e.ClockError, match=r"the clock jumps back by 0\.3 s .*UTC of GPZDA"):
         read_trial(log(text), format="nmea")
 
 

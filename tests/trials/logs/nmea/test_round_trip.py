@@ -31,7 +31,7 @@ WITHIN = {
     "delta_order": np.radians(0.05 + 0.02),
     "x": 0.05,
     "y": 0.05,
-    "U": 0.005 * KNOT + 1e-3,
+    "SOG": 0.005 * KNOT + 1e-3,
     "wind_speed_relative": 0.05 * KNOT + 1e-3,
     "wind_direction_relative": np.radians(0.05 + 0.02),
 }
@@ -75,7 +75,7 @@ def test_written_and_read(tmp_path, heading, turning, rudder, speed, drift, stam
     back = read_trial(path, format="nmea")
     t = back["t"]
     for name, within in WITHIN.items():
-        if name == "U":
+        if name == "SOG":
             expected = np.interp(t, trial["t"], np.hypot(trial["u"], trial["v"]))
         else:
             expected = np.interp(t, trial["t"], trial[name])
@@ -120,7 +120,7 @@ def test_other_sentences_of_the_writer(tmp_path):
     path = write_nmea(trial, tmp_path / "made.nmea", rates, stamp="none")
     back = read_trial(path, format="nmea")
     assert back["u"][5] == pytest.approx(6, abs=0.03)
-    assert back["U"][5] == pytest.approx(np.hypot(6, 0.5), abs=0.03)
+    assert back["SOG"][5] == pytest.approx(np.hypot(6, 0.5), abs=0.03)
     assert any("UTC of GPRMC" in n for n in back.source.notes)
     with pytest.raises(UnknownNameError, match="XTE"):
         list(nmea_lines(trial, {"GPXTE": 1.0}))

@@ -87,8 +87,10 @@ def test_vbw_through_the_water_and_over_ground(read):
     assert trial["v"][0] == pytest.approx(-0.2572222, abs=1e-6)  # to port
     assert "through the water" in note(trial, "u, v")
     ground = read("VDVBW,10.0,-0.5,V,11.0,0.25,A")
-    assert ground["u"][0] == pytest.approx(11 * KNOT) and ground["v"][0] == pytest.approx(0.25 * KNOT)
-    assert "over ground" in note(ground, "u, v")
+    assert not ground.has("u")
+    assert ground["SOG"][0] == pytest.approx(KNOT * math.hypot(11, 0.25))
+    assert np.degrees(ground["COG"][0]) == pytest.approx(350 + math.degrees(math.atan2(0.25, 11)))
+    assert "over ground, knots along the ship and across" in note(ground, "SOG, COG")
     assert not read("VDVBW,10.0,-0.5,V,11.0,0.25,V").has("u")
     assert not read("VDVBW,10.0,,A,,,V").has("v")
 
@@ -103,23 +105,28 @@ def test_vhw_is_the_last_resort_for_a_heading(read, basic):
     assert np.degrees(trial["psi"][0]) == pytest.approx(123)
 
 
-def test_vtg_and_the_heading_give_speeds_over_ground(read, basic):
-    heading = (lambda t: "HEHDT,30.0,T", 5)
-    trial = read("GPVTG,60.0,T,,M,10.0,N,,K,A", instead=(heading, basic[1]))
-    assert trial["U"][0] == pytest.approx(10 * KNOT)
-    assert trial["u"][0] == pytest.approx(10 * KNOT * math.cos(math.radians(30)))
-    assert trial["v"][0] == pytest.approx(10 * KNOT * 0.5)  # the course lies to starboard of the bow
-    assert "over ground" in note(trial, "U") and "current" in note(trial, "u, v")
-    assert not read("GPVTG,60.0,T,,M,10.0,N,,K,N").has("U")
-    assert not read("GPVTG,60.0,T,,M,10.0,N,,K,A", "VWVHW,,T,,M,9.0,N,,K").has("v")
+def test_vtg_is_speed_and_course_over_ground(read):
+    trial = read("GPVTG,60.0,T,,M,10.0,N,,K,A")
+    assert trial["SOG"][0] == pytest.approx(10 * KNOT)
+    assert np.degrees(trial["COG"][0]) == pytest.approx(60)
+    assert not trial.has("u") and not trial.has("U")
+    assert "over ground" in note(trial, "SOG, COG")
+    assert not read("GPVTG,60.0,T,,M,10.0,N,,K,N").has("SOG")
+    assert read("GPVTG,60.0,T,,M,10.0,N,,K,A", "VWVHW,,T,,M,9.0,N,,K")["u"][0] == pytest.approx(9 * KNOT)
+
+
+def test_vtg_without_a_heading_along_the_way_round(read):
+    """A course is between two samples on the short way round: 350 and 10 deg give 0, not 180."""
+    trial = read((lambda t: f"GPVTG,{(355 + 10 * t) % 360:.1f},T,,M,10.0,N,,K,A", 1))
+    np.testing.assert_allclose(np.degrees(np.unwrap(trial["COG"])), 355 + 10 * trial["t"], atol=0.01)
 
 
 def test_rmc_obeys_status_and_mode(read):
     rmc = "GPRMC,090000.00,{},6327.00000,N,01025.00000,E,10.0,45.0,040526,,,{}"
-    assert read(rmc.format("A", "D"))["U"][0] == pytest.approx(10 * KNOT)
-    assert not read(rmc.format("V", "A")).has("U")
+    assert read(rmc.format("A", "D"))["SOG"][0] == pytest.approx(10 * KNOT)
+    assert not read(rmc.format("V", "A")).has("SOG")
     assert not read(rmc.format("A", "E")).has("x")
-    assert read("GPRMC,090000.00,A,6327.00000,N,01025.00000,E,10.0,45.0,040526,,").has("x", "U")  # no mode before 2.3
+    assert read("GPRMC,090000.00,A,6327.00000,N,01025.00000,E,10.0,45.0,040526,,").has("x", "SOG")  # no mode before 2.3
 
 
 @pytest.mark.parametrize(

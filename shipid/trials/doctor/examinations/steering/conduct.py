@@ -11,7 +11,7 @@ from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
-from shipid.trials.measuring.series import smoothed
+from shipid.trials.signals.series import smoothed
 
 
 def examine_start(p: WorkingCopy) -> None:

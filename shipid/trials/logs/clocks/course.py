@@ -1,0 +1,115 @@
+"""The course of a clock: midnight is passed, summer time ends, several samples share a stamp of low resolution."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from shipid.trials.filling import GAP
+
+DAY = 86400.0
+HOUR = 3600.0
+#: A clock whose stamps repeat this often has too few digits; where fewer repeat, samples stand twice.
+COARSE = 0.1
+#: Resolutions of clocks that loggers print [s].
+_RESOLUTIONS = (0.001, 0.01, 0.1, 1.0, 60.0)
+
+
+def unrolled(seconds: np.ndarray, period: float) -> tuple[np.ndarray, int]:
+    """Let a clock that begins again after a period run on; gaps stay.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        The clock; NaN where there is no stamp.
+    period : float
+        A day, or a week of the GPS [s].
+
+    Returns
+    -------
+    seconds : ndarray, shape (n,)
+        Running on.
+    count : int
+        How often it began again.
+    """
+    at = np.flatnonzero(np.isfinite(seconds))
+    again = np.diff(seconds[at]) < -period / 2
+    result = seconds.copy()
+    result[at[1:]] += period * np.cumsum(again)
+    return result, int(again.sum())
+
+
+def hour_back(seconds: np.ndarray) -> int | None:
+    """Return the sample at which a clock has jumped back by an hour, or None.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        The clock; NaN where there is no stamp.
+
+    Returns
+    -------
+    int or None
+        The first sample after the jump.
+    """
+    at = np.flatnonzero(np.isfinite(seconds))
+    step = np.diff(seconds[at])
+    if step.size < 2:
+        return None
+    usual = float(np.median(step[step > 0])) if (step > 0).any() else 1.0
+    back = np.flatnonzero(np.abs(step + HOUR - usual) <= max(GAP * usual, 1.0))
+    return int(at[back[0] + 1]) if back.size else None
+
+
+def ends_summer(before: float) -> bool:
+    """Return whether summer time can end at a moment: in the small hours of a Sunday in spring or autumn.
+
+    Parameters
+    ----------
+    before : float
+        Local time of the last stamp before the jump [s since 1970].
+    """
+    moment = datetime(1970, 1, 1) + timedelta(seconds=before)
+    return moment.weekday() == 6 and moment.month in (3, 4, 9, 10, 11) and moment.hour < 4
+
+
+def spread(seconds: np.ndarray) -> tuple[np.ndarray, float | None]:
+    """Spread samples that share a stamp of low resolution evenly over it.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        The clock, not falling; NaN where there is no stamp.
+
+    Returns
+    -------
+    seconds : ndarray, shape (n,)
+        Rising. At the ends of the record the group of a stamp may be cut: the first is taken from its end.
+    resolution : float or None
+        Of the stamps [s]; None where nothing was spread.
+    """
+    at = np.flatnonzero(np.isfinite(seconds))
+    known = seconds[at]
+    step = np.diff(known)
+    if step.size < 2 or (step < 0).any() or not (step > 0).any() or np.mean(step == 0) < COARSE:
+        return seconds, None
+    resolution = next((r for r in reversed(_RESOLUTIONS) if _multiples(known, r)), None)
+    if resolution is None:
+        return seconds, None
+    stamps, first, group, count = np.unique(known, return_index=True, return_inverse=True, return_counts=True)
+    place = np.arange(known.size) - first[group]
+    full = int(np.median(count))
+    share = np.maximum(count[group], 1).astype(float)
+    for end in (0, len(stamps) - 1):
+        mine = group == end
+        if count[end] < full:
+            share[mine] = full
+            place[mine] += full - count[end] if end == 0 else 0
+    result = seconds.copy()
+    result[at] = known + resolution * place / share
+    return result, resolution
+
+
+def _multiples(known: np.ndarray, resolution: float) -> bool:
+    return bool(np.allclose(known, np.round(known / resolution) * resolution, rtol=0, atol=1e-6))
