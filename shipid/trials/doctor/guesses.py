@@ -142,6 +142,7 @@ def _with_names(record: LenientRecord) -> LenientRecord:
     known = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
     values: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
+    words = dict(record.words)
     guesses = []
     for header, column in record.values.items():
         name = header
@@ -151,12 +152,14 @@ def _with_names(record: LenientRecord) -> LenientRecord:
         if name in values or (name not in FIELDS and header not in record.stated):
             continue
         values[name] = column
+        if header in record.words:
+            words[name] = record.words[header]
         if header in record.stated:
             stated[name] = record.stated[header]
         if name != header:
             guesses.append(f"{name} is '{header}'")
     notes = (f"Columns guessed from their headers: {', '.join(guesses)}.",) if guesses else ()
-    return replace(record, values=values, stated=stated, notes=(*record.notes, *notes))
+    return replace(record, values=values, stated=stated, words=words, notes=(*record.notes, *notes))
 
 
 def _with_clock(record: LenientRecord) -> LenientRecord:

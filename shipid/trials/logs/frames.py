@@ -32,7 +32,7 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     where = f"table '{name}'"
     series, stated, faults = by_header({str(c): frame[c] for c in frame.columns}, units, where)
     values = _numbers(series, where, faults)
-    return LenientRecord(name, values, stated, where, source or Source(), faults=tuple(faults))
+    return LenientRecord(name, values, stated, where, source or Source(), faults=tuple(faults), words=_words(faults))
 
 
 def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple[str, ...]]:
@@ -89,7 +89,14 @@ def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tu
     ]
     values = _numbers(named, where, faults)
     comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
-    return LenientRecord(file.stem, values, stated, where, faults=tuple(faults)), tuple(comment.splitlines())
+    record = LenientRecord(file.stem, values, stated, where, faults=tuple(faults), words=_words(faults))
+    return record, tuple(comment.splitlines())
+
+
+def _words(faults: list[TrialError]) -> dict[str, Mapping[int, str]]:
+    """Return by column and row the cells that hold text."""
+    texts = [fault.cells for fault in faults if isinstance(fault, TextInColumnError)]
+    return {str(name): cells for found in texts for name, cells in found.items()}
 
 
 def _arrow_units(schema: Plain, frame: pd.DataFrame) -> dict[str, str]:
@@ -121,7 +128,8 @@ def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialErro
             faults.append(
                 TextInColumnError(
                     f"{where}, row {k}, column '{name}': '{str(column.iloc[k])[:40]}' is not a number. "
-                    "Replace it by the number, or remove the row."
+                    "Replace it by the number, or remove the row.",
+                    {name: {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}},
                 )
             )
         result[name] = numbers.to_numpy(dtype=float, na_value=np.nan)

@@ -66,6 +66,7 @@ def read_text(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple
         faults=tuple(faults),
         unused=unused,
         line=partial(line_of, file, layout),
+        words={} if fault is None else {name: fault.cells[k] for name, k in found.items() if k in fault.cells},
     )
     return record, layout.comments
 
@@ -108,12 +109,26 @@ def parse(path: Path, layout: TextLayout, wanted: Sequence[int]) -> tuple[pd.Dat
                 f"'{path}' could not be parsed: {' '.join(str(error).split())}. Check its rows, or state a format file."
             ) from None
         table = _table(path, layout, "str")
+        printed = table
         if layout.decimal == ",":
             table = table.apply(lambda column: column.str.replace(",", "."))
         table = table.apply(pd.to_numeric, errors="coerce")
+        fault = TextInColumnError(str(fault), {k: cells for k in wanted if (cells := texts_in(printed[k], table[k]))})
     if table.empty:
         raise no_samples(path)
     return table, fault
+
+
+def texts_in(printed: pd.Series, numbers: pd.Series) -> dict[int, str]:
+    """Return by row the text of the cells that hold neither a number nor nothing.
+
+    Parameters
+    ----------
+    printed, numbers : pandas.Series
+        A column as it is written, and as numbers.
+    """
+    rows = np.flatnonzero((numbers.isna() & printed.notna() & (printed.astype(str).str.strip() != "")).to_numpy())
+    return {int(row): str(printed.iloc[row]).strip() for row in rows}
 
 
 def _table(path: Path, layout: TextLayout, dtype: str | dict[int, str]) -> pd.DataFrame:
