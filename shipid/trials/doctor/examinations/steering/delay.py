@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares
+from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, residuals, settled, squares
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -33,6 +33,8 @@ class Answer:
         As `slow`, the rate of the rudder allowed for as well: it explains small shifts of either sign.
     explained : float
         Share of the acceleration in turning that rudder and damping explain at the best shift.
+    disturbed : float
+        Share of that acceleration which even a second-order answer leaves, and throughout the record.
     step : float
         Interval of the shifts that were tried [s].
     """
@@ -44,6 +46,7 @@ class Answer:
     slow: float
     free: float
     explained: float
+    disturbed: float
     step: float
 
 
@@ -68,6 +71,8 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     start, _, _ = executes(signals.delta)
     span = float(signals.t[-1] - signals.t[0])
     half = float(np.median(np.diff(signals.t[start]))) if len(start) > 2 else span / 4
+    # Short holds of an irregular helm do not make a delay long.
+    usual = float(np.quantile(np.diff(signals.t[start]), 0.8)) if len(start) > 2 else half
     constant = max(2 * signals.step, half / 40)
     use = settled(signals, constant)
     if int(use.sum()) < 30:
@@ -90,9 +95,15 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
     total = float(np.sum((target - target.mean()) ** 2))
+    throughout = robust.spread(residuals(np.column_stack([delta, bend, rate, *rest])[use], target)) ** 2
+    # What the noise of the sensor alone makes of it: the energy of the filter's answer to one wild sample.
+    impulse = np.zeros_like(r)
+    impulse[1] = robust.noise(signals.r[signals.known])
+    sensor = float(np.sum(filtered(signals, impulse, constant)[1] ** 2))
     return Answer(
-        half, len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
-        misfit(delta, bend, rate) / least, 1 - least / total, step,
+        usual,
+        len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
+        misfit(delta, bend, rate) / least, 1 - least / total, max(throughout - sensor, 0.0) * len(target) / total, step,
     )  # fmt: skip
 
 
@@ -120,7 +131,7 @@ def examine_delay(p: WorkingCopy) -> None:
         # A ship with a fast second mode seems to answer a little before a first-order one would.
         clear = answer.free > 1.3 and answer.gain > 1.5
         limit = max(2.5 * p.sampling, 2 * answer.step, (0.02 if clear else 0.06) * answer.half)
-        if -answer.delay >= limit and answer.gain > 1.25:
+        if -answer.delay >= limit and answer.gain > (1.25 if clear else 2.0):
             _rudder_late(p, name, answer, limit)
         return
     clear = answer.free > 1.3 and answer.gain > 1.5

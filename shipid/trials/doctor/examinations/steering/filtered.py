@@ -117,8 +117,8 @@ def settled(signals: Signals, constant: float) -> np.ndarray:
     return result
 
 
-def squares(design: np.ndarray, target: np.ndarray) -> float:
-    """Return what a linear model leaves of the target: the sum of squares of its residuals.
+def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Return what a linear model leaves of the target.
 
     Parameters
     ----------
@@ -128,5 +128,17 @@ def squares(design: np.ndarray, target: np.ndarray) -> float:
         What they explain.
     """
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
-    rest = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
+    rest: np.ndarray = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
+    return rest
+
+
+def squares(design: np.ndarray, target: np.ndarray) -> float:
+    """Return the sum of squares of what a linear model leaves of the target.
+
+    Parameters
+    ----------
+    design, target
+        As for `residuals`.
+    """
+    rest = residuals(design, target)
     return float(rest @ rest)
