@@ -11,7 +11,7 @@ import pandas as pd
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError
-from shipid.trials.logs.nmea.geodesy import to_local
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.record import LenientRecord
 
 _LATITUDES = ("lat", "latitude", "breite", "breitengrad", "gpslat", "latdeg", "latitudedeg")

@@ -6,7 +6,7 @@ import pytest
 
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial
-from shipid.trials.logs.nmea.geodesy import to_geographic
+from shipid.trials.logs.geodesy import to_geographic
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.trial import Trial
 

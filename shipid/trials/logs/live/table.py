@@ -17,9 +17,9 @@ from shipid.trials.logs.clocks.formatted import clock_columns
 from shipid.trials.logs.clocks.headers import find_clock
 from shipid.trials.logs.clocks.settings import ClockFormat
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
-from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.positions import pair_of, with_degrees
 from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out
 from shipid.trials.logs.tables.header_rows import is_sample_row
