@@ -12,6 +12,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.trials import columns
 from shipid.trials.filling import interpolated
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.positions import with_positions
 from shipid.trials.logs.record import LenientRecord
 
 GLITCH_WINDOW = 10.0
@@ -55,12 +56,12 @@ def in_si(record: LenientRecord, fmt: TrialFormat | None) -> LenientRecord:
     Returns
     -------
     LenientRecord
-        In the units inside a trial; `stated` is what the log said.
+        In the units inside a trial, latitude and longitude as x and y; `stated` is what the log said.
 
     Raises
     ------
     ColumnUnitError
-        If a unit is unknown or does not fit its column.
+        If a unit is unknown or does not fit its column, or a latitude is no place on the earth.
     """
     values: dict[str, np.ndarray] = {}
     notes = list(record.notes)
@@ -72,7 +73,7 @@ def in_si(record: LenientRecord, fmt: TrialFormat | None) -> LenientRecord:
     if fmt is not None and fmt.interval is not None:
         values = {"t": np.arange(len(record)) * fmt.interval} | {k: v for k, v in values.items() if k != "t"}
         notes.append(f"t was rebuilt as n × {fmt.interval:.6g} s: the record's own clock is not used.")
-    return replace(record, values=values, notes=tuple(notes))
+    return with_positions(replace(record, values=values, notes=tuple(notes)))
 
 
 def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:

@@ -15,6 +15,7 @@ from shipid.trials.errors import HeaderError, TextInColumnError, TrialError
 from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.clocks.reading import with_clock
 from shipid.trials.logs.naming import by_header
+from shipid.trials.logs.positions import with_degrees
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
 
@@ -34,13 +35,21 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     where = f"table '{name}'"
     found, twice = _by_header(frame, units, where)
     clocked = with_clock(_with_index(found, frame.index), where)
-    series, stated, faults = by_header(clocked.columns, {}, where)
+    full, degrees = with_degrees(clocked.columns)
+    series, stated, faults = by_header(full, {}, where)
     faults = [*twice, *faults, *clocked.faults]
     values = _numbers(series, where, faults)
     source = source or Source()
     source = replace(source, start=clocked.start or source.start)
     return LenientRecord(
-        name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults), words=_words(faults)
+        name,
+        values,
+        stated,
+        where,
+        source,
+        notes=(*clocked.notes, *degrees),
+        faults=tuple(faults),
+        words=_words(faults),
     )
 
 

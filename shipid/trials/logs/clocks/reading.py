@@ -17,6 +17,7 @@ from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, 
 from shipid.trials.logs.clocks.numbers import WEEK, epoch_in, layout_of_numbers, read_numbers
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat, moment_text
 
+_WEEK_UNITS = {1.0: "gps week s", 1e-3: "gps week ms"}
 _EPOCH_UNITS = {1.0: "epoch s", 1e-3: "epoch ms", 1e-6: "epoch us", 1e-9: "epoch ns"}
 
 
@@ -197,6 +198,8 @@ def layout_of(header: str, values: np.ndarray) -> str | None:
     if unit is None:
         return layout_of_numbers(values, short(header))
     factor = headers.to_inside("t", unit)
+    if factor in _WEEK_UNITS and ("tow" in short(header) or "timeofweek" in short(header)):
+        return _WEEK_UNITS[factor]
     if factor == DAY:
         return next((name for name in ("excel", "matlab") if epoch_in(read_numbers(values, name).seconds)), None)
     name = next((word for size, word in _EPOCH_UNITS.items() if np.isclose(size, factor, rtol=1e-9)), None)

@@ -54,7 +54,10 @@ class RunningClock:
         self._layout = stated.layout
         if self._layout is None and is_number(main):
             values = pd.to_numeric(main, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
-            self._layout = layout_of(headers.header("t", unit) if unit else self._place.names[-1], values)
+            self._layout = layout_of(
+                headers.header(headers.split_header(self._place.names[-1])[0], unit) if unit else self._place.names[-1],
+                values,
+            )
         self._factor = None
         if self._layout is None and is_number(main) and len(first) == 1:
             if unit is None:

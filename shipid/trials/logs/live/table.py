@@ -10,14 +10,17 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns as headers
 from shipid.trials.errors import EmptyFileError, TrialError
 from shipid.trials.logs.clocks.formatted import clock_columns
 from shipid.trials.logs.clocks.headers import find_clock
 from shipid.trials.logs.clocks.settings import ClockFormat
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
+from shipid.trials.logs.positions import pair_of, with_degrees
 from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out
 from shipid.trials.logs.tables.header_rows import is_sample_row
 from shipid.trials.logs.tables.numerals import Decimal, certain_sign, is_missing, read_numbers
@@ -78,6 +81,8 @@ class LiveTable:
         sign = re.escape(self._comment)
         self._remark = re.compile(rf"(?:^|\s){sign}(?![A-Z0]+[/!?]|NA|NV).*")  # #N/A, #DIV/0! are cells
         self._channels: dict[str, tuple[int, float]] = {}
+        self._pair: tuple[str, ...] = ()
+        self._origin: tuple[float, float] | None = None
         self._before: list[str] = []
         self._count = self._tried = 0
 
@@ -202,11 +207,14 @@ class LiveTable:
             clock, others = find_clock(table)
             if not clock and not last:
                 return
-            rest = [header for header in table if header not in clock + others]
+            numbers = {h: column.map(self._number) for h, column in table.items() if h not in clock + others}
+            kept = {h: column for h, column in numbers.items() if column.notna().any() or _says_what_it_is(h)}
+            full, notes = with_degrees(kept)
+            for note in notes:
+                self._tell(f"{self._where}: {note}")
+            at = {h: self._headers.index(old) for h, old in zip(full, kept)}
             place = f"{self._where}, line {layout.row}"
-            found, stated, faults = by_header(
-                {h: self._headers.index(h) for h in rest} | ({"t [s]": -1} if clock else {}), {}, place
-            )
+            found, stated, faults = by_header(at | ({"t [s]": -1} if clock else {}), {}, place)
             for fault in faults:
                 raise fault
             unit = None
@@ -228,7 +236,15 @@ class LiveTable:
                 factor = headers.to_inside(name, stated[name], f"{self._where}, header: ")
                 known = fmt.columns[name] if fmt is not None else None
                 self._channels[name] = (k, factor * (known.sign * known.scale if known else 1.0))
-        self.names = ("t", *self._channels)
+        pair = pair_of(self._channels)
+        if (
+            pair is not None
+            and not {"x", "y"} & set(self._channels)
+            and headers.inside_unit(pair[0], stated[pair[0]]) == "rad"
+        ):
+            self._pair = pair
+        channels = [name for name in self._channels if name not in self._pair]
+        self.names = ("t", *channels, *(("x", "y") if self._pair else ()))
         waiting, self._waiting = self._waiting, []
         for number, cells in waiting:
             yield from self._sample(number, cells)
@@ -274,7 +290,9 @@ class LiveTable:
         return np.nan
 
     def _put_right(self, values: dict[str, float]) -> dict[str, float]:
-        """Turn what a format file says: winds that are named by where they come from, speeds along the earth's axes."""
+        """Turn latitude and longitude, and what a format file says: winds by where they come from, speeds along the earth's axes."""
+        if self._pair:
+            values |= self._metres(*(values.pop(name) for name in self._pair))
         if self._fmt is None:
             return values
         frames = {name: column.frame for name, column in self._fmt.columns.items()}
@@ -285,3 +303,17 @@ class LiveTable:
             north, east = values["u"], values["v"]
             values["u"], values["v"] = north * c + east * s, east * c - north * s
         return values
+
+    def _metres(self, lat: float, lon: float) -> dict[str, float]:
+        """North and east of the first fix; NaN where there is none."""
+        if not (abs(lat) <= np.pi / 2 and abs(lon) <= 2 * np.pi) or lat == lon == 0:
+            return {"x": np.nan, "y": np.nan}
+        self._origin = self._origin or (lat, lon)
+        north, east = to_local(lat, lon, self._origin)
+        return {"x": float(north), "y": float(east)}
+
+
+def _says_what_it_is(header: str) -> bool:
+    """Whether a column without a number is one that is wanted: a field of the vocabulary, or one with a unit."""
+    name, unit = headers.split_header(header)
+    return name in FIELDS or unit is not None

@@ -17,6 +17,7 @@ from shipid.trials.logs.clocks.reading import with_clock
 from shipid.trials.logs.clocks.stamps import read_stamps
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.naming import by_format, by_header
+from shipid.trials.logs.positions import with_degrees
 from shipid.trials.logs.record import LenientRecord, same_row
 from shipid.trials.logs.tables.numerals import MISSING, Decimal, read_numbers, shows_decimals, sign_of_file
 from shipid.trials.source import Source
@@ -129,7 +130,8 @@ def _unformatted(raw: RawTable) -> LenientRecord:
     left_out = [h for h in clocked.columns if h in indices and cells.is_prose(indices[h]) and not _is_known(h)]
     empty = [h for h in clocked.columns if h in indices and h not in left_out and _is_unnamed_hole(h, table[h])]
     kept = {header: column for header, column in clocked.columns.items() if header not in (*left_out, *empty)}
-    found, stated, faults = by_header(kept, {}, raw.where + raw.header)
+    full, degrees = with_degrees(kept)
+    found, stated, faults = by_header(full, {}, raw.where + raw.header)
     notes = [f"Columns of text were left out: {', '.join(map(repr, left_out))}."] if left_out else []
     notes += [f"Columns without a sample were left out: {', '.join(map(repr, empty))}."] if empty else []
     # By header: a name may be that of two columns, of which the first is kept.
@@ -141,7 +143,7 @@ def _unformatted(raw: RawTable) -> LenientRecord:
         stated,
         raw.where,
         Source(start=clocked.start),
-        notes=(*raw.notes, *cells.notes, *notes, *clocked.notes),
+        notes=(*raw.notes, *cells.notes, *notes, *clocked.notes, *degrees),
         faults=(*faults, *clocked.faults),
         line=raw.line,
         words=cells.words({name: k for name, k in own.items() if k is not None}),

@@ -58,6 +58,8 @@ def text(pattern, stamps=STAMPS):
         ({"t [d]": EPOCH / 86400 + 25569}, "2026-05-04T23:59:50"),
         ({"datenum": EPOCH / 86400 + 719529, "t": EPOCH / 86400 + 719529}, "2026-05-04T23:59:50"),
         ({"tow": WEEK}, None),
+        ({"TOW [s]": WEEK}, None),
+        ({"iTOW [ms]": WEEK * 1000}, None),
         ({"iTOW": WEEK * 1000}, None),
         ({"week": [2417] * 80, "tow": WEEK}, "2026-05-04T23:59:50"),
     ],

@@ -81,6 +81,12 @@ def test_headers_and_numbers_as_people_write_them(tmp_path):
     same_as_the_record("# t[s] psi[deg] delta[deg]\n" + rows, tmp_path / "log.dat")
 
 
+@pytest.mark.parametrize("names", [("lat [deg]", "lon [deg]"), ("Latitude", "Longitude")])
+def test_positions_in_degrees_and_columns_of_text(tmp_path, names):
+    table = frame(**{"t [s]": SECONDS, names[0]: 59.9 + 1e-5 * SECONDS, names[1]: 10.6 - 1e-5 * SECONDS})
+    same_as_the_record(table.assign(note="calm").to_csv(index=False), tmp_path / "log.csv", atol=1e-6)
+
+
 @pytest.mark.parametrize(
     "clock, cells, text",
     [
