@@ -13,6 +13,8 @@ from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
 _SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jump")
+#: Kinds that spoil no identification, and are said beside the distances of a turn all the same.
+_BESIDE = ("track-inconsistent",)
 #: A finding about single samples that are scattered says where they begin and end, not which they are.
 _TOGETHER = 0.8
 _NAMES = {
@@ -67,7 +69,8 @@ class Faults:
         for found in self.diagnosis.findings:
             channels = set(found.channel.split(","))
             # A gap is told at the numbers it touches.
-            if found.serious and found.kind not in ("gap", "short") and channels & {*names, "t"}:
+            beside = found.kind in _BESIDE and found.confidence >= SURE
+            if (found.serious or beside) and found.kind not in ("gap", "short") and channels & {*names, "t"}:
                 left_out = any(
                     self.wrong[n][_rows(found, len(self.wrong[n]))].any() for n in channels & set(self.wrong)
                 )

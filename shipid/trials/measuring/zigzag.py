@@ -165,7 +165,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     beyond_moved = None
     if steering.reading == "order" and not steering.logged and steering.rate is not None:
         by_rudder = replace(steering, reading="moved")
-        later = [_at(psi, leaves(by_rudder, plate).time) for plate in held[:-1]]
+        later = [
+            series.value_at(psi.t, psi.y, leaves(by_rudder, plate).time, _WIDTH * half_period, 1) for plate in held[:-1]
+        ]
         beyond_moved = tuple(
             None if swing[0] is None or not ok else max(0.0, float(swing[0] + s * (h - v)))
             for swing, s, h, v, ok in zip(found, signs, at, later, known)
