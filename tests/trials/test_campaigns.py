@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.fitness import check_identifiable_input, check_regular
+from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.signals.series import smoothed
+from shipid.trials.stretches import stretches_of
 
 FORMATS = Path(__file__).resolve().parents[2] / "studies" / "formats"
 MARIN = [f"MARIN_FREE_KVLCC2_{run}_m.dat" for run in ("zz_20", "zz_-20", "zz_10", "tc_35")]
@@ -57,7 +58,7 @@ def test_positive_rudder_turns_to_starboard(campaign, name, file):
 @every
 def test_records_are_fit_for_identification(campaign, name, file):
     trial = campaign(name, file)
-    check_regular(trial)
+    assert stretches_of(trial, ["delta"]) == (trial,)
     check_identifiable_input(trial)
 
 
