@@ -180,3 +180,12 @@ def test_still_water_values_are_not_made_up(circle_log):
     assert "its drift shows from 465 deg on" in short.reasons["advance_still_water"]
     still = measure(circle_log())
     assert still.advance_still_water is None and "not beyond its scatter" in still.reasons["advance_still_water"]
+
+
+def test_a_propeller_that_is_stopped_in_a_zigzag_is_told(logged):
+    trial, *_ = logged(0.5)
+    frame = trial.to_frame()
+    frame["n [rps]"] = np.where(trial["t"] < 120, 2.0, 0.0)
+    assert "The propeller is stopped at 120 s: no zig-zag does that" in measure(Trial.from_frame(frame)).notes
+    frame["n [rps]"] = 2.0
+    assert not any("propeller" in note for note in measure(Trial.from_frame(frame)).notes)
