@@ -79,7 +79,11 @@ def test_single_wild_headings_are_left_out(logged):
     frame.loc[[60, 102, 200], "psi [deg]"] += [40.0, 15.0, -60.0]
     found = measure(Trial.from_frame(frame))
     np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.2)
-    assert any("3 single wild samples of psi" in note for note in found.notes)
+    assert any("left out" in note for note in found.notes)
+    # Without the doctor they are found one by one.
+    alone = measure(Trial.from_frame(frame), diagnosis=Diagnosis("not examined"))
+    assert any("3 single wild samples of psi are left out" in note for note in alone.notes)
+    np.testing.assert_allclose(np.degrees(alone.overshoots), overshoots[: len(alone.overshoots)], atol=0.2)
 
 
 def test_a_heading_that_stands_still_over_a_peak(logged):
