@@ -8,11 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.trials.doctor.check_trial import check_trial
-from shipid.trials.doctor.findings import SURE, Diagnosis, Finding
+from shipid.trials.doctor.findings import SURE, Diagnosis
 from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
 _SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jump")
+#: Kinds that spoil no identification, and are said beside the distances of a turn all the same.
+_BESIDE = ("track-inconsistent",)
+#: Kinds that are told at the numbers they touch.
+_TOLD = ("gap", "hole", "missing", "sentinel", "short", "not-finite")
 #: A finding about single samples that are scattered says where they begin and end, not which they are.
 _TOGETHER = 0.8
 _NAMES = {
@@ -64,13 +68,11 @@ class Faults:
             The columns that are measured.
         """
         said = []
-        for found in self.diagnosis.findings:
-            channels = set(found.channel.split(","))
+        for found in self.diagnosis.bearing_on(names):
+            beside = found.kind in _BESIDE and found.confidence >= SURE
             # A gap is told at the numbers it touches.
-            if found.serious and found.kind not in ("gap", "short") and channels & {*names, "t"}:
-                left_out = any(
-                    self.wrong[n][_rows(found, len(self.wrong[n]))].any() for n in channels & set(self.wrong)
-                )
+            if (found.serious or beside) and found.kind not in _TOLD:
+                left_out = found.kind in _SHOW_NOTHING and bool({*found.channels} & {*self.wrong})
                 said.append(f"{found.kind} ({found.channel}): {found.message}" + ("; left out" if left_out else ""))
         return said
 
@@ -94,20 +96,18 @@ def faults_of(trial: Trial, diagnosis: Diagnosis | None) -> Faults:
     wrong: dict[str, np.ndarray] = {}
     why: dict[str, list[tuple[float, float, str]]] = {}
     for found in said.findings:
-        together = found.count >= _TOGETHER * (found.rows[1] - found.rows[0] + 1)
-        if found.kind not in _SHOW_NOTHING or found.confidence < SURE or found.handled or not together:
+        if found.kind not in _SHOW_NOTHING or found.confidence < SURE or found.handled:
             continue
-        if found.kind == "outlier" and found.count < 3:
+        spans = found.spans or (found.seconds,)
+        mask = np.zeros(len(t), dtype=bool)
+        for start, end in spans:
+            mask |= (t >= start - 1e-9) & (t <= end + 1e-9)
+        if found.count < 3 or found.count < _TOGETHER * mask.sum() or mask.sum() > 0.5 * len(t):
             # Single wild samples are found again, one by one.
             continue
-        start, end = found.seconds
-        mask = (t >= start - 1e-9) & (t <= end + 1e-9)
-        for name in found.channel.split(","):
-            if trial.has(name) and mask.sum() < 0.5 * len(t):
+        for name in found.channels:
+            if trial.has(name):
                 wrong[name] = wrong.get(name, np.zeros(len(t), dtype=bool)) | mask
-                why.setdefault(name, []).append((start, end, found.kind.replace("heading-glitch", "glitches")))
+                kind = found.kind.replace("heading-glitch", "glitches")
+                why.setdefault(name, []).extend((start, end, kind) for start, end in spans)
     return Faults(said, wrong, why)
-
-
-def _rows(found: Finding, n: int) -> slice:
-    return slice(min(found.rows[0], n), min(found.rows[1] + 1, n))

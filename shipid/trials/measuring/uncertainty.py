@@ -29,8 +29,7 @@ def overshoot_uncertainty(psi: Channel, logged: Channel, execute: Execute, top: 
     k = int(np.clip(np.searchsorted(psi.t, execute.time), 1, len(psi.t) - 1))
     near = slice(max(0, k - 2), min(len(psi.t), k + 2))
     slope = float(np.polyfit(psi.t[near] - psi.t[k], psi.y[near], 1)[0])
-    # Uniform in its interval: 95 % of it.
-    parts = [0.95 * abs(slope) * execute.within]
+    parts = [abs(slope) * execute.within]
     scatter = _scatter(logged.y)
     averaged = max(1, int(np.sum(np.abs(psi.t - execute.time) <= half)))
     parts.append(2 * scatter * np.sqrt(2 / averaged))

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.instead import propeller_words
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
@@ -165,7 +166,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     beyond_moved = None
     if steering.reading == "order" and not steering.logged and steering.rate is not None:
         by_rudder = replace(steering, reading="moved")
-        later = [_at(psi, leaves(by_rudder, plate).time) for plate in held[:-1]]
+        later = [
+            series.value_at(psi.t, psi.y, leaves(by_rudder, plate).time, _WIDTH * half_period, 1) for plate in held[:-1]
+        ]
         beyond_moved = tuple(
             None if swing[0] is None or not ok else max(0.0, float(swing[0] + s * (h - v)))
             for swing, s, h, v, ok in zip(found, signs, at, later, known)
@@ -209,7 +212,8 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         period=float(np.mean(cycles)) if cycles else None,
         initial_turning_ratio=None if distance is None or length is None else distance / length,
         reasons=reasons,
-        notes=(*notes, *_left_out(logged), *_left_out(steering.channel), *_bridges(logged, psi, when, faults),
+        notes=(*notes, *_propeller(trial, first, end), *_left_out(logged), *_left_out(steering.channel),
+               *_bridges(logged, psi, when, faults),
                *faults.notes(("psi", steering.channel.name))),
         **beginning,
     )  # fmt: skip
@@ -349,6 +353,11 @@ def _course(psi: Channel, at: np.ndarray, side: int, first: float | None) -> tup
 def _nominal(angle: float) -> int:
     degrees = float(np.degrees(angle))
     return max(5 * round(degrees / 5), 5) if degrees >= 2.5 else round(degrees)
+
+
+def _propeller(trial: Trial, first: Execute | None, end: float) -> list[str]:
+    said = propeller_words(trial, None if first is None else first.time, end)
+    return [said.rstrip(".") + ": no zig-zag does that"] if said else []
 
 
 def _left_out(channel: Channel) -> list[str]:

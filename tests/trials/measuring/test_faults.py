@@ -79,7 +79,11 @@ def test_single_wild_headings_are_left_out(logged):
     frame.loc[[60, 102, 200], "psi [deg]"] += [40.0, 15.0, -60.0]
     found = measure(Trial.from_frame(frame))
     np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.2)
-    assert any("3 single wild samples of psi" in note for note in found.notes)
+    assert any("left out" in note for note in found.notes)
+    # Without the doctor they are found one by one.
+    alone = measure(Trial.from_frame(frame), diagnosis=Diagnosis("not examined"))
+    assert any("3 single wild samples of psi are left out" in note for note in alone.notes)
+    np.testing.assert_allclose(np.degrees(alone.overshoots), overshoots[: len(alone.overshoots)], atol=0.2)
 
 
 def test_a_heading_that_stands_still_over_a_peak(logged):
@@ -180,3 +184,12 @@ def test_still_water_values_are_not_made_up(circle_log):
     assert "its drift shows from 465 deg on" in short.reasons["advance_still_water"]
     still = measure(circle_log())
     assert still.advance_still_water is None and "not beyond its scatter" in still.reasons["advance_still_water"]
+
+
+def test_a_propeller_that_is_stopped_in_a_zigzag_is_told(logged):
+    trial, *_ = logged(0.5)
+    frame = trial.to_frame()
+    frame["n [rps]"] = np.where(trial["t"] < 120, 2.0, 0.0)
+    assert "The propeller is stopped at 120 s: no zig-zag does that" in measure(Trial.from_frame(frame)).notes
+    frame["n [rps]"] = 2.0
+    assert not any("propeller" in note for note in measure(Trial.from_frame(frame)).notes)
