@@ -254,7 +254,7 @@ def _tidied(column: pd.Series) -> pd.Series:
 
 
 def _is_certain(cells: pd.Series, sign: Decimal) -> np.ndarray:
-    return _matches(cells, _BY_SIGN[sign].certain) & ~_matches(cells, _BY_SIGN[sign].one_group)
+    return np.asarray(_matches(cells, _BY_SIGN[sign].certain) & ~_matches(cells, _BY_SIGN[sign].one_group))
 
 
 def _matches(cells: pd.Series, pattern: str) -> np.ndarray:

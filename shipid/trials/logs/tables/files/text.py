@@ -131,12 +131,11 @@ def _without_garbled(text: bytes, layout: TextLayout, file: Path) -> tuple[bytes
 
 def _without_comments(text: bytes, layout: TextLayout) -> bytes:
     """Empty comment lines, and cut comments behind samples; the numbers of the lines stay."""
-    sign = layout.comment.encode()
-    if sign not in text:
-        return text
-    escaped = re.escape(sign)
-    words = _HASH_WORDS if sign == b"#" else b""
-    return re.sub(rb"(?m)(^[ \t]*|[ \t]+)" + escaped + words + rb"[^\n]*", b"", text)
+    sign = re.escape(layout.comment.encode())
+    if layout.comment == "#":
+        text = re.sub(rb"(?m)^[ \t]*(?:%|//)[^\n]*", b"", text)
+        sign += _HASH_WORDS
+    return re.sub(rb"(?m)(^[ \t]*|[ \t]+)" + sign + rb"[^\n]*", b"", text)
 
 
 def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = False) -> dict[int, pd.Series]:
@@ -157,6 +156,8 @@ def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = Fal
     if table.empty:
         raise no_samples(file)
     _check_quotes(text, layout, file)
+    if layout.separator == r"\s+" and bool(table[layout.width - 1].isna().any()):
+        _check_short(text, layout, file)
     return {k: table[k] for k in range(layout.width)}
 
 
@@ -224,6 +225,18 @@ def _widest(text: bytes, layout: TextLayout, file: Path) -> int:
             )
         widest = max(widest, len(row))
     return widest
+
+
+def _check_short(text: bytes, layout: TextLayout, file: Path) -> None:
+    """Refuse a row with a hole between blanks, where nothing tells which field is missing; the last row may be cut short."""
+    short = None
+    for number, line in _samples(text, layout):
+        if short is not None:
+            raise RaggedRowError(
+                f"'{file}', line {short}: the row has fewer fields than the {layout.width} of the first sample, and between blanks "
+                "nothing tells which one is missing. Write nan for it, or separate the columns by commas."
+            )
+        short = number if len(fields(line, layout.separator)) < layout.width else None
 
 
 def _check_quotes(text: bytes, layout: TextLayout, file: Path) -> None:
