@@ -82,7 +82,6 @@ _SCRIPT = re.compile(
     rb"\s*(?:#!|(?:%[^\n]*\n\s*)*(?:function\b|classdef\b|clear\s+all|clc\b|close\s+all)|"
     rb"(?:#[^\n]*\n\s*|\"\"\"[^\"]*\"\"\"\s*)*(?:import\s+\w+|from\s+[\w.]+\s+import\b|def\s+\w+\())"
 )
-_NMEA = re.compile(rb"(?m)\A(?:[^\n]*\n){0,3}?[^\n$!]{0,60}[$!][A-Z]{2}[A-Z0-9]{3},[^\n]*$")
 _TOML = re.compile(rb"(?m)^\s*\[columns(?:\.\w+)?\]\s*$")
 
 
@@ -174,8 +173,6 @@ def _foreign(data: bytes) -> tuple[str, str] | None:
         return "a JSON file", "Write its records as CSV, with names and units in the header."
     if _SCRIPT.match(head):
         return "a script", "Name the log that it reads or writes."
-    if _NMEA.match(head):
-        return "a log of NMEA 0183 sentences", "Read it with --format nmea."
     if _TOML.search(data[:65536]):
         return "a format file", "Name it behind --format, and the log that it describes as the trial."
     return None

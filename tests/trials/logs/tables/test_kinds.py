@@ -32,8 +32,6 @@ FOREIGN = {
     "a JSON file ": b'[\n {"t": 0, "psi": 3}\n]',
     "a script": b"% made by hand\nfunction y = f(x)\n",
     "a script ": b"#!/bin/sh\necho 1,2,3\n",
-    r"a log of NMEA 0183 sentences\. Read it with --format nmea": b"$HEHDT,350.0,T*1C\n$GPGGA,1\n",
-    "a log of NMEA 0183 sentences": b"2026-05-01T12:00:00.1 $HEHDT,350.0,T*1C\n",
     "a format file": b'separator = "comma"\n[columns.t]\nindex = 0\nunit = "s"\n',
     "a tar archive": b"log.csv" + bytes(250) + b"ustar\x0000" + bytes(300),
     "a 7z archive": b"7z\xbc\xaf\x27\x1c\0\x04",

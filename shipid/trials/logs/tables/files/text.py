@@ -15,7 +15,7 @@ import pandas as pd
 
 from shipid.trials.errors import ForeignFileError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out, no_samples
+from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, is_comment, lay_out, no_samples
 from shipid.trials.logs.tables.kinds import is_utf16
 from shipid.trials.logs.tables.numerals import MISSING
 from shipid.trials.logs.tables.table import RawTable, decimals_shown
@@ -58,6 +58,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         raise no_samples(file)
     _check_lines(text, file)
     layout = lay_out(text, file, fmt)
+    header = text.split(b"\n", layout.row)[max(layout.row - 1, 0)]
+    commented = layout.row > 0 and is_comment(header.decode("utf-8", "replace"), layout.comment)
     text, more = _without_garbled(text, layout, file)
     text = _without_comments(text, layout)
     columns = _columns(text, layout, file)
@@ -80,6 +82,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         notes=(*notes, *layout.notes, *more),
         decimal=decimal,
         printed=lambda k: _columns(text, layout, file, as_text=True)[k],
+        separator=layout.separator,
+        skip=None if commented else layout.skip,
     )
 
 
