@@ -226,7 +226,7 @@ class _Cells:
     def _read_texts(self, texts: Mapping[int, pd.Series], decimal: str | None) -> None:
         if not texts:
             return
-        written = {k: column.where(column.map(lambda cell: isinstance(cell, str))) for k, column in texts.items()}
+        written = {k: _only_texts(column) for k, column in texts.items()}
         named = [
             cells.rename(self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}")
             for k, cells in written.items()
@@ -299,6 +299,13 @@ class _Cells:
             f"{raw.where}, {raw.row} {raw.line(first)}, column '{name}': '{cell[:40]}' is not a number. "
             f"Replace it by the number, or remove the row; an empty field means that nothing was measured.{sign}{more}"
         )
+
+
+def _only_texts(column: pd.Series) -> pd.Series:
+    """The cells that are text; NaN in place of the others."""
+    if isinstance(column.dtype, pd.StringDtype):
+        return column
+    return column.where(column.map(lambda cell: isinstance(cell, str)))
 
 
 def _float(number: float) -> float:

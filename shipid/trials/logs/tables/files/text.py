@@ -15,7 +15,7 @@ import pandas as pd
 
 from shipid.trials.errors import ForeignFileError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out, no_samples
+from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, is_comment, lay_out, no_samples
 from shipid.trials.logs.tables.kinds import is_utf16
 from shipid.trials.logs.tables.numerals import MISSING
 from shipid.trials.logs.tables.table import RawTable, decimals_shown
@@ -59,7 +59,7 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
     _check_lines(text, file)
     layout = lay_out(text, file, fmt)
     header = text.split(b"\n", layout.row)[max(layout.row - 1, 0)]
-    commented = layout.row > 0 and header.lstrip().startswith(layout.comment.encode())
+    commented = layout.row > 0 and is_comment(header.decode("utf-8", "replace"), layout.comment)
     text, more = _without_garbled(text, layout, file)
     text = _without_comments(text, layout)
     columns = _columns(text, layout, file)
@@ -135,12 +135,11 @@ def _without_garbled(text: bytes, layout: TextLayout, file: Path) -> tuple[bytes
 
 def _without_comments(text: bytes, layout: TextLayout) -> bytes:
     """Empty comment lines, and cut comments behind samples; the numbers of the lines stay."""
-    sign = layout.comment.encode()
-    if sign not in text:
-        return text
-    escaped = re.escape(sign)
-    words = _HASH_WORDS if sign == b"#" else b""
-    return re.sub(rb"(?m)(^[ \t]*|[ \t]+)" + escaped + words + rb"[^\n]*", b"", text)
+    sign = re.escape(layout.comment.encode())
+    if layout.comment == "#":
+        text = re.sub(rb"(?m)^[ \t]*(?:%|//)[^\n]*", b"", text)
+        sign += _HASH_WORDS
+    return re.sub(rb"(?m)(^[ \t]*|[ \t]+)" + sign + rb"[^\n]*", b"", text)
 
 
 def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = False) -> dict[int, pd.Series]:
@@ -161,6 +160,8 @@ def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = Fal
     if table.empty:
         raise no_samples(file)
     _check_quotes(text, layout, file)
+    if layout.separator == r"\s+" and bool(table[layout.width - 1].isna().any()):
+        _check_short(text, layout, file)
     return {k: table[k] for k in range(layout.width)}
 
 
@@ -228,6 +229,18 @@ def _widest(text: bytes, layout: TextLayout, file: Path) -> int:
             )
         widest = max(widest, len(row))
     return widest
+
+
+def _check_short(text: bytes, layout: TextLayout, file: Path) -> None:
+    """Refuse a row with a hole between blanks, where nothing tells which field is missing; the last row may be cut short."""
+    short = None
+    for number, line in _samples(text, layout):
+        if short is not None:
+            raise RaggedRowError(
+                f"'{file}', line {short}: the row has fewer fields than the {layout.width} of the first sample, and between blanks "
+                "nothing tells which one is missing. Write nan for it, or separate the columns by commas."
+            )
+        short = number if len(fields(line, layout.separator)) < layout.width else None
 
 
 def _check_quotes(text: bytes, layout: TextLayout, file: Path) -> None:

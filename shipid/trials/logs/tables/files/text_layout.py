@@ -114,6 +114,20 @@ def header_fields(line: str, separator: str, width: int | None = None) -> list[s
     return spaced if len(words) != width and len(spaced) == width else words
 
 
+def is_comment(line: str, sign: str) -> bool:
+    """Return whether a line is a comment: it begins with the sign, or with that of MATLAB or C where the usual one is meant.
+
+    Parameters
+    ----------
+    line : str
+        The line.
+    sign : str
+        What starts a comment line.
+    """
+    start = line.lstrip()
+    return start.startswith(sign) or (sign == "#" and start.startswith(("%", "//")))
+
+
 def lay_out(data: bytes, path: Path, fmt: TrialFormat | None) -> TextLayout:
     """Find out how a text file is laid out.
 
@@ -172,7 +186,7 @@ def _rows(lines: Sequence[str], separator: str, comment: str) -> list[_Row]:
     while k < len(lines):
         first, text = k, lines[k]
         k += 1
-        if not text.strip() or text.lstrip().startswith(comment):
+        if not text.strip() or is_comment(text, comment):
             continue
         while text.count('"') % 2 and k < len(lines) and k - first < 4 and '"' in lines[k]:
             text = f"{text} {lines[k]}"
@@ -211,9 +225,8 @@ def _stated(path: Path, fmt: TrialFormat, skip: int, lines: list[str]) -> TextLa
 
 def _detected(path: Path, fmt: TrialFormat | None, comment: str, lines: list[str]) -> TextLayout:
     wanted = {column.column for column in fmt.columns.values() if column.column} if fmt else set()
-    written = [
-        (k, line.lstrip()[len(comment) :].strip()) for k, line in enumerate(lines) if line.lstrip().startswith(comment)
-    ]
+    marks = f"{comment}%/" if comment == "#" else comment
+    written = [(k, line.strip().lstrip(marks).strip()) for k, line in enumerate(lines) if is_comment(line, comment)]
     separator, rows, heading = _best(path, fmt, comment, lines, wanted)
     if heading is None:
         raise _without_samples(path, rows, separator)
@@ -225,13 +238,16 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, lines: list[str
     comments = [text for k, text in written if k < first.first]
     notes: list[str] = []
     if heading.row is None:
-        # NumPy's savetxt writes the header as a comment: take the last comment that fits.
-        headers, at = _commented(written, first, separator, width, path)
+        # NumPy's savetxt writes the header as a comment.
+        headers, units, at = _commented(written, rows[heading.first :], separator, width, path)
         comments.remove(written[at][1])
         row = written[at][0] + 1
     else:
         headers, units = list(heading.names), heading.units
         row = rows[heading.row].last
+        if len(headers) != width:  # a header with commas over samples between blanks
+            text = rows[heading.row].text
+            headers = next((h for s in _SEPARATORS if len(h := header_fields(text, s, width)) == width), headers)
         _check_fit(path, row, headers, rows[heading.first].cells)
         headers += [""] * (width - len(headers))  # every row ends with a separator
         notes += _unused(rows, heading)
@@ -282,19 +298,20 @@ def _without_samples(path: Path, rows: Sequence[_Row], separator: str) -> EmptyF
 
 
 def _commented(
-    written: Sequence[tuple[int, str]], first: _Row, separator: str, width: int, path: Path
-) -> tuple[list[str], int]:
-    """The header in a comment line above the samples, and which one it is."""
-    for at in range(len(written) - 1, -1, -1):
-        k, text = written[at]
-        if k >= first.first:
-            continue
-        for candidate in dict.fromkeys((separator, ",", r"\s+")):
-            names = header_fields(text, candidate, width)
-            if len(names) == width and any("[" in name or "(" in name for name in names):
-                return names, at
+    written: Sequence[tuple[int, str]], samples: Sequence[_Row], separator: str, width: int, path: Path
+) -> tuple[list[str], tuple[str | None, ...], int]:
+    """Names and units in comment lines above the samples, and which line holds the names."""
+    above = [k for k, (number, _) in enumerate(written) if number < samples[0].first]
+    for candidate in dict.fromkeys((separator, ",", r"\s+")):
+        heads = {k: header_fields(written[k][1], candidate, width) for k in above}
+        fitting = [k for k in above if len(heads[k]) == width]
+        block = find_heading([*(heads[k] for k in fitting), *(row.cells for row in samples)], (), f"'{path}'")
+        if block is not None and block.row is not None and block.row < len(fitting):
+            bracketed = any("[" in name or "(" in name for name in block.names)
+            if bracketed or any(unit is not None for unit in block.units):
+                return list(block.names), block.units, fitting[block.row]
     raise HeaderError(
-        f"'{path}', line {first.first}: the first row is a sample, so there is no header to name the columns. "
+        f"'{path}', line {samples[0].first}: the first row is a sample, so there is no header to name the columns. "
         "Write a header line such as 't [s],psi [deg],r [deg/s],delta [deg]', or describe the columns by index "
         "in a format file with header_lines = 0."
     )

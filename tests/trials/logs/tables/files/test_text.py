@@ -51,6 +51,13 @@ FORMS = {
     "a header in quotes over two lines": lambda: written(
         lambda *s: ",".join(map(point, s)), ['"t\n[s]"', '"x [m]"', '"psi\n[deg]"', "delta [deg]"]
     ),
+    "names and units in comments": lambda: (
+        "# run 3\n# t x psi delta\n# s m deg deg\n" + written(lambda *s: " ".join(map(point, s))).split("\n", 1)[1]
+    ),
+    "comments of MATLAB": lambda: "% run 3\n% t [s], x [m], psi [deg], delta [deg]\n" + written(
+        lambda *s: " ".join(map(point, s)) + ("\n% a remark" if s[0] == 3 else "")
+    ).split("\n", 1)[1],
+    "a header with commas over blanks": lambda: written(lambda *s: " ".join(map(point, s)), separator=", "),
     "UTF-16": lambda: written(lambda *s: ",".join(map(point, s))).encode("utf-16"),
     "UTF-16 without a mark": lambda: written(lambda *s: ",".join(map(point, s))).encode("utf-16-le"),
     "UTF-16, the other way round": lambda: written(lambda *s: ",".join(map(point, s))).encode("utf-16-be"),
@@ -168,3 +175,13 @@ def test_the_header_line_that_holds_the_names_of_the_format_file(log, tmp_path):
     )
     text = "Run 3,,\nTime,Gyro,Ruder\ns,deg,deg\n" + "".join(f"{k},{k},5\n" for k in range(12))
     assert read_trial(log(text), fmt)["psi"][3] == pytest.approx(np.radians(3))
+
+
+def test_a_hole_between_blanks_is_refused(log, table):
+    """The fields behind the hole would move to the left: a rate of turn would be read as a heading."""
+    text = table.replace(",", "  ").replace("t [s]", "t[s]").replace("2.0  11.2000  0.6", "2.0    0.6")
+    with pytest.raises(
+        e.RaggedRowError, match=r"line 6: the row has fewer fields than the 4 .* nothing tells which one is missing"
+    ):
+        read_trial(log(text))
+    assert np.isnan(read_trial(log(table.replace(",", "  ").rstrip()[:-3]))["delta"][-1])
