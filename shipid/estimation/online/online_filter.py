@@ -20,6 +20,7 @@ from shipid.estimation.online.saving import (
     check_covariance,
     check_finite,
     examined,
+    names_among,
     numbers,
     read_state,
     write_state,
@@ -353,11 +354,9 @@ class OnlineFilter:
             check_finite("out", out[layout.brief["x"]])
             check_finite("out", out[layout.brief["var"]])
             rejected = check_counts("rejected", state["rejected"], design.measured)
-            unseen = state["unseen"]
-            if not isinstance(unseen, list) or not set(unseen) <= set(design.measured):
-                raise ValueError("'unseen' does not name sensors of this filter")
+            unseen = names_among("unseen", state["unseen"], design.measured)
         self._reader.state = state
-        self.rejected, self._unseen = rejected, set(unseen)
+        self.rejected, self._unseen = rejected, unseen
         self.stepper = self.first_stepper(carried)
         self.stepper.out[: len(out)] = out
 

@@ -284,6 +284,28 @@ def check_counts(name: str, value: Plain, names: Iterable[str], least: int = 0) 
     return {n: check_count(name, v, least) for n, v in value.items()}
 
 
+def names_among(name: str, value: Plain, known: Iterable[str]) -> set[str]:
+    """Return a list of names as a set.
+
+    Parameters
+    ----------
+    name : str
+        What they name, for the message.
+    value : Plain
+        The list.
+    known : iterable of str
+        What may stand in it.
+
+    Raises
+    ------
+    ValueError
+        If it is something else.
+    """
+    if not isinstance(value, list) or not set(value) <= set(known):
+        raise ValueError(f"'{name}' does not name sensors of this filter")
+    return set(value)
+
+
 def check_clock(state: Mapping[str, Plain], rates: Iterable[str]) -> None:
     """Check what a state says of time: when it began, the clock, and how often slow sensors were read.
 

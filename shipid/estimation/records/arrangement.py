@@ -16,7 +16,7 @@ from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, filter_ti
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import input_rows
-from shipid.trials.speed import speed_before
+from shipid.trials.speed import check_ahead, speed_before
 from shipid.trials.trial import Trial
 
 #: What can be filtered: a trial, or SI columns with ``t`` in which NaN stands for a sample that is missing.
@@ -239,6 +239,8 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     ------
     UnstatedInputError
         If the record lacks an input that is needed and declares no default.
+    NotAheadError
+        If the ship does not go ahead, and the model reads the speed before the manoeuvre.
     """
     given: dict[str, float | np.ndarray] = {}
     speed = instruments.scale.speed
@@ -251,6 +253,8 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
     given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
     given |= instruments.inputs
+    if "cruise" in instruments.needed and isinstance(given.get("cruise"), float):
+        check_ahead(float(given["cruise"]), record, instruments.model.name)
     return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
 
 

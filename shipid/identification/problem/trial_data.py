@@ -11,7 +11,7 @@ from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.identification.problem.ship_scale import recorded_speed
-from shipid.trials.speed import PUT_OVER, speed_before
+from shipid.trials.speed import PUT_OVER, check_ahead, speed_before
 from shipid.trials.trial import Trial
 
 #: The first seconds of a trial, in L/U, from which an initial state may be taken.
@@ -136,6 +136,8 @@ def prepare(
     ------
     UnstatedInputError
         If the trial lacks an input that has an influence on the signals and declares no default.
+    NotAheadError
+        If the ship does not go ahead, and the speed stands in the model.
     """
     t, rudder = trial["t"], trial["delta"] if trial.has("delta") else None
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
@@ -144,6 +146,8 @@ def prepare(
     # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
     needed = generate(model).inputs_behind(signals)
+    if {"u", "cruise"} & {*needed, *model.states}:
+        check_ahead(before, trial.name, model.name)
     given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
     for name in ("u", "cruise"):
         given.pop(name, None)
