@@ -26,3 +26,7 @@ class DesignRequestError(UsageError):
 
 class ScheduleError(ShipidError):
     """A schedule file with an entry that is wrong, or whose gains do not stabilise the ship."""
+
+
+class ModelFileError(ScheduleError):
+    """A schedule that names a model file, which is code and is not run."""

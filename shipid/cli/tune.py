@@ -11,7 +11,7 @@ from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.options import seed_option, ship_option
 
 if TYPE_CHECKING:
-    from shipid.autopilot.design.autopilot import Design, Mode
+    from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
     from shipid.autopilot.on_board.on_board_runs import Adaptation
 
 _SCHEDULE = "schedule.toml"
@@ -69,15 +69,16 @@ def tune(
     from shipid.autopilot.judgement.judge import judge
     from shipid.autopilot.on_board.run_on_board import run_on_board
     from shipid.foundation.errors import UsageError
-    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.parameters.catalogue import find_model, find_ship, names_a_file
     from shipid.report.write_report import write_report
 
     if compare is not None:
-        if model is not None or ships or on_board is not None:
+        if (model is not None and not names_a_file(model)) or ships or on_board is not None:
             raise UsageError(
-                "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out."
+                "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out. Only a "
+                "model file is given, as FILE.py:NAME."
             )
-        _compare(compare, samples, seed, delivery)
+        _compare(compare, model, samples, seed, delivery)
         return
     if model is None or not ships:
         raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
@@ -120,17 +121,30 @@ def _frequency(text: str | None) -> str | float | None:
         return text
 
 
-def _compare(files: tuple[str, str], samples: int, seed: int, delivery: Delivery) -> None:
-    from shipid.autopilot.design.read_schedule import read_schedule
+def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> None:
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
     from shipid.autopilot.judgement.judge import judge
     from shipid.report.write_report import write_report
 
-    pilots = [read_schedule(f) for f in files]
+    pilots = [_read(f, model) for f in files]
     with delivery.progress() as tell:
         first, second = (judge(p, samples, seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
     delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
+
+
+def _read(file: str, model: str | None) -> Autopilot:
+    """Read a schedule; where it names no model that is installed, it belongs to the model file of the command line."""
+    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.autopilot.errors import ModelFileError
+    from shipid.foundation.errors import UnknownNameError
+
+    try:
+        return read_schedule(file)
+    except (ModelFileError, UnknownNameError):
+        if model is None:
+            raise
+        return read_schedule(file, model)
 
 
 def _names(files: tuple[str, str]) -> tuple[str, str]:

@@ -100,7 +100,7 @@ def find_model(name: str) -> Model:
     DeclarationError
         If the file cannot be loaded, with the line that fails.
     """
-    if ".py" in name:
+    if names_a_file(name):
         return _from_file(name)
     for module in _mentioning(f'"{name}"'):
         for thing in vars(module).values():
@@ -110,6 +110,17 @@ def find_model(name: str) -> Model:
     if name in models:
         return models[name]
     raise UnknownNameError("model", name, models, "A model of your own is given as path/to/file.py:Class.")
+
+
+def names_a_file(name: str) -> bool:
+    """Return whether the name of a model is that of a model file, which is code.
+
+    Parameters
+    ----------
+    name : str
+        As for `find_model`.
+    """
+    return ".py" in name
 
 
 def _from_file(name: str) -> Model:

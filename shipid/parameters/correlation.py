@@ -74,12 +74,14 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
     if speeds is not None:
         try:
             low, high = (to_si((v, raw.get("speed_unit", "m/s")), "m/s", f"speed in {where}") for v in speeds)
-        except (TypeError, ValueError, UnitError):
+        except (TypeError, ValueError, OverflowError, AttributeError, UnitError):
             raise ParameterSetError(
                 f"{where}: speeds are two numbers, the lowest and the highest, in a unit of speed."
             ) from None
-        if not 0 < low <= high:
-            raise ParameterSetError(f"{where}: speeds are {speeds}, and have to be greater than zero and rising.")
+        if not 0 <= low <= high:  # a ship that lies still has been identified too
+            raise ParameterSetError(
+                f"{where}: speeds are {speeds}, and have to be zero or greater than zero and rising."
+            )
         speeds = (low, high)
     return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds)
 

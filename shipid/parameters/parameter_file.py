@@ -124,6 +124,11 @@ def write_parameter_set(parameters: ParameterSet, path: str | Path) -> None:
         What to write.
     path : str or Path
         The file; it is replaced in one step.
+
+    Raises
+    ------
+    ParameterSetError
+        If a model is called as an entry of the file.
     """
     write_text(Path(path), tomli_w.dumps(parameter_table(parameters)))
 
@@ -140,7 +145,17 @@ def parameter_table(parameters: ParameterSet) -> dict[str, Plain]:
     -------
     dict of str to Plain
         What `parse_parameter_set` reads.
+
+    Raises
+    ------
+    ParameterSetError
+        If a section is called as an entry of the file.
     """
+    for section in parameters.sections:
+        if section in (*_HEAD_KEYS, IDENTIFIED):
+            raise ParameterSetError(
+                f"a model called '{section}' has no place in a parameter set, which has an entry of that name. Call it otherwise."
+            )
     head = {"name": parameters.name, "title": parameters.title, "notes": parameters.notes}
     table: dict[str, Plain] = {k: v for k, v in head.items() if v or k == "name"}
     for section, values in parameters.sections.items():

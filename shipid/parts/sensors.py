@@ -72,6 +72,10 @@ class PositionSensor(Component):
 STANDARD_SENSORS: tuple[type[Component], ...] = (Compass, Gyro, Log, PositionSensor)
 
 
+#: No sensor of a ship has a smaller standard deviation, SI.
+SMALLEST_LEVEL = 1e-12
+
+
 def standard_noise() -> dict[str, float]:
     """Return the standard deviation per sample of the standard sensors, SI, by the quantity they measure."""
     shown = [q for sensor in STANDARD_SENSORS for q in declared_quantities(sensor).values() if q.kind == "output"]

@@ -137,3 +137,7 @@ class NotAManoeuvreError(TrialError):
 
 class SeveralManoeuvresError(UsageError):
     """The record holds several manoeuvres and none is chosen, or there is none with the number asked for."""
+
+
+class NotAheadError(TrialError):
+    """A trial of a ship that goes astern or lies still, for a model that holds ahead."""

@@ -7,6 +7,8 @@ from typing import Literal
 
 import numpy as np
 
+from shipid.trials.errors import NotAheadError
+
 #: A rudder this far from its first position has been put over: more than a helmsman needs to keep a course in calm water.
 PUT_OVER = np.deg2rad(3.0)
 #: Below this share of the usual speed of the record, a ship is still gathering speed.
@@ -36,6 +38,29 @@ class SpeedBefore:
     std: float
     samples: int
     source: Literal["approach", "first samples", "usual speed"]
+
+
+def check_ahead(speed: float | None, record: str, model: str) -> None:
+    """Check that a ship goes ahead before the manoeuvre, for a model in which the speed stands.
+
+    Parameters
+    ----------
+    speed : float or None
+        The speed before the manoeuvre in m/s; None where it is not known.
+    record, model : str
+        The names of trial and model, for the message.
+
+    Raises
+    ------
+    NotAheadError
+        If the ship goes astern or lies still.
+    """
+    if speed is not None and not speed > 0:
+        does = "goes astern" if speed < 0 else "lies still"
+        raise NotAheadError(
+            f"trial {record}: the ship {does} before the manoeuvre ({speed:.3g} m/s), and model {model} holds for a ship that "
+            "goes ahead. Take a window in which it does, or correct the sign of the speed in the format of the trial."
+        )
 
 
 def speed_before(

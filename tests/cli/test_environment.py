@@ -60,27 +60,46 @@ def test_output_that_is_full():
     assert done.stderr == "shipid: the output: No space left on device.\n"
 
 
+#: The search is stopped in the middle of the fit on any machine: it sends the signal to its own process. A shell that starts its jobs
+#: in the background lets them ignore SIGINT: the handler of Python is set again.
+STOPPED = """
+import signal, sys, shipid.identification.search.ladder as ladder
+from shipid.cli import entry
+signal.signal(signal.SIGINT, signal.default_int_handler)
+search, number = ladder.minimise, getattr(signal, sys.argv.pop(1))
+class Dropping:
+    def __del__(self):
+        signal.raise_signal(number)
+def stopped(*a, **k):
+    how = sys.argv_how
+    if how == "plainly":
+        signal.raise_signal(number)
+    elif how == "in a destructor":
+        Dropping()
+    else:
+        try:
+            signal.raise_signal(number)
+        except BaseException as error:
+            raise SystemError("a function returned a result with an exception set") from error
+    return search(*a, **k)
+sys.argv_how = sys.argv.pop(1)
+ladder.minimise = stopped
+entry()
+"""
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
-def test_interrupted_while_fitting(zigzag, fitted, tmp_path):
+@pytest.mark.parametrize("how", ["plainly", "in a destructor", "in a library of C"])
+@pytest.mark.parametrize(("number", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_stopped_while_fitting(zigzag, fitted, tmp_path, number, code, how):
+    """Also where the exception is lost: Python drops one in a destructor, NumPy's C turned one into a SystemError."""
     out = tmp_path / "out"
-    # The search sends the signal to its own process, so that it comes in the middle of the fit on any machine. A shell
-    # that starts its jobs in the background lets them ignore the signal: the handler of Python is set again.
-    code = (
-        "import signal, sys, shipid.identification.search.least_squares as solve; from shipid.cli import run\n"
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "search = solve.minimise\n"
-        "def interrupted(*a, **k):\n"
-        "    signal.raise_signal(signal.SIGINT)\n"
-        "    return search(*a, **k)\n"
-        "solve.minimise = interrupted\n"
-        "sys.exit(run(sys.argv[1:]))"
-    )
-    arguments = ["identify", str(zigzag), *fitted, "--out", str(out), "--json"]
-    done = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True)
-    assert done.returncode == 130
-    assert done.stdout == ""
-    assert "shipid: interrupted; nothing more was written.\n" in done.stderr
-    assert "Traceback" not in done.stderr
+    arguments = ["identify", str(zigzag), *fitted, "--starts", "100000", "--out", str(out), "--json"]
+    command = [sys.executable, "-c", STOPPED, number, how, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stdout) == (code, "")
+    words = "interrupted" if number == "SIGINT" else "terminated"
+    assert done.stderr.lstrip("\n") == f"shipid: {words}; nothing more was written.\n"
     assert not out.exists()
 
 

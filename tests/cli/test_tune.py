@@ -75,12 +75,15 @@ def test_a_rate_of_turn(call):
     assert answer.code == 0 and result["mode"] == "rate" and len(result["margins"]["disk"]) == 2
 
 
-def test_an_own_model_and_ship(call, own_model, own_ship, tmp_path):
+def test_an_own_model_and_ship(call, refused, own_model, own_ship, tmp_path):
     out = str(tmp_path / "out")
     answer = call("tune", f"{own_model()}:Yaw", "--ship", own_ship(), "--samples", "0", "--speeds", "4,5", "--out", out)
     assert answer.code == 0, answer
-    again = shipid.read_schedule(tmp_path / "out" / "schedule.toml")
-    assert again.model.name == "yaw"
+    schedule, words = tmp_path / "out" / "schedule.toml", f"{own_model()}:Yaw"
+    assert shipid.read_schedule(schedule, words).model.name == "yaw"
+    # The model file is code: it runs where the user names it, and not because a schedule does.
+    refused(3, ["tune", "--compare", schedule, schedule], "a schedule runs none", f"shipid tune {words} --compare")
+    assert call("tune", words, "--compare", schedule, schedule, "--samples", "0").code == 0
 
 
 def test_two_side_by_side(call, tuned, tmp_path):

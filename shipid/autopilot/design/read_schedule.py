@@ -14,13 +14,14 @@ from shipid.autopilot.design.design_autopilot import DESIGNS, MODES
 from shipid.autopilot.design.plant import check_steerable
 from shipid.autopilot.design.schedule import GAINS, Schedule
 from shipid.autopilot.design.write_schedule import KIND, LIMIT_UNITS, REQUEST_UNITS
-from shipid.autopilot.errors import ScheduleError
+from shipid.autopilot.errors import ModelFileError, ScheduleError
+from shipid.declaration.component import Component, declared_quantities
 from shipid.declaration.model import Model
 from shipid.declaration.tables import Table, read_table
 from shipid.declaration.units import factor
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import ParameterSetError, ShipidError, UnitError
-from shipid.parameters.catalogue import find_model, known_component
+from shipid.parameters.catalogue import find_model, known_component, model_of, names_a_file
 from shipid.parameters.parameter_file import parse_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
@@ -29,13 +30,17 @@ _REQUIRED = ("model", "design", "service_speed", "rudder_limit", "schedule", "sh
 _KEYS = (*_REQUIRED, "kind", "written_by", "actuator", "mode", "request", "limits", "condition", "warnings")
 
 
-def read_schedule(path: str | Path) -> Autopilot:
+def read_schedule(path: str | Path, model: Model | type[Component] | str | None = None) -> Autopilot:
     """Read a schedule that `write_schedule` or ``shipid tune`` wrote.
+
+    A schedule is data: it may name a model that is installed, and runs no model file.
 
     Parameters
     ----------
     path : str or Path
         The file.
+    model : Model, component class or str, optional
+        The model of a schedule that names a model file, or a model that is not installed: what it was designed with.
 
     Returns
     -------
@@ -43,16 +48,21 @@ def read_schedule(path: str | Path) -> Autopilot:
 
     Raises
     ------
+    ModelFileError
+        If it names a model file, and no model is given.
     ScheduleError
-        If it is no schedule, an entry is wrong or the loop is unstable; the message names file and entry.
+        If it is no schedule, an entry is wrong or the loop is unstable, or it belongs to another model; the message names file
+        and entry.
+    UnknownNameError
+        If there is no model of the name it holds.
     """
     path = Path(path)
     table = read_table(path, "schedule", ScheduleError)
     if table.content.get("kind") != KIND:
         raise ScheduleError(f"{path} is no schedule of an autopilot: it has no entry kind = '{KIND}'.")
     table.check_keys(_KEYS, _REQUIRED)
-    model = find_model(table.value("model", str))
-    check_steerable(model)
+    found = _model(table, model)
+    check_steerable(found)
     ships = _ships(table, path.stem)
     schedule = _schedule(table.table("schedule"), len(ships))
     limits = _numbers(table.table("limits"), LIMIT_UNITS)
@@ -66,9 +76,9 @@ def read_schedule(path: str | Path) -> Autopilot:
         )
     actuator = table.value("actuator", str, "")
     return Autopilot(
-        model=model,
+        model=found,
         ships=ships,
-        actuator=known_component(actuator) if actuator else DirectRudder,
+        actuator=_actuator(table, actuator),
         design=cast(Design, table.choice("design", DESIGNS)),
         mode=cast(Mode, table.choice("mode", MODES, "course")),
         request=_numbers(table.table("request"), REQUEST_UNITS),
@@ -76,9 +86,44 @@ def read_schedule(path: str | Path) -> Autopilot:
         rudder_limit=rudder_limit,
         limits=limits,
         schedule=schedule,
-        poles=_stable_poles(path, model, ships, schedule),
+        poles=_stable_poles(path, found, ships, schedule),
         warnings=tuple(str(w) for w in table.value("warnings", list, [])),
     )
+
+
+def _model(table: Table, given: Model | type[Component] | str | None) -> Model:
+    """The model of a schedule: the one it names, which is installed, or the one that is given for it."""
+    name = table.value("model", str)
+    if given is None:
+        if names_a_file(name):
+            raise ModelFileError(
+                f"{table.where}: the model is '{name}', a model file, which is code, and a schedule runs none. If you trust that file, give it "
+                f"yourself: shipid tune {name} --compare ..., or read_schedule(path, '{name}')."
+            )
+        return find_model(name)
+    model = model_of(given)
+    if name not in (model.name, given) and not (names_a_file(name) and name.rpartition(":")[2] in _names(given, model)):
+        raise table.fail(f"the schedule belongs to model '{name}', and '{model.name}' is given for it.")
+    return model
+
+
+def _names(given: Model | type[Component] | str, model: Model) -> set[str]:
+    """What a model file may call a model."""
+    if isinstance(given, str):
+        return {given.rpartition(":")[2]}
+    return {model.name, *(c.__name__ for c in model.components)}
+
+
+def _actuator(table: Table, name: str) -> type[Component]:
+    if not name:
+        return DirectRudder
+    actuator = known_component(name)
+    stated = {n for n, q in declared_quantities(actuator).items() if q.kind in ("state", "derived")}
+    if "delta" not in stated or "delta_order" not in declared_quantities(actuator):
+        raise table.fail(
+            f"'actuator' is {name}, which turns no order into a rudder angle. Write SteeringMachine, or ''."
+        )
+    return actuator
 
 
 def _stable_poles(

@@ -14,16 +14,32 @@ import numpy as np
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.online.samples import SampleReader
-from shipid.estimation.online.saving import not_a_state, read_state, write_state
+from shipid.estimation.online.saving import (
+    check_clock,
+    check_counts,
+    check_covariance,
+    check_finite,
+    examined,
+    names_among,
+    numbers,
+    read_state,
+    write_state,
+)
 from shipid.estimation.records.controls import check_scale, check_switch
 from shipid.estimation.records.derived import named
 from shipid.estimation.records.first_estimate import carried_vector
 from shipid.estimation.records.smoother import run_back
-from shipid.estimation.records.triangles import deviations_of
-from shipid.estimation.recursion.gate import REJECTED, TAKEN
+from shipid.estimation.records.triangles import deviations_of, unpacked
+from shipid.estimation.recursion.gate import MEMORY, REJECTED, TAKEN
+from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.loop import Stepper
+
+#: No sensor has been watched for longer, in s or in samples.
+_LONGEST_AGE = 1e15
+#: No coefficient is larger than e to this.
+_LARGEST_LOG = 70.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -327,12 +343,40 @@ class OnlineFilter:
         SavedStateError
             If the file cannot be read, or belongs to another filter.
         """
-        state = read_state(Path(path), self.design.fingerprint, "filter")
-        try:
-            carried, out = ([float.fromhex(v) for v in state[n]] for n in ("carried", "out"))
-            self._reader.state = state
-            self.rejected, self._unseen = dict(state["rejected"]), set(state["unseen"])
-            self.stepper = self.first_stepper(np.array(carried))
-            self.stepper.out[: len(out)] = out
-        except (ValueError, KeyError, TypeError):
-            raise not_a_state(Path(path), "filter") from None
+        path, design = Path(path), self.design
+        state = read_state(path, design.fingerprint, "filter")
+        layout = design.layout
+        with examined(path, "filter"):
+            check_clock(state, design.instruments.rates)
+            carried = numbers(state, "carried", total(layout.carried))
+            out = numbers(state, "out", layout.brief["ll"].stop)
+            _check_carried(design, carried)
+            check_finite("out", out[layout.brief["x"]])
+            check_finite("out", out[layout.brief["var"]])
+            rejected = check_counts("rejected", state["rejected"], design.measured)
+            unseen = names_among("unseen", state["unseen"], design.measured)
+        self._reader.state = state
+        self.rejected, self._unseen = rejected, unseen
+        self.stepper = self.first_stepper(carried)
+        self.stepper.out[: len(out)] = out
+
+
+def _check_carried(design: FilterDesign, carried: np.ndarray) -> None:
+    """Check what is carried from sample to sample; a ValueError says which part cannot be right."""
+    layout, parts = design.layout, {n: carried[place] for n, place in design.layout.carried.items()}
+    for name in ("x", "w", "u", "P"):
+        check_finite(name, parts[name])
+    low, high = design.step_settings.low, design.step_settings.high
+    margin = 1e-6 * (1 + np.abs(parts["x"]))  # single precision rounds a bound
+    check_finite("x", parts["x"] - np.clip(parts["x"], low - margin, high + margin), 0.0, 0.0)
+    logarithms = [design.model.states.index(s) for n, s in design.parameters.items() if s != n]
+    check_finite("x", parts["x"][logarithms], -_LARGEST_LOG, _LARGEST_LOG)
+    for name in MEMORY:
+        # Without a last value, and without two that differ, the gate remembers an infinite one.
+        values = parts[name][~np.isposinf(parts[name])] if name in ("last", "grain") else parts[name]
+        check_finite(name, values, -np.inf if name == "last" else 0.0, _LONGEST_AGE)
+    if design.form == "square-root":
+        root = parts["P"].reshape(layout.joint, layout.joint, order="F")
+        check_covariance(root @ root.T, design.single)
+    else:
+        check_covariance(unpacked(parts["P"][None, :], layout.joint)[0], design.single)

@@ -10,7 +10,7 @@ from shipid.estimation.settings.instruments import Instruments
 from shipid.generation.simulator import input_rows
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, usual_interval
-from shipid.trials.speed import speed_before
+from shipid.trials.speed import check_ahead, speed_before
 from shipid.trials.stretches import fill_input, is_order
 
 
@@ -30,6 +30,8 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     ------
     UnstatedInputError
         If the record lacks an input that is needed and declares no default.
+    NotAheadError
+        If the ship does not go ahead, and the model reads the speed before the manoeuvre.
     """
     given: dict[str, float | np.ndarray] = {}
     speed = instruments.scale.speed
@@ -42,6 +44,8 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
     given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
     given |= instruments.inputs
+    if "cruise" in instruments.needed and isinstance(given.get("cruise"), float):
+        check_ahead(float(given["cruise"]), record, instruments.model.name)
     return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
 
 

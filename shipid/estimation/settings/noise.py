@@ -19,6 +19,7 @@ from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.generation.linearisation import COORDINATES
+from shipid.parts.sensors import SMALLEST_LEVEL
 
 #: Default density of the noise that drives a state, in the prime system: about the error of a model of low order.
 MODEL_NOISE = 0.005
@@ -47,6 +48,10 @@ class NoiseSource:
     place: Literal["state", "input"]
     density: bool
     assumed: bool = False
+
+
+#: The smallest noise of process that is taken, SI: its square is still a number.
+_SMALLEST = 1e-100
 
 
 def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[str, float]:
@@ -84,7 +89,7 @@ def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[s
                 f"the sensor of '{name}' has no noise level. Give the standard deviation of one sample, as in "
                 f"{name}={_example(model[name].unit)}."
             )
-        levels[name] = _positive(given, (model[name].unit,), f"noise of the sensor of '{name}'")[0]
+        levels[name] = _positive(given, (model[name].unit,), f"noise of the sensor of '{name}'", SMALLEST_LEVEL)[0]
     return levels
 
 
@@ -92,7 +97,7 @@ def _example(own: str) -> str:
     return f"'0.2 {own.replace('rad', 'deg')}'" if own != "1" else "'0.01'"
 
 
-def _positive(value: Amount, units: Sequence[str], what: str) -> tuple[float, int]:
+def _positive(value: Amount, units: Sequence[str], what: str, least: float = _SMALLEST) -> tuple[float, int]:
     """Read a positive level in one of several units; return it in SI, and which unit it was."""
     refused: UnitError | None = None
     for i, wanted in enumerate(units):
@@ -105,6 +110,11 @@ def _positive(value: Amount, units: Sequence[str], what: str) -> tuple[float, in
             raise NoiseLevelError(
                 f"the {what} is {value}; a noise level must be greater than zero. For a quantity that is known exactly, "
                 "leave the noise out."
+            )
+        if level < least:
+            raise NoiseLevelError(
+                f"the {what} is {value}, smaller than anything that is measured or computed. Give the standard deviation of "
+                "one sample of a real sensor, or the noise of a real disturbance."
             )
         return level, i
     assert refused is not None

@@ -13,7 +13,7 @@ from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.identification.problem.ship_scale import recorded_speed
 from shipid.trials.filling import interpolated, usual_interval
-from shipid.trials.speed import PUT_OVER, speed_before
+from shipid.trials.speed import PUT_OVER, check_ahead, speed_before
 from shipid.trials.stretches import stretches_of
 from shipid.trials.trial import Trial
 
@@ -267,6 +267,8 @@ def prepare(
     ------
     UnstatedInputError
         If the trial lacks an input that has an influence on the signals and declares no default.
+    NotAheadError
+        If the ship does not go ahead, and the speed stands in the model.
     """
     t, rudder = trial["t"], trial["delta"] if trial.has("delta") else None
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
@@ -278,6 +280,8 @@ def prepare(
         # Stated: a stretch between holes begins in the middle of a manoeuvre.
         before = float(np.nanmedian(trial["cruise"]))
     needed = generate(model).inputs_behind(signals)
+    if {"u", "cruise"} & {*needed, *model.states}:
+        check_ahead(before, trial.name, model.name)
     given: dict[str, float | np.ndarray] = {
         n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER
     }

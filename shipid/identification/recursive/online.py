@@ -10,8 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from shipid.estimation.online.samples import SampleReader
-from shipid.estimation.online.saving import not_a_state, read_state, write_state
+from shipid.estimation.online.saving import (
+    check_clock,
+    check_covariance,
+    check_finite,
+    examined,
+    numbers,
+    read_state,
+    write_state,
+)
 from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
@@ -198,10 +207,14 @@ class OnlineIdentifier:
         SavedStateError
             If the file cannot be read, or belongs to another recursion.
         """
-        state = read_state(Path(path), self.design.fingerprint, "recursion")
-        try:
-            carried = np.array([float.fromhex(v) for v in state["carried"]])
-            self._reader.state = state
-        except (ValueError, KeyError, TypeError):
-            raise not_a_state(Path(path), "recursion") from None
+        path, layout = Path(path), self.design.layout
+        state = read_state(path, self.design.fingerprint, "recursion")
+        with examined(path, "recursion"):
+            check_clock(state, self.design.instruments.rates)
+            carried = numbers(state, "carried", total(layout.carried))
+            check_finite("carried", carried)
+            for name in ("P_y", "phase", "waited", "age", "nis", "count"):
+                check_finite(name, carried[layout.carried[name]], low=0.0)
+            check_covariance(unpacked(carried[layout.carried["joint"]][None, :], layout.n + 1)[0])
+        self._reader.state = state
         self._stepper = self._first_stepper(carried)

@@ -60,6 +60,6 @@ def identified_ship(
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds else None)
+    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None)
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})

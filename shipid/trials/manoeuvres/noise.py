@@ -10,7 +10,7 @@ import pandas as pd
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.parts.sensors import standard_noise
+from shipid.parts.sensors import SMALLEST_LEVEL, standard_noise
 
 #: Speeds through the water, which a trial with sensors holds only where one of them measures it.
 _THROUGH_WATER = {"u", "v"}
@@ -57,6 +57,10 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
     for name, deviation in deviations.items():
         if not 0 <= deviation < np.inf:
             raise UsageError(f"the noise on {name} is {pairs[name]}: a standard deviation is zero or more.")
+        if 0 < deviation < SMALLEST_LEVEL:
+            raise UsageError(
+                f"the noise on {name} is {pairs[name]}, smaller than any sensor's. Give a standard deviation, or 0 for none."
+            )
     return deviations
 
 

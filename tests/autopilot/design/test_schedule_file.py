@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import json
+import random
 import re
 import tomllib
 
 import pytest
+import tomli_w
 
 import shipid
-from shipid.autopilot.errors import ScheduleError
+from shipid.autopilot.design.write_schedule import schedule_table
+from shipid.autopilot.errors import ModelFileError, ScheduleError
 from shipid.foundation.errors import UnknownNameError
+from shipid.parameters.parameter_set import Value
 
 
 @pytest.fixture(scope="module")
@@ -114,3 +118,120 @@ def test_files_that_are_none(tmp_path, text):
     path.write_text(head)
     with pytest.raises(ScheduleError, match="'ship' is 3, and has to be a table"):
         shipid.read_schedule(path)
+
+
+OWN = '''
+import pathlib
+
+from shipid import Component, given, parameter, state
+
+pathlib.Path(__file__).with_suffix(".ran").touch()
+
+
+class Own(Component):
+    """A yaw model of the user's own."""
+
+    r = state("rad/s", "rate of turn, positive to starboard")
+    delta = given("rad", "rudder angle, positive turns to starboard")
+    K = parameter("1/s", "gain", start=0.2, low=0.01, high=5.0)
+    tau = parameter("s", "time constant", start=15.0, low=0.5, high=500.0)
+
+    @r.rate
+    def yaw(self):
+        """Own notes, page 1."""
+        return (self.K * self.delta - self.r) / self.tau
+'''
+
+
+@pytest.fixture(scope="module")
+def own_schedule(tmp_path_factory):
+    """A schedule tuned with a model file, and the words the file was named by; the mark it leaves where it runs."""
+    folder = tmp_path_factory.mktemp("own")
+    (folder / "own.py").write_text(OWN)
+    words = f"{folder / 'own.py'}:Own"
+    ship = shipid.ParameterSet("s", sections={
+        "particulars": {"L": Value("L", 160.0, "m", "assumed"), "speed": Value("speed", 8.0, "m/s", "assumed"),
+                        "delta_max": Value("delta_max", 35.0, "deg", "assumed"),
+                        "delta_rate": Value("delta_rate", 3.0, "deg/s", "assumed")},
+        "own": {"K": Value("K", 0.1, "1/s", "assumed"), "tau": Value("tau", 40.0, "s", "assumed")},
+    })  # fmt: skip
+    pilot = shipid.design_autopilot(words, ship, speeds=[8.0])
+    shipid.write_schedule(pilot, folder / "named.toml", words)
+    shipid.write_schedule(pilot, folder / "called.toml")
+    (folder / "own.ran").unlink()
+    return folder, words
+
+
+def test_a_schedule_runs_no_model_file(own_schedule):
+    folder, words = own_schedule
+    with pytest.raises(
+        ModelFileError, match=r"a model file, which is code, and a schedule runs none. If you trust"
+    ) as no:
+        shipid.read_schedule(folder / "named.toml")
+    assert f"read_schedule(path, '{words}')" in str(no.value)
+    with pytest.raises(UnknownNameError, match="no model 'own'"):
+        shipid.read_schedule(folder / "called.toml")
+    for name in (f"{words}:Own", "own.py", "../own.py:Own", f"file:{words}", f"{words} ", f" {words}"):
+        text = (folder / "named.toml").read_text().replace(words, name)
+        (folder / "edited.toml").write_text(text)
+        with pytest.raises(ModelFileError):
+            shipid.read_schedule(folder / "edited.toml")
+    assert not (folder / "own.ran").exists(), "nothing ran"
+
+
+def test_the_user_gives_the_model_file(own_schedule):
+    folder, words = own_schedule
+    for name in ("named", "called"):
+        assert shipid.read_schedule(folder / f"{name}.toml", words).model.name == "own"
+        assert shipid.read_schedule(folder / f"{name}.toml", shipid.find_model(words)).model.name == "own"
+        with pytest.raises(
+            ScheduleError, match=r"the schedule belongs to model '.*own.*', and 'nomoto' is given for it"
+        ):
+            shipid.read_schedule(folder / f"{name}.toml", "nomoto")
+
+
+def test_an_actuator_turns_an_order_into_an_angle(text, tmp_path):
+    path = tmp_path / "s.toml"
+    path.write_text(re.sub(r'(?m)^actuator = ".*"$', 'actuator = "PlanarMotion"', text))
+    with pytest.raises(ScheduleError, match="'actuator' is PlanarMotion, which turns no order into a rudder angle"):
+        shipid.read_schedule(path)
+
+
+def test_three_hundred_edited_schedules(integral, tmp_path):
+    """Each is refused with one clear error, or is sound."""
+    chance, path, refused = random.Random(3), tmp_path / "s.toml", 0
+    odd = (
+        True,
+        0,
+        -1,
+        10**400,
+        1e308,
+        float("nan"),
+        float("inf"),
+        "",
+        "nan",
+        "1 m",
+        [],
+        {},
+        [[1]],
+        [1, "a"],
+        "x" * 300,
+    )
+    for _ in range(300):
+        table = schedule_table(integral)
+        for _ in range(chance.choice((1, 1, 2))):
+            place, key = table, chance.choice(list(table))
+            while isinstance(place[key], (dict, list)) and place[key] and chance.random() < 0.8:
+                place = place[key]
+                key = chance.choice(list(place)) if isinstance(place, dict) else chance.randrange(len(place))
+            if chance.random() < 0.2:
+                del place[key]
+            else:
+                place[key] = chance.choice(odd)
+        path.write_text(tomli_w.dumps(table))
+        try:
+            shipid.read_schedule(path)
+        except shipid.ShipidError as error:
+            refused += 1
+            assert str(error)
+    assert refused > 150
