@@ -73,6 +73,10 @@ class NotALiveLogError(TrialError):
     """What is to be followed line by line is no text, or a line of it has no end."""
 
 
+class NoTableError(TrialError):
+    """A log that is no table, where one is needed."""
+
+
 class DateOrderError(TrialError):
     """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
 

@@ -9,7 +9,6 @@ from shipid.trials.doctor.check_trial import check_trial
 
 
 def test_an_nmea_log_is_examined(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     trial = simulated("zigzag:20/20", "none")
@@ -21,7 +20,6 @@ def test_an_nmea_log_is_examined(simulated, tmp_path):
 
 
 def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")
@@ -30,7 +28,6 @@ def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(simulated, tmp_path
 
 
 def test_a_rate_in_another_unit_than_it_is_said_to_be_in(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")

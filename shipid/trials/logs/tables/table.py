@@ -55,6 +55,10 @@ class RawTable:
         The decimal sign of numbers that were read from text already.
     printed : callable or None
         Gives a column by its index as text, where numbers were read from it already.
+    separator : str or None
+        Regular expression of the separator of a text file.
+    skip : int or None
+        Lines before the first sample of a text file; None where its header is a comment.
     """
 
     name: str
@@ -69,6 +73,8 @@ class RawTable:
     notes: tuple[str, ...] = ()
     decimal: Decimal | None = None
     printed: Callable[[int], pd.Series] | None = field(default=None)
+    separator: str | None = None
+    skip: int | None = None
 
     @property
     def full_headers(self) -> tuple[str, ...]:
