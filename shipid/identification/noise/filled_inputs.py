@@ -48,7 +48,7 @@ def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None
     for k, values in enumerate(recorded):
         sampled = np.zeros(t.size, dtype=bool)
         sampled[rows] = True if data.sampled is None else data.sampled[k]
-        if _has_gaps(t[sampled]):
+        if np.ptp(values) > 0 and _has_gaps(t[sampled]):
             errors[:, k] = errors_between(t, values, sampled, seed=k)
     if not errors.any():
         return None
