@@ -105,7 +105,7 @@ def resampled(log: Log, size: float) -> None:
             log[c] = np.interp(t, t[keep], log[c][keep])
 
 
-def not_finite(log: Log, size: float) -> None:
+def missing(log: Log, size: float) -> None:
     log["r"][log.rng.choice(np.arange(3, log.n - 3), max(1, int(size * log.n)), replace=False)] = np.nan
 
 
@@ -221,11 +221,12 @@ def earth_fixed(log: Log, size: float) -> None:
 
 def heading_wrap(log: Log, size: float) -> None:
     middle = np.quantile(log["psi"], 0.5 + 0.1 * (size - 2))
-    log["psi"] = np.mod(log["psi"] - middle, 2 * np.pi)
+    log["psi"] = middle + np.mod(log["psi"] - middle, 2 * np.pi)
 
 
 def heading_interpolated(log: Log, size: float) -> None:
-    psi = np.mod(log["psi"] - np.median(log["psi"]), 2 * np.pi)
+    middle = np.median(log["psi"])
+    psi = np.mod(log["psi"] - middle, 2 * np.pi)
     jumps = np.flatnonzero(np.abs(np.diff(psi)) > np.pi)
     if "r" in log.values:  # not where noise crosses north to and fro
         jumps = jumps[np.concatenate(([True], np.diff(jumps) > 4 * size + 4))][:8]
@@ -233,7 +234,7 @@ def heading_interpolated(log: Log, size: float) -> None:
         a, b = max(k - int(size) // 2, 0), min(k + 1 + (int(size) + 1) // 2, log.n - 1)
         if abs(psi[b] - psi[a]) > np.pi:
             psi[a : b + 1] = np.linspace(psi[a], psi[b], b - a + 1)
-    log["psi"] = psi
+    log["psi"] = middle + psi
 
 
 def heading_glitch(log: Log, size: float) -> None:
@@ -327,7 +328,7 @@ FAULTS: dict[str, Plant] = {
     "clock-unsorted": (clock_unsorted, (0.001, 0.01, 0.1), "clock-unsorted", ""),
     "gap": (gap, (0.003, 0.03, 0.15), "gap", ""),
     "resampled": (resampled, (2, 4, 8), "resampled", ""),
-    "not-finite": (not_finite, (0.001, 0.01, 0.1), "not-finite", ""),
+    "missing samples": (missing, (0.001, 0.01, 0.1), "missing", ""),
     "trailing-empty": (trailing_empty, (0.001, 0.02, 0.2), "trailing-empty", ""),
     "outlier": (outlier, (0.03, 0.3, 2.0), "outlier", ""),
     "frozen": (frozen, (0.02, 0.06, 0.15), "frozen", ""),

@@ -7,12 +7,16 @@ from math import pi
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import shown
 from shipid.trials.errors import ClockError, LooksLikeDegreesError, NonFiniteError, TooShortError
 from shipid.trials.filling import GAP, interpolated, usual_interval
 
 FEWEST_SAMPLES = 10
+
+_WINDOW = 5
+"""Samples in a running median, which leaves up to two wild ones out."""
 
 STEADY_RUDDER = np.radians(0.5)
 """Rudder movement below this is noise of the feedback, not a manoeuvre."""
@@ -154,12 +158,35 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
         energy = float(said @ said)
         ratio = float(turned @ said) / energy if energy > 0 else 1.0
         agree = float(turned @ said) ** 2 > 0.5 * energy * float(turned @ turned)
+        if agree and (per := _per_minute(ratio, stated.get("r", ""))) is not None:
+            says, seems = per
+            finding = f"the heading changes {ratio:.3g} times as fast as r says"
+            raise LooksLikeDegreesError(
+                f"{where}, column 'r': the unit says {says}, and the values look like {seems}: {finding}. "
+                f"Write 'r [{seems}]' in the header, or unit = \"{seems}\" in the format file, if they are.",
+                finding,
+            )
         if agree and 40 < ratio < 80:
             name = "psi" if "psi" in said_radians else "r"
             raise fail(name, f"the heading changes {ratio:.0f} times as fast as r says")
         if agree and 1 / 80 < ratio < 1 / 40:
             name = "r" if "r" in said_radians else "psi"
             raise fail(name, f"r is {1 / ratio:.0f} times the slope of the heading")
+
+
+def _per_minute(ratio: float, stated: str) -> tuple[str, str] | None:
+    """Return the unit that r says and the one it seems to have, where a minute and a second are taken for one another.
+
+    A factor of 60 is told from one of 57.3 (degrees and radians) by what is nearer, and by the unit that is stated.
+    """
+    unit = stated.replace("°", "deg").replace(" ", "")
+    minute = unit.startswith("deg/m") and not unit.startswith("deg/ms")
+    for says, seems, factor in (("deg/s", "deg/min", 1 / 60), ("deg/min", "deg/s", 60.0)):
+        if unit.startswith("deg") and minute == (says == "deg/min"):
+            off = abs(np.log(ratio / factor))
+            if off < 0.3 and off < abs(np.log(ratio / (180 / pi if factor > 1 else pi / 180))):
+                return stated, seems
+    return None
 
 
 def gaps(t: np.ndarray, usual: float | None = None) -> np.ndarray:
@@ -196,8 +223,10 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     delta = interpolated(t, delta)
     both = np.isfinite(delta) & np.isfinite(r)
     t, delta, r = t[both], delta[both], r[both]
-    if len(t) < 2:
+    if len(t) < 2 * _WINDOW:
         return False
+    # One wild sample must not decide the sign.
+    delta, r = median_filter(delta, _WINDOW, mode="mirror"), median_filter(r, _WINDOW, mode="mirror")
     # In integral form, over blocks: differentiating a noisy rate of turn would drown the sign.
     count = min(400, len(t) - 1)
     at = np.unique(np.linspace(0, len(t) - 1, count + 1).astype(int))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,12 +12,12 @@ import numpy as np
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
-from shipid.trials.doctor.examinations import clock, conduct, heading, sampling
-from shipid.trials.doctor.examinations import rate_of_turn as rates
-from shipid.trials.doctor.examinations import rudder as steering
-from shipid.trials.doctor.examinations import samples as values
-from shipid.trials.doctor.examinations import track as course
-from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
+from shipid.trials.doctor.examinations.motion import course, heading, track
+from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
+from shipid.trials.doctor.examinations.record import clock, frozen, missing, outliers, rows, sampling
+from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay
+from shipid.trials.doctor.examinations.steering import rudder as steering
+from shipid.trials.doctor.findings import LEAST, Diagnosis, Finding, Stretch
 from shipid.trials.doctor.guesses import GuessedRecord, from_trial, guessed
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.errors import EmptyFileError, NoUnitError, TextInColumnError, UnknownColumnError
@@ -26,21 +27,25 @@ from shipid.trials.trial import Trial
 
 #: In the order in which one fault would hide the next.
 _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
-    values.examine_holes,
     clock.examine_clock,
     heading.examine_wrap,
+    missing.examine_missing,
+    outliers.examine_outliers,
     sampling.examine_resampling,
     sampling.examine_resolution,
     rates.examine_label,
     rates.examine_rate,
-    values.examine_outliers,
-    values.examine_frozen_rates,
+    frozen.examine_frozen_rates,
     heading.examine_heading,
     rates.examine_lag,
-    course.examine_track,
-    values.examine_frozen,
-    steering.examine_rudder,
+    course.examine_course,
+    track.examine_track,
+    frozen.examine_frozen,
+    steering.examine_movement,
+    closed_loop.examine_closed_loop,
+    steering.examine_sign,
     steering.examine_order,
+    delay.examine_delay,
     sampling.examine_sampling,
     sampling.examine_length,
     conduct.examine_start,
@@ -123,14 +128,17 @@ def examine(
         raise EmptyFileError(f"{log.record.where} holds no samples in this window. Choose another one.")
     copy = WorkingCopy(log.record, *_particulars(ship))
     _assumed_units(copy, log.assumed)
-    with np.errstate(all="ignore"):
+    rows.examine_marks(copy, log.marks)
+    rows.examine_rows(copy)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
         for examination in _EXAMINATIONS:
-            if len(copy) < 4:
+            if len(copy) < 4 or copy.clockless:
                 break
             examination(copy)
         if not any(f.kind == "short" for f in copy.findings) and len(copy) < 30:
             sampling.examine_length(copy)
-        if not conducted:
+        if not conducted or copy.clockless or len(copy) < 4:
             return copy, []
         stretches = segmentation.find_manoeuvres(copy)
         conduct.examine_neutral(copy, stretches)
@@ -155,12 +163,19 @@ def diagnose(copy: WorkingCopy, stretches: list[Stretch], handled: list[Finding]
     """
     findings: dict[tuple[str, str], Finding] = {}
     for f in sorted(copy.findings, key=lambda f: -f.confidence):
-        findings.setdefault((f.kind, f.channel), f)
+        if f.confidence >= LEAST:
+            findings.setdefault((f.kind, f.channel), f)
     ordered = sorted(findings.values(), key=lambda f: (not f.serious, -f.confidence))
     record = copy.record
     refused = tuple(f"read_trial refuses the log: {f}" for f in record.faults if not isinstance(f, _EXAMINED))
     return Diagnosis(
-        record.title, (*ordered, *(handled or [])), tuple(stretches), (*record.notes, *refused), record.source.path
+        record.title,
+        (*ordered, *(handled or [])),
+        tuple(stretches),
+        (*record.notes, *refused),
+        record.source.path,
+        rows=len(record),
+        left_out=tuple(copy.left_out),
     )
 
 

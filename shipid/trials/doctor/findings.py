@@ -2,13 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 
 from shipid.foundation.aliases import Plain
 
 SURE = 0.8
 """Findings of at least this confidence count; one below it is worth checking by hand."""
+CERTAIN = 0.9
+"""Repairs of findings of at least this confidence are applied; those below it are for the user to judge."""
+LEAST = 0.5
+"""Findings below this confidence are no findings."""
+_FULLY_TOLD = 3
+"""Up to so many findings of one kind are told in full."""
+MOST_SPANS = 20
+"""So many spans of time at most a finding says; those beyond are joined to their neighbours."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Rows of a log that are not part of the record.
+
+    Attributes
+    ----------
+    rows : int
+        How many.
+    why : str
+        For which reason.
+    """
+
+    rows: int
+    why: str
+
+    def __str__(self) -> str:
+        return f"{self.rows} left out: {self.why}"
 
 
 @dataclass(frozen=True)
@@ -41,6 +68,8 @@ class Finding:
         Whether it would spoil an identification; otherwise it is a property of the trial to know about.
     handled : bool
         Whether the format file the trial is read with already repairs it.
+    spans : tuple of tuple of float
+        Stretches of time [s] in which the samples concerned lie.
     """
 
     kind: str
@@ -55,6 +84,32 @@ class Finding:
     fix: Mapping[str, Plain] | None = None
     spoils: bool = True
     handled: bool = False
+    spans: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The columns concerned."""
+        return tuple(name.strip() for name in self.channel.split(","))
+
+    @property
+    def repaired(self) -> bool:
+        """Whether the repair is certain enough that `shipid.trials.doctor.repair.fix_trial` applies it."""
+        return self.fix is not None and self.confidence >= CERTAIN
+
+    def touches(self, channels: Collection[str], start: float, end: float) -> bool:
+        """Return whether it concerns any of some channels within a span of time.
+
+        Parameters
+        ----------
+        channels : collection of str
+            Columns; a fault of the clock concerns all of them.
+        start, end : float
+            The span [s].
+        """
+        mine = self.channels
+        if "t" not in mine and not set(mine) & set(channels):
+            return False
+        return any(a <= end and b >= start for a, b in self.spans or (self.seconds,))
 
     @property
     def serious(self) -> bool:
@@ -66,7 +121,12 @@ class Finding:
         return {
             "kind": self.kind,
             "channel": self.channel,
-            "where": {"rows": list(self.rows), "seconds": list(self.seconds), "count": self.count},
+            "where": {
+                "rows": list(self.rows),
+                "seconds": list(self.seconds),
+                "count": self.count,
+                "spans": [list(span) for span in self.spans],
+            },
             "confidence": round(self.confidence, 3),
             "message": self.message,
             "effect": self.effect,
@@ -147,6 +207,10 @@ class Diagnosis:
         How the record was read: columns guessed from their names, and so on.
     path : str or None
         The file.
+    rows : int
+        How many rows the record holds, as read.
+    left_out : tuple of LeftOut
+        Rows of it that were not examined and are not part of a repaired trial, with the reason.
     """
 
     trial: str
@@ -154,6 +218,32 @@ class Diagnosis:
     manoeuvres: tuple[Stretch, ...] = ()
     notes: tuple[str, ...] = field(default=())
     path: str | None = None
+    rows: int = 0
+    left_out: tuple[LeftOut, ...] = ()
+
+    @property
+    def kept(self) -> int:
+        """How many rows were examined."""
+        return self.rows - sum(part.rows for part in self.left_out)
+
+    def bearing_on(
+        self, channels: Collection[str], start: float = float("-inf"), end: float = float("inf")
+    ) -> tuple[Finding, ...]:
+        """Return the findings that concern some channels within a span of time, in the order of the diagnosis.
+
+        Parameters
+        ----------
+        channels : collection of str
+            Columns by their names inside a trial; a fault of the clock concerns all of them.
+        start, end : float
+            The span [s]; by default the whole record.
+
+        Returns
+        -------
+        tuple of Finding
+            What the format file has put right is not among them.
+        """
+        return tuple(f for f in self.findings if not f.handled and f.touches(channels, start, end))
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -174,13 +264,27 @@ class Diagnosis:
             "findings": [f.to_dict() for f in self.findings],
             "manoeuvres": [m.to_dict() for m in self.manoeuvres],
             "notes": list(self.notes),
+            "rows": {
+                "read": self.rows,
+                "kept": self.kept,
+                "left_out": [{"rows": part.rows, "why": part.why} for part in self.left_out],
+            },
         }
 
     def __repr__(self) -> str:
         count = len(self.findings)
         head = "nothing found" if not count else f"{count} finding{'s' * (count > 1)}, {len(self.serious)} serious"
         lines = [f"Diagnosis of '{self.trial}': {head}"]
-        lines += [f"  {f}" for f in self.findings]
+        for kind in self.kinds:
+            told = [f for f in self.findings if f.kind == kind]
+            # One kind in many channels is told once, and the channels on a line.
+            shown = len(told) if len(told) <= _FULLY_TOLD else 1
+            lines += [f"  {f}" for f in told[:shown]]
+            if told[shown:]:
+                lines.append(
+                    "    also: " + "; ".join(f"{f.channel} ({f.confidence:.0%}): {f.message}" for f in told[shown:])
+                )
+        lines.append(f"  rows: {self.rows} read, {self.kept} kept" + "".join(f"; {part}" for part in self.left_out))
         if self.manoeuvres:
             lines += ["  manoeuvres", *(f"    {m}" for m in self.manoeuvres)]
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])

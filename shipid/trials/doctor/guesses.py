@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError
 from shipid.trials.logs.conversion import in_si, put_right, without_trailing
+from shipid.trials.logs.missing import marked_samples
 from shipid.trials.logs.record import LenientRecord, inside
 from shipid.trials.trial import Trial
 
@@ -44,10 +45,13 @@ class GuessedRecord:
         In the units inside a trial; NaN, repeated stamps and wraps included. `stated` holds a unit for every column.
     assumed : tuple of str
         Columns that say no unit that fits, for which the usual one was assumed.
+    marks : Mapping of str to Mapping of int to float
+        By column and row the numbers, as printed, that stand for a missing sample; NaN in the record.
     """
 
     record: LenientRecord
     assumed: tuple[str, ...] = ()
+    marks: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
 
 
 def from_trial(trial: Trial) -> GuessedRecord:
@@ -104,13 +108,33 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
     notes, faults = record.notes, record.faults
     if treated:
         record = without_trailing(record)
+    if record.window is not None and (fmt is None or fmt.interval is None):
+        # Whether a number stands for a missing sample is judged by the samples of the window.
+        clock = record.values["t"] * columns.to_inside("t", record.stated["t"])
+        record = replace(record.keep(inside(clock, record.window)), window=None)
+    record, marks = _without_marks(record)
     record = in_si(record, fmt if treated else None)
-    if treated and fmt is not None:
+    if treated and fmt is not None and len(record):
         record = put_right(record, fmt)
     if record.window is not None:
-        record = record.keep(inside(record.values["t"], record.window))
+        within = inside(record.values["t"], record.window)
+        place = dict(zip(np.flatnonzero(within).tolist(), range(len(record))))
+        record = record.keep(within)
+        marks = {c: {place[k]: v for k, v in cells.items() if k in place} for c, cells in marks.items()}
     # What is done about a log stands in the findings, not in the notes.
-    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed)
+    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed, marks)
+
+
+def _without_marks(record: LenientRecord) -> tuple[LenientRecord, dict[str, dict[int, float]]]:
+    """Count numbers that stand for a missing sample as missing."""
+    values, marks = dict(record.values), {}
+    for name, printed in record.values.items():
+        marked = marked_samples(record, name)
+        if marked.any():
+            values[name] = np.where(marked, np.nan, printed)
+            index = np.flatnonzero(marked)
+            marks[name] = dict(zip(index.tolist(), printed[index].tolist()))
+    return replace(record, values=values), marks
 
 
 def _with_names(record: LenientRecord) -> LenientRecord:
@@ -118,6 +142,7 @@ def _with_names(record: LenientRecord) -> LenientRecord:
     known = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
     values: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
+    words = dict(record.words)
     guesses = []
     for header, column in record.values.items():
         name = header
@@ -127,12 +152,14 @@ def _with_names(record: LenientRecord) -> LenientRecord:
         if name in values or (name not in FIELDS and header not in record.stated):
             continue
         values[name] = column
+        if header in record.words:
+            words[name] = record.words[header]
         if header in record.stated:
             stated[name] = record.stated[header]
         if name != header:
             guesses.append(f"{name} is '{header}'")
     notes = (f"Columns guessed from their headers: {', '.join(guesses)}.",) if guesses else ()
-    return replace(record, values=values, stated=stated, notes=(*record.notes, *notes))
+    return replace(record, values=values, stated=stated, words=words, notes=(*record.notes, *notes))
 
 
 def _with_clock(record: LenientRecord) -> LenientRecord:

@@ -168,7 +168,10 @@ def mended_heading(t: np.ndarray, psi: np.ndarray, r: np.ndarray, threshold: flo
     turned = cumulative_trapezoid(r, t, initial=0.0)
     rest = np.exp(1j * (psi - turned))
     size = max(5, round(GLITCH_WINDOW / float(np.median(np.diff(t))))) | 1
-    middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))
+    # Mirrored at the ends: repeating the first or the last sample would make a glitch there its own neighbour.
+    middle = np.angle(
+        median_filter(rest.real, size, mode="mirror") + 1j * median_filter(rest.imag, size, mode="mirror")
+    )
     off = np.abs(np.angle(rest * np.exp(-1j * middle))) > threshold
     good = ~off
     slow = np.unwrap(np.angle(rest[good]))

@@ -39,7 +39,9 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     values = _numbers(series, where, faults)
     source = source or Source()
     source = replace(source, start=clocked.start or source.start)
-    return LenientRecord(name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults))
+    return LenientRecord(
+        name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults), words=_words(faults)
+    )
 
 
 def _by_header(
@@ -60,6 +62,12 @@ def _by_header(
             continue
         columns[full] = frame.iloc[:, k]
     return columns, faults
+
+
+def _words(faults: list[TrialError]) -> dict[str, Mapping[int, str]]:
+    """Return by column and row the cells that hold text."""
+    texts = [fault.cells for fault in faults if isinstance(fault, TextInColumnError)]
+    return {str(name): cells for found in texts for name, cells in found.items()}
 
 
 def _is_pair(label: object) -> bool:
@@ -97,7 +105,8 @@ def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialErro
             faults.append(
                 TextInColumnError(
                     f"{where}, row {k}, column '{name}': '{str(column.iloc[k])[:40]}' is not a number. "
-                    "Replace it by the number, or remove the row."
+                    "Replace it by the number, or remove the row.",
+                    {name: {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}},
                 )
             )
         result[name] = numbers.to_numpy(dtype=float, na_value=np.nan)

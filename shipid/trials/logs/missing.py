@@ -35,7 +35,7 @@ def with_missing(record: LenientRecord) -> LenientRecord:
     notes = list(record.notes)
     values = {}
     for name, printed in record.values.items():
-        marked = marks_of_missing(printed, _full_circle(record, name))
+        marked = marked_samples(record, name)
         values[name] = np.where(marked, np.nan, printed)
         if marked.any():
             shown = ", ".join(f"{value:g}" for value in np.unique(printed[marked])[:3])
@@ -63,6 +63,23 @@ def with_missing(record: LenientRecord) -> LenientRecord:
         if name != "t" and (count := int(np.isnan(column).sum())):
             notes.append(f"{name}: {count} of {len(column)} samples are missing.")
     return replace(record, values=values, notes=tuple(notes))
+
+
+def marked_samples(record: LenientRecord, name: str) -> np.ndarray:
+    """Return which samples of a column are marks of a missing one, or no number a sensor can show.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As printed.
+    name : str
+        The column.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    return marks_of_missing(record.values[name], _full_circle(record, name))
 
 
 def _full_circle(record: LenientRecord, name: str) -> float | None:

@@ -63,6 +63,8 @@ class LenientRecord:
         Columns by index that the format file does not name, where it states an interval instead of a clock.
     line : callable
         Gives the row number to name for a sample.
+    words : Mapping of str to Mapping of int to str
+        By column and row the text of cells that hold neither a number nor nothing; NaN in `values`.
     """
 
     name: str
@@ -78,6 +80,7 @@ class LenientRecord:
     faults: tuple[TrialError, ...] = ()
     unused: Mapping[int, np.ndarray] = field(default_factory=dict)
     line: Callable[[int], int] = same_row
+    words: Mapping[str, Mapping[int, str]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values()), ()))
@@ -111,11 +114,16 @@ class LenientRecord:
         LenientRecord
         """
         kept, line = np.flatnonzero(mask), self.line
+        new_row = {int(row): k for k, row in enumerate(kept)} if self.words else {}
         return replace(
             self,
             values={name: values[kept] for name, values in self.values.items()},
             unused={index: values[kept] for index, values in self.unused.items()},
             line=lambda row: line(int(kept[row])),
+            words={
+                name: {new_row[row]: text for row, text in cells.items() if row in new_row}
+                for name, cells in self.words.items()
+            },
         )
 
 

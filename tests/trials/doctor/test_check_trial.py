@@ -29,12 +29,19 @@ def write(tmp_path, lines):
     return path
 
 
-def test_text_in_a_column_is_a_hole_with_its_line(tmp_path):
+def test_text_in_a_column_is_no_empty_cell(tmp_path):
     lines = rows()
     lines[50] = "24.5,broken,0.6,20"
-    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
-    assert found.channel == "psi" and "line 51" in found.message and "broken" in found.message
-    assert found.rows == (49, 49)
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "text")
+    assert found.channel == "psi" and "row 51" in found.message and "broken" in found.message
+    assert found.rows == (49, 49) and found.repaired and not found.serious
+
+
+def test_text_with_digits_is_a_number_nobody_knows(tmp_path):
+    lines = rows()
+    lines[50] = "24.5,1.002.564,0.6,20"
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "text")
+    assert found.serious and not found.repaired and "'1.002.564'" in found.message
 
 
 def test_header_without_units_is_explained(tmp_path):
@@ -83,15 +90,15 @@ def test_a_handful_of_samples_is_short_and_no_crash(tmp_path, n):
 def test_a_row_without_a_time_stamp_is_a_sure_finding(tmp_path):
     lines = rows()
     lines[50] = lines[50].partition(",")[1] + lines[50].partition(",")[2]
-    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "no-time")
     assert (found.channel, found.rows, found.count) == ("t", (49, 49), 1)
-    assert found.serious and 0.95 < found.confidence < 1
+    assert found.serious and found.repaired and 0.95 < found.confidence < 1
 
 
 def test_a_column_that_holds_nothing(tmp_path):
     lines = rows()
     lines = [lines[0] + ",u [m/s]", *(line + "," for line in lines[1:])]
-    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "not-finite")
+    found = next(f for f in check_trial(write(tmp_path, lines)).findings if f.kind == "empty-column")
     assert found.channel == "u" and found.fix["action"] == "drop-column"
 
 

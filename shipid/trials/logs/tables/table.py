@@ -144,6 +144,7 @@ def _unformatted(raw: RawTable) -> LenientRecord:
         notes=(*raw.notes, *cells.notes, *notes, *clocked.notes),
         faults=(*faults, *clocked.faults),
         line=raw.line,
+        words=cells.words({name: k for name, k in own.items() if k is not None}),
     )
 
 
@@ -175,6 +176,7 @@ def _formatted(raw: RawTable, fmt: TrialFormat) -> LenientRecord:
         faults=(*(clock.faults if clock else ()), *cells.faults(faulty)),
         unused=unused,
         line=raw.line,
+        words=cells.words(found),
     )
 
 
@@ -262,6 +264,15 @@ class _Cells:
         if column.dtype.kind not in "fiu":
             return True
         return strange is not None and bool(strange.any()) and not np.isfinite(self.numbers(column)).any()
+
+    def words(self, used: Mapping[str, int]) -> dict[str, dict[int, str]]:
+        """Return by column and row the cells that hold neither a number nor nothing."""
+        found = {name: np.flatnonzero(self._strange[k]) for name, k in used.items() if k in self._strange}
+        return {
+            name: {int(row): str(self.raw.columns[used[name]].iloc[row]).strip() for row in rows}
+            for name, rows in found.items()
+            if rows.size
+        }
 
     def faults(self, used: list[int]) -> list[TrialError]:
         """Return one fault a column that is used and holds cells that are no numbers: the first, and how many there are."""

@@ -10,7 +10,7 @@ import shipid
 from shipid.trials.doctor.check_trial import check_trial
 
 SIMPLE = [
-    "clock-quantised", "clock-repeats", "clock-unsorted", "gap", "resampled", "not-finite", "trailing-empty", "outlier",
+    "clock-quantised", "clock-repeats", "clock-unsorted", "gap", "resampled", "missing samples", "trailing-empty", "outlier",
     "frozen", "unit of the heading", "unit of the rate", "unit of the speed", "unit of the rudder", "unit of the clock",
     "speed-scale", "rate-scale", "mislabelled", "rudder-sign", "rate-sign", "earth-fixed-velocity", "heading-wrap",
     "heading-interpolated", "heading-glitch", "order-not-feedback", "accelerating", "bias of the rudder",

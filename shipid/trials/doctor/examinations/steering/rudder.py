@@ -13,8 +13,8 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 _GRAVITY = 9.81
 
 
-def examine_rudder(p: WorkingCopy) -> None:
-    """Examine unit, movement and sign of the rudder.
+def examine_movement(p: WorkingCopy) -> None:
+    """Examine the unit of the rudder, and whether it moves.
 
     Parameters
     ----------
@@ -28,10 +28,22 @@ def examine_rudder(p: WorkingCopy) -> None:
         if p.has(column):
             _unit(p, column)
     _moves(p, name)
-    if p.has("r") and not p.found("no-rudder-movement"):
-        sign = _sign(p, name)
-        if sign and p.has("delta", "delta_order") and _sign(p, "delta_order", say=False):
-            p["delta_order"] = -p["delta_order"]
+
+
+def examine_sign(p: WorkingCopy) -> None:
+    """Examine the sign of the rudder.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record; whether a helm law drives the rudder has been looked at.
+    """
+    name = p.rudder
+    if name is None or len(p) < 30 or not p.has("r") or p.found("no-rudder-movement"):
+        return
+    sign = _sign(p, name)
+    if sign and p.has("delta", "delta_order") and _sign(p, "delta_order", say=False):
+        p["delta_order"] = -p["delta_order"]
 
 
 def _unit(p: WorkingCopy, name: str) -> None:
@@ -98,15 +110,35 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.RobustLi
 
 
 def _sign(p: WorkingCopy, name: str, say: bool = True) -> bool:
-    if not (checks.turns_to_port(p.t, p[name], p["r"]) or _answers_to_port(p, name)):
+    """Find a rudder that counts to port; whether the sign was changed."""
+    known = ~p.blind(name, "r")
+    t, delta, r = p.t[known], p[name][known], p["r"][known]
+    fitted, seen = checks.turns_to_port(t, delta, r), _answers_to_port(p, name)
+    if not (fitted or seen):
         return False
-    if say:
-        p.add(
-            "rudder-sign", name, 0.97, f"positive {name} turns the ship to port",
-            "The gain comes out negative, or, where it is held positive, as zero with a rudder offset instead.",
-            f"Change the sign of {name}; in a format file: sign = -1.", fix={"action": "scale", "column": name, "factor": -1.0},
-        )  # fmt: skip
+    if not say:
         p[name] = -p[name]
+        return True
+    # A rudder under an autopilot answers the ship as the ship answers the rudder: the sign of that is not the ship's.
+    sure = 0.6 if p.found("closed-loop") else 0.97 if seen or _in_every_part(t, delta, r) else 0.85
+    applied = p.add(
+        "rudder-sign", name, sure, f"positive {name} turns the ship to port",
+        "The gain comes out negative, or, where it is held positive, as zero with a rudder offset instead.",
+        f"Change the sign of {name}; in a format file: sign = -1.", fix={"action": "scale", "column": name, "factor": -1.0},
+    )  # fmt: skip
+    if applied:
+        p[name] = -p[name]
+    return applied
+
+
+def _in_every_part(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
+    """Whether the sign stays the same when any fifth of the record is left out."""
+    parts = np.array_split(np.arange(len(t)), 5)
+    for part in parts:
+        rest = np.delete(np.arange(len(t)), part)
+        found = response(t[rest], delta[rest], r[rest])
+        if found is None or not found.value[0] < 0:
+            return False
     return True
 
 
@@ -121,7 +153,7 @@ def _answers_to_port(p: WorkingCopy, name: str) -> bool:
         return False
     held = index[long >= 0.3 * float(np.median(long))]
     answer = np.sign(delta[held]) * r[held]
-    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * robust.noise(r))
+    clear = np.abs(answer) > max(0.2 * float(np.quantile(np.abs(r), 0.9)), 4 * p.noise("r"))
     against = int(np.sum(answer[clear] < 0))
     far = False
     if p.has("psi"):
@@ -171,7 +203,7 @@ def examine_order(p: WorkingCopy) -> None:
     """
     if not p.has("delta") or p.found("no-rudder-movement") or len(p) < 40:
         return
-    delta, t = p["delta"], p.t
+    delta = p["delta"]
     if p.has("delta_order") and float(np.abs(delta - p["delta_order"]).max()) <= 1e-9 and np.ptp(delta) > 0:
         _order(p, 0.95, "delta equals delta_order in every sample", np.arange(len(p)))
     else:
@@ -191,8 +223,6 @@ def examine_order(p: WorkingCopy) -> None:
                     f"{shown(rate, 'r', digits=3)}, faster than the {shown(fastest, 'r', digits=3)} of a fast steering gear",
                     start,
                 )  # fmt: skip
-    if p.has("r"):
-        _delay(p, t, delta)
 
 
 def _order(p: WorkingCopy, confidence: float, message: str, at: np.ndarray) -> None:
@@ -214,49 +244,3 @@ def _fastest_gear(p: WorkingCopy) -> float:
             length = 0.4 * float(np.median(np.abs(speed))) / max(float(np.quantile(np.abs(p["r"]), 0.95)), 1e-9)
     length = 40.0 if length is None else max(length, 0.5)
     return float(np.radians(12.0) * np.sqrt(40.0 / min(length, 40.0)))
-
-
-def _delay(p: WorkingCopy, t: np.ndarray, delta: np.ndarray) -> None:
-    """Find a rudder that moves after the ship has answered, or long before."""
-    start, _, reach = executes(delta)
-    if len(start) < 3 or reach == 0:
-        return
-    dt = p.sampling
-    half = float(np.median(np.diff(t[start])))
-    most = int(0.3 * half / dt)
-    if most < 2:
-        return
-    stride = max(1, most // 20)
-    shifts = np.arange(-(most // stride) * stride, most + 1, stride)
-    misfit = np.array([_misfit(t, np.interp(t - k * dt, t, delta), p["r"]) for k in shifts])
-    zero = float(misfit[shifts == 0][0])
-    best = int(np.argmin(misfit))
-    lag = float(shifts[best]) * dt
-    gain = zero / max(float(misfit[best]), 1e-300)
-    early = lag < 0
-    # Short holds of an irregular helm do not make a delay long.
-    usual = float(np.quantile(np.diff(t[start]), 0.8))
-    limit = max(2.5 * dt, (0.06 if early else 0.08) * usual)
-    if abs(lag) >= limit and gain > (1.25 if early else 2.0):
-        which = "after the ship has answered it" if early else "long before the ship answers"
-        p.add(
-            "latency", "delta", min(robust.confidence_of(gain, 1.2, 2.5), robust.confidence_of(abs(lag) / limit, 0.9, 2)),
-            f"the rudder moves about {abs(lag):.3g} s {which}",
-            "The delay is taken for a slower or a quicker ship: time constants come out wrong by about as much.",
-            f"Shift the rudder by {lag:+.3g} s." if early
-            else "An order, or a delay of the logger: identify with a steering machine or shift the rudder.",
-            fix={"action": "shift", "column": "delta", "seconds": -lag} if early else None, spoils=early,
-        )  # fmt: skip
-        if early:
-            p["delta"] = np.interp(t - lag, t, delta)
-
-
-def _misfit(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> float:
-    """Misfit of a first-order yaw response with damping of odd powers, block by block."""
-    at = robust.edges(len(t), min(400, len(t) // 2))
-    parts = [np.diff(robust.integral(t, y)[at]) for y in (delta, r, r * np.abs(r), r**3)]
-    design = np.column_stack([*parts, np.diff(t[at])])
-    design /= np.maximum(np.abs(design).max(axis=0), 1e-300)
-    target = np.diff(r[at])
-    rest = target - design @ np.linalg.lstsq(design, target, rcond=None)[0]
-    return float(np.sum(rest**2))

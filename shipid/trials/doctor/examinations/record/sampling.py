@@ -6,7 +6,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations import rudder as steering
+from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
@@ -22,7 +22,7 @@ def examine_resampling(p: WorkingCopy) -> None:
     """
     seen: dict[str, float] = {}
     for name in _SMOOTH:
-        if p.has(name) and (share := _made_up(p[name])) > 0.25:
+        if p.has(name) and (share := _made_up(p.measured(name))) > 0.25:
             seen[name] = share
     if not seen:
         return
@@ -86,13 +86,13 @@ def examine_resolution(p: WorkingCopy) -> None:
     for name in _SMOOTH:
         if name in held:
             continue
-        if not p.has(name) or len(p) < 60:
+        if not p.has(name) or len(p.own(name)) < 60:
             continue
-        grid, still = robust.resolution(p[name])
-        reach = float(np.ptp(p[name]))
+        grid, still = robust.resolution(p.measured(name))
+        reach = float(np.ptp(p.measured(name)))
         if grid == 0 or reach == 0 or still < 0.3:
             continue
-        steps = np.abs(np.diff(p[name]))
+        steps = np.abs(np.diff(p.measured(name)))
         share = float(np.quantile(steps[steps > 0], 0.8)) / reach
         if share > (0.004 if still < 0.6 else 0.0015):
             p.add(
@@ -135,7 +135,7 @@ def examine_sampling(p: WorkingCopy) -> None:
     p : WorkingCopy
         The record.
     """
-    dt, unit = p.sampling, unit_time(p)
+    dt, unit = max(p.sampling, min((p.interval(c) for c in ("psi", "r") if p.has(c)), default=0.0)), unit_time(p)
     if unit is not None:
         limit = unit / 5 if p.length is not None else unit / 4
         if dt > 1.02 * limit:

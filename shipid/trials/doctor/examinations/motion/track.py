@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.motion.way import Way, vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _KNOT = 1852 / 3600
@@ -33,31 +34,42 @@ class _Fit:
 
 
 def examine_track(p: WorkingCopy) -> None:
-    """Compare positions with speeds and heading; put frame, labels and factors right.
+    """Compare the track with speeds and heading; put frame, labels and factors right.
 
     Parameters
     ----------
     p : WorkingCopy
-        The record, its heading in order.
+        The record, its heading in order; positions, or speed and course over ground where there are none.
     """
-    if not p.has("psi") or len(p) < 60 or not (p.has("u") or p.has("U")):
+    if p.speed is None:
         return
-    if not p.has("x", "y"):
-        _frame_alone(p)
+    if p.has("x", "y"):
+        _jumps(p)
+    if not p.has("psi") or len(p) < 60:
         return
-    if p.has("u", "v"):
-        _frame(p)
-    _jumps(p)
-    fit = _compare(p)
-    if fit is not None:
-        _scale(p, fit)
+    needed = [c for c in ("psi", "u", "v", "U") if p.has(c)]
+    way = way_made_good(p, *needed)
+    if way is None:
+        if not p.has("x", "y"):
+            _frame_alone(p)
+        return
+    if p.found("speed-stands"):
+        return
+    askew = p.found("track-direction") and not any(f.repaired for f in p.findings if f.kind == "track-direction")
+    if p.has("u", "v") and not askew:
+        _frame(p, way)
+    lengths = _lengths(p, way)
+    if lengths is not None and askew:
+        _scale(p, way, lengths, lengths)
+    elif lengths is not None and (fit := _compare(p, way)) is not None:
+        _scale(p, way, fit, lengths)
 
 
 def _jumps(p: WorkingCopy) -> None:
     """Find positions that jump farther than the ship can go."""
     speed = np.hypot(p["u"], p["v"]) if p.has("u", "v") else p["u"] if p.has("u") else p["U"]
     step = np.hypot(np.diff(p["x"]), np.diff(p["y"]))
-    rough = max(robust.noise(p["x"]), robust.noise(p["y"]))
+    rough = max(p.noise("x"), p.noise("y"))
     grid = max(float(np.quantile(np.abs(np.diff(p[n])), 0.99)) for n in ("x", "y"))
     fast = float(np.quantile(np.abs(speed), 0.99)) * np.diff(p.t)
     far = np.flatnonzero(step > np.maximum(3 * fast + 12 * rough, 2.5 * grid))
@@ -71,81 +83,59 @@ def _jumps(p: WorkingCopy) -> None:
         )  # fmt: skip
 
 
-def _knots_mistaken(p: WorkingCopy) -> float | None:
+def _knots_mistaken(p: WorkingCopy, way: Way) -> float | None:
     """Way made good over logged way on the whole, where it is the ratio of a knot taken wrongly (1.9834 for 1.9438).
 
     Positions whose clock wanders disagree with the speeds from block to block; over the whole record that cancels.
     """
-    if float(np.ptp(p["psi"])) < np.pi or not p.has("u"):
+    if float(np.ptp(p["psi"])) < np.pi or not p.has("u", "x", "y") or not way.kept.all():
         return None
-    along = float(np.sum(_steps(p, np.array([0, len(p) - 1]))[0]))
-    way = float(robust.integral(p.t, p["u"])[-1])
-    rough = 10 * max(robust.noise(p["x"]), robust.noise(p["y"]))
-    if way <= 0 or rough > 0.002 * way:
-        return None
-    return along / way if abs(along / way - _MISTAKEN_KNOT) < 0.005 else None
-
-
-def _blocks(p: WorkingCopy) -> np.ndarray:
-    """Edges of blocks in which the ship makes far more way than the positions are noisy."""
-    way = float(np.sum(np.hypot(np.diff(p["x"][:: max(1, len(p) // 60)]), np.diff(p["y"][:: max(1, len(p) // 60)]))))
-    rough = robust.noise(p["x"]) + robust.noise(p["y"]) + 1e-12
-    count = int(np.clip(way / (30 * rough), 16, 80))
-    return robust.edges(len(p), count)
-
-
-def _steps(p: WorkingCopy, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Way made good along and across the ship, block by block [m]."""
     middle = 0.5 * (p["psi"][1:] + p["psi"][:-1])
-    north, east = np.diff(p["x"]), np.diff(p["y"])
-    c, s = np.cos(middle), np.sin(middle)
-    along = np.concatenate(([0.0], np.cumsum(north * c + east * s)))
-    across = np.concatenate(([0.0], np.cumsum(east * c - north * s)))
-    return np.diff(along[at]), np.diff(across[at])
+    along = float(np.sum((np.diff(p["x"] + 1j * p["y"]) * np.exp(-1j * middle)).real))
+    logged = float(robust.integral(p.t, p["u"])[-1])
+    if logged <= 0 or 5 * way.rough > 0.002 * logged:
+        return None
+    return along / logged if abs(along / logged - _MISTAKEN_KNOT) < 0.005 else None
 
 
-def _earth(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Integrals of two velocities, block by block, in one column."""
-    return np.concatenate([np.diff(robust.integral(p.t, u)[at]), np.diff(robust.integral(p.t, v)[at])])
-
-
-def _misfit(p: WorkingCopy, at: np.ndarray, u: np.ndarray, v: np.ndarray, free: bool = True) -> float:
-    """Robust misfit of velocities (north, east) to the track, a factor and a current estimated."""
-    target = np.concatenate([np.diff(p["x"][at]), np.diff(p["y"][at])])
-    way = _earth(p, at, u, v)
-    dt = np.diff(p.t[at])
-    zero = np.zeros_like(dt)
-    design = np.column_stack([way, np.concatenate([dt, zero]), np.concatenate([zero, dt])])
+def _misfit(way: Way, sailed: np.ndarray, allowed: float) -> float:
+    """Robust misfit of a way sailed to the way made good, a factor and a current estimated."""
+    target = np.concatenate([way.made.real, way.made.imag])
+    zero = np.zeros_like(way.dt)
+    design = np.column_stack([
+        np.concatenate([sailed.real, sailed.imag]), np.concatenate([way.dt, zero]), np.concatenate([zero, way.dt])
+    ])  # fmt: skip
     found = robust.regress(design, target)
-    if found is None or (found.value[0] <= 0.05 and free):
+    if found is None or found.value[0] <= 0.05:
         return np.inf
-    if float(np.hypot(*found.value[1:])) > _STRONGEST * float(np.mean(np.hypot(*way.reshape(2, -1)) / dt)):
-        found = robust.regress(design[:, :1], target)
-        if found is None or (found.value[0] <= 0.05 and free):
-            return np.inf
+    if float(np.hypot(*found.value[1:])) > allowed:
         design = design[:, :1]
+        found = robust.regress(design, target)
+        if found is None or found.value[0] <= 0.05:
+            return np.inf
     rest = target - design @ found.value
     return float(np.sqrt(np.mean(np.sort(rest**2)[: int(0.9 * len(rest))])))
 
 
-def _frame(p: WorkingCopy) -> None:
+def _frame(p: WorkingCopy, way: Way) -> None:
     """Find out in which frame u and v are: the ship's, the earth's, or exchanged."""
-    at = _blocks(p)
-    c, s = np.cos(p["psi"]), np.sin(p["psi"])
+    heads = np.exp(1j * p["psi"])
     u, v = p["u"], p["v"]
     readings = {
-        "body": (u * c - v * s, u * s + v * c),
-        "earth": (u, v),
-        "exchanged": (v * c - u * s, v * s + u * c),
-        "port": (u * c + v * s, u * s - v * c),
+        "body": (u + 1j * v) * heads,
+        "earth": u + 1j * v,
+        "exchanged": (v + 1j * u) * heads,
+        "port": (u - 1j * v) * heads,
     }
-    misfit = {name: _misfit(p, at, *velocity) for name, velocity in readings.items()}
+    allowed = _STRONGEST * float(np.mean(np.abs(way.integral(p.t, np.hypot(u, v))) / way.dt))
+    misfit = {name: _misfit(way, way.integral(p.t, velocity), allowed) for name, velocity in readings.items()}
     best = min(misfit, key=lambda name: misfit[name])
-    floor = 1e-5 * float(np.ptp(p["x"]) + np.ptp(p["y"])) + 1e-9
+    c, s = heads.real, heads.imag
+    floor = 1e-5 * float(np.sum(np.abs(way.made))) + 1e-9
     if best != "body" and misfit["body"] > 1.5 * max(misfit[best], floor) and np.isfinite(misfit[best]):
         ratio = misfit["body"] / max(misfit[best], floor)
         if best == "earth":
-            p.add(
+            applied = p.add(
                 "earth-fixed-velocity", "u,v", robust.confidence_of(ratio, 1.3, 2.2),
                 f"u and v are velocities north and east: turned by the heading they miss the track by {ratio:.1f} times "
                 "as much",
@@ -153,62 +143,49 @@ def _frame(p: WorkingCopy) -> None:
                 "rotation.",
                 'Rotate them with psi; in a format file: frame = "earth" at both.', fix={"action": "rotate"},
             )  # fmt: skip
-            p["u"], p["v"] = u * c + v * s, v * c - u * s
+            if applied:
+                p["u"], p["v"] = u * c + v * s, v * c - u * s
         elif best == "exchanged":
-            p.add(
+            applied = p.add(
                 "mislabelled", "u,v", robust.confidence_of(ratio, 1.3, 2.2),
                 "u and v fit the track when their names are exchanged",
                 "The ship seems to sail sideways.", "Exchange the names u and v.",
                 fix={"action": "relabel", "from": "v", "to": "u"},
             )  # fmt: skip
-            p["u"], p["v"] = v, u
+            if applied:
+                p.exchange("u", "v")
         else:
-            p.add(
+            applied = p.add(
                 "sway-sign", "v", robust.confidence_of(ratio, 1.3, 2.5),
                 "v fits the track when it is counted the other way round",
                 "Drift and sway forces change sign: the ship would slip into its turns.",
                 "Change the sign of v; in a format file: sign = -1.", fix={"action": "scale", "column": "v", "factor": -1.0},
             )  # fmt: skip
-            p["v"] = -v
-        return
-    swapped = _swapped(p, at, readings["body"])
-    if swapped < misfit["body"] / 2 and misfit["body"] > 3 * floor:
-        p.add(
-            "mislabelled", "x,y", robust.confidence_of(misfit["body"] / max(swapped, floor), 2, 4),
-            "x and y fit heading and speed when their names are exchanged: x is north, y is east",
-            "Tracks, drift angles and currents come out mirrored.", "Exchange the names x and y.",
-            fix={"action": "relabel", "from": "y", "to": "x"},
-        )  # fmt: skip
-        p["x"], p["y"] = p["y"], p["x"]
+            if applied:
+                p["v"] = -v
 
 
-def _swapped(p: WorkingCopy, at: np.ndarray, velocity: tuple[np.ndarray, np.ndarray]) -> float:
-    p["x"], p["y"] = p["y"], p["x"]
-    try:
-        return _misfit(p, at, *velocity)
-    finally:
-        p["x"], p["y"] = p["y"], p["x"]
-
-
-def _compare(p: WorkingCopy) -> _Fit | None:
+def _compare(p: WorkingCopy, way: Way) -> _Fit | None:
     """Fit factor and current to the way along the ship (and across it, where v is there)."""
-    at = _blocks(p)
-    along, across = _steps(p, at)
-    dt = np.diff(p.t[at])
-    c, s = (np.diff(robust.integral(p.t, f(p["psi"]))[at]) for f in (np.cos, np.sin))
+    heads = np.exp(1j * p["psi"])
+    middle = 0.5 * (p["psi"][1:] + p["psi"][:-1])
+    place = p["x"] + 1j * p["y"] if p.has("x", "y") else robust.integral(p.t, p["SOG"] * np.exp(1j * p["COG"]))
+    steps = np.diff(place) * np.exp(-1j * middle)
+    ship = np.diff(np.concatenate(([0j], np.cumsum(steps)))[way.at])[way.kept]
+    c, s = way.integral(p.t, heads.real), way.integral(p.t, heads.imag)
     speed = p["u"] if p.has("u") else p["U"]
-    way = np.diff(robust.integral(p.t, speed)[at])
-    rows = [np.column_stack([way, c, s])]
-    target = [along]
+    sailed = way.integral(p.t, speed)
+    rows = [np.column_stack([sailed, c, s])]
+    target = [ship.real]
     if p.has("u", "v"):
-        rows.append(np.column_stack([np.diff(robust.integral(p.t, p["v"])[at]), -s, c]))
-        target.append(across)
+        rows.append(np.column_stack([way.integral(p.t, p["v"]), -s, c]))
+        target.append(ship.imag)
     design, wanted = np.concatenate(rows), np.concatenate(target)
     alone = robust.regress(design[:, :1], wanted)
     if alone is None or alone.value[0] <= 0 or alone.std[0] > 0.1 * alone.value[0]:
         return None
     both = robust.regress(design, wanted)
-    mean = float(np.mean(np.abs(way / dt)))
+    mean = float(np.mean(np.abs(sailed / way.dt)))
     weak = both is not None and float(np.hypot(*both.value[1:])) < _STRONGEST * mean
     told = both is not None and weak and both.std[0] < 0.02 and float(np.max(both.std[1:])) < 0.05 * mean
     if both is None or not told:
@@ -219,12 +196,34 @@ def _compare(p: WorkingCopy) -> _Fit | None:
     return _Fit(float(both.value[0]), float(both.std[0]), flow, float(np.max(both.std[1:])), both.sigma)
 
 
-def _scale(p: WorkingCopy, fit: _Fit) -> None:
-    names = ",".join(n for n in ("u", "v", "U") if p.has(n))
+def _lengths(p: WorkingCopy, way: Way) -> _Fit | None:
+    """Compare the length of the track with the way the speed says, whatever their directions."""
+    speed = p.speed
+    if speed is None:
+        return None
+    found = robust.regress(way.integral(p.t, np.abs(speed))[:, None], np.abs(way.made))
+    if found is None or found.value[0] <= 0:
+        return None
+    return _Fit(float(found.value[0]), float(found.std[0]), (0.0, 0.0), np.inf, found.sigma)
+
+
+def _over_ground(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> bool:
+    """Whether the speed is the one over ground: it follows the length of the track, which is not along the heading."""
+    rough = way.rough + 1e-3 * float(np.median(np.abs(way.made)))
+    return max(lengths.sigma, rough) < 0.6 * max(fit.sigma, rough)
+
+
+def _scale(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> None:
     columns = [n for n in ("u", "v", "U") if p.has(n)]
-    speed = p["u"] if p.has("u") else p["U"]
-    mean = float(np.median(np.abs(speed))) or 1.0
-    whole = _knots_mistaken(p) if abs(fit.scale - 1) <= max(7 * fit.std, 0.01) and fit.std > 5e-4 else None
+    names = ",".join(columns)
+    mean = float(np.median(np.abs(way.made) / way.dt)) or 1.0
+    ground = fit is not lengths and _over_ground(p, way, fit, lengths)
+    if ground:
+        _ground_speed(p, way, names, lengths)
+        fit = lengths
+    whole = None
+    if not ground and abs(fit.scale - 1) <= max(7 * fit.std, 0.01) and fit.std > 5e-4:
+        whole = _knots_mistaken(p, way)
     if whole is not None:
         p.add(
             "speed-scale", names, 0.6,
@@ -235,23 +234,10 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
             f"Multiply {names} by {_MISTAKEN_KNOT:.6g}; in a format file: scale = {_MISTAKEN_KNOT:.6g}.", spoils=True,
         )  # fmt: skip
     drift_only = not p.has("v") and p.has("U") and not p.has("u")
-    limit = max(7 * fit.std, 0.01, 0.05 if drift_only else 0.0)
+    limit = max(7 * fit.std, 0.01, 0.05 if drift_only or fit is lengths else 0.0)
     current = float(np.hypot(*fit.flow))
     if abs(fit.scale - 1) > limit:
-        unit = next((u for f, u in _UNITS if abs(np.log(fit.scale / f)) < max(0.05, 3 * fit.std)), None)
-        factor = next((f for f, u in _UNITS if u == unit), fit.scale)
-        knots = " (the knot taken as 1.9834 instead of 1.9438)" if abs(fit.scale - 1.020372) < 0.004 else ""
-        p.add(
-            "unit" if unit else "speed-scale", names, robust.confidence_of(abs(fit.scale - 1) / limit, 1, 1.8),
-            f"the positions move {fit.scale:.4f} times as fast as the speeds say{knots}"
-            + (f": {names} are {unit}" if unit else ""),
-            "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
-            "square.",
-            f"Multiply {names} by {factor:.6g}; in a format file: scale = {factor:.6g}, or the true unit.",
-            fix={"action": "scale", "column": names, "factor": float(factor)},
-        )  # fmt: skip
-        for name in columns:
-            p[name] = p[name] * factor
+        _wrong_scale(p, columns, fit, limit, ground)
     flow_limit = max(7 * fit.flow_std, 0.01 * mean)
     if current > flow_limit:
         to = angle(float(np.arctan2(fit.flow[1], fit.flow[0])) % (2 * np.pi), 3)
@@ -263,9 +249,9 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
             "State the current, or fit heading, rate and speed and leave the positions out.", spoils=False,
         )  # fmt: skip
         return
-    rough = max(robust.noise(p["x"]), robust.noise(p["y"]), 1e-3 * mean * p.sampling)
-    grid = max(robust.resolution(p["x"])[0], robust.resolution(p["y"])[0])
-    if fit.sigma > 12 * (rough + grid) and fit.sigma > 0.1 * mean * float(np.ptp(p.t)) / 80:
+    rough = max(way.rough, 1e-3 * mean * p.sampling)
+    grid = max(robust.resolution(p.measured("x"))[0], robust.resolution(p.measured("y"))[0]) if p.has("x", "y") else 0.0
+    if not ground and fit.sigma > 12 * (rough + grid) and fit.sigma > 0.1 * mean * float(np.ptp(p.t)) / 80:
         p.add(
             "track-inconsistent", "x,y," + names, robust.confidence_of(fit.sigma / (rough + grid), 12, 40),
             f"positions and speeds disagree by {fit.sigma:.3g} m from block to block, far beyond their noise",
@@ -274,12 +260,53 @@ def _scale(p: WorkingCopy, fit: _Fit) -> None:
         )  # fmt: skip
 
 
+def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, ground: bool) -> None:
+    names = ",".join(columns)
+    unit = next((u for f, u in _UNITS if abs(np.log(fit.scale / f)) < max(0.03, 3 * fit.std)), None)
+    factor = next((f for f, u in _UNITS if u == unit), fit.scale)
+    knots = " (the knot taken as 1.9834 instead of 1.9438)" if abs(fit.scale - 1.020372) < 0.004 else ""
+    # A current along a straight course looks like a factor; only where it is told apart is the factor certain.
+    told = np.isfinite(fit.flow_std) or ground
+    sure = robust.confidence_of(abs(fit.scale - 1) / limit, 1, 1.8)
+    applied = p.add(
+        "unit" if unit else "speed-scale", names, sure if told or unit else min(sure, 0.85),
+        f"the positions move {fit.scale:.4f} times as fast as the speeds say{knots}"
+        + (f": {names} are {unit}" if unit else "" if told else ": a factor, or a current along the course"),
+        "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
+        "square.",
+        f"Multiply {names} by {factor:.6g}; in a format file: scale = {factor:.6g}, or the true unit.",
+        fix={"action": "scale", "column": names, "factor": float(factor)},
+    )  # fmt: skip
+    if applied:
+        for name in columns:
+            p[name] = p[name] * factor
+
+
+def _ground_speed(p: WorkingCopy, way: Way, names: str, lengths: _Fit) -> None:
+    """Say that the speeds are over ground, and what current drives the ship off its heading."""
+    ahead = way.integral(p.t, np.exp(1j * p["psi"]))
+    found = vector_fit(way, ahead)
+    drift = ""
+    if found is not None and abs(found.flow) > 5 * found.flow_std and abs(found.flow) < _STRONGEST * abs(found.factor):
+        drift = (
+            f": a current of about {abs(found.flow):.2g} m/s to {angle(float(np.angle(found.flow)) % (2 * np.pi), 3)}"
+        )
+    p.add(
+        "ground-speed", names, robust.confidence_of(lengths.std and 2.0, 0.5, 2.5),
+        f"{names} follow the length of the track and not the way ahead: the speed over ground, and the ship is set off its heading"
+        + drift,
+        "The force of the rudder follows the speed through the water: coefficients and their symmetry are those of ship and "
+        "current together.",
+        "Call the column SOG, and take the speed through the water for u; nothing is scaled.", spoils=False,
+    )  # fmt: skip
+
+
 def _frame_alone(p: WorkingCopy) -> None:
     """Without positions: velocities that follow the sine of the heading are the earth's."""
     if not p.has("u", "v") or float(np.ptp(p["psi"])) < np.radians(15):
         return
     speed = np.hypot(p["u"], p["v"])
-    if float(np.median(speed)) <= 5 * robust.noise(p["v"]):
+    if float(np.median(speed)) <= 5 * p.noise("v"):
         return
     found = robust.regress(np.column_stack([speed * np.sin(p["psi"]), speed * np.cos(p["psi"])]), p["v"])
     other = robust.regress(np.column_stack([speed * np.cos(p["psi"]), speed * np.sin(p["psi"])]), p["u"])
@@ -287,10 +314,12 @@ def _frame_alone(p: WorkingCopy) -> None:
         return
     slopes = float(found.value[0]), float(other.value[0])
     if all(0.7 < slope < 1.3 for slope in slopes) and found.explained > 0.7 and other.explained > 0.9:
-        p.add(
-            "earth-fixed-velocity", "u,v", 0.85, "v follows the sine of the heading, u its cosine",
+        applied = p.add(
+            "earth-fixed-velocity", "u,v", 0.92 if found.explained > 0.9 else 0.85, "v follows the sine of the heading, u its cosine",
             "The ship seems to slow down and slip whenever it turns.",
             'Rotate them with psi; in a format file: frame = "earth" at both.', fix={"action": "rotate"},
         )  # fmt: skip
+        if not applied:
+            return
         c, s = np.cos(p["psi"]), np.sin(p["psi"])
         p["u"], p["v"] = p["u"] * c + p["v"] * s, p["v"] * c - p["u"] * s

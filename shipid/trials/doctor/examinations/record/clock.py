@@ -8,6 +8,7 @@ from scipy.ndimage import maximum_filter1d
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.filling import GAP
 
 _WRONG_RATES = "Rates and accelerations taken between such stamps are wrong, and time constants with them."
 
@@ -28,7 +29,7 @@ def examine_clock(p: WorkingCopy) -> None:
             "Without a clock there are no rates, and nothing can be identified.",
             "State the sampling interval in a format file: [clock] interval = '0.1 s'.",
         )  # fmt: skip
-        p["t"] = np.arange(len(p), dtype=float)
+        p["t"], p.clockless = np.arange(len(p), dtype=float), True
         return
     _unsorted(p)
     _doubled_rows(p)
@@ -44,9 +45,9 @@ def _unsorted(p: WorkingCopy) -> None:
     order = np.argsort(p.t, kind="stable")
     # Sorting is right where it makes the channels smoother; a log that starts again is two logs.
     names = [n for n in ("psi", "x", "y", "r", "u") if p.has(n)]
-    rough = sum(float(np.sum(np.abs(np.diff(p[n])))) / (float(np.ptp(p[n])) or 1.0) for n in names)
-    smooth = sum(float(np.sum(np.abs(np.diff(p[n][order])))) / (float(np.ptp(p[n])) or 1.0) for n in names)
+    rough, smooth = (sum(_roughness(p[n][way]) for n in names) for way in (slice(None), order))
     safe = not names or smooth <= 1.02 * rough
+    # Sorted or not, the log goes on being examined in the order of its stamps.
     p.add(
         "clock-unsorted", "t", 0.99, f"the clock runs backwards at {len(back)} of {len(p) - 1} steps",
         f"A model cannot be run backwards. {_WRONG_RATES}",
@@ -56,10 +57,17 @@ def _unsorted(p: WorkingCopy) -> None:
     p.keep(order)
 
 
+def _roughness(values: np.ndarray) -> float:
+    """Sum of the steps of a channel over its range, missing samples left out."""
+    there = values[np.isfinite(values)]
+    reach = float(np.ptp(there)) if there.size else 0.0
+    return float(np.sum(np.abs(np.diff(there)))) / reach if reach > 0 else 0.0
+
+
 def _doubled_rows(p: WorkingCopy) -> None:
     same = np.diff(p.t) == 0
     for values in p.values.values():
-        same &= np.diff(values) == 0
+        same &= (np.diff(values) == 0) | (np.isnan(values[1:]) & np.isnan(values[:-1]))
     if not same.any() or len(p.values) < 2 or same.mean() > 0.5:
         return
     index = np.flatnonzero(same) + 1
@@ -68,7 +76,7 @@ def _doubled_rows(p: WorkingCopy) -> None:
         "An interval of zero divides by zero, and the doubled samples weigh twice.", "Drop the second of each pair.",
         at=index, fix={"action": "drop-duplicates"},
     )  # fmt: skip
-    p.keep(~np.concatenate(([False], same)))
+    p.keep(~np.concatenate(([False], same)), "rows written twice, stamp and values")
 
 
 def printed_step(t: np.ndarray) -> float:
@@ -128,38 +136,106 @@ def _repeats(p: WorkingCopy) -> None:
     if not same.any():
         return
     index = np.flatnonzero(same) + 1
-    dt = float(np.median(np.diff(p.t)[~same]))
-    stamp = p.t.copy()
     mask = np.concatenate(([False], same))
+    if _complementary(p, mask):
+        applied = p.add(
+            "clock-repeats", "t", 0.97, f"{len(index)} rows share their stamp with the row before, and their channels complete one another",
+            "None in shipid once they are one row: each sensor wrote a row of its own.",
+            "Make one row of those with one stamp.", at=index, fix={"action": "merge-rows"}, spoils=False,
+        )  # fmt: skip
+        if applied:
+            _merge(p, mask)
+        return
+    stamp = p.t.copy()
+    dt = float(np.median(np.diff(stamp)[~same]))
     spread = np.interp(np.arange(len(stamp)), np.flatnonzero(~mask), stamp[~mask])
     # The clock stood still and caught up: the stamps between can be told. It went on as if nothing was: rows too many.
     caught_up = bool(np.all(np.diff(spread) > 0.2 * dt)) and not mask[-1]
-    fix = {"action": "spread-stamps" if caught_up else "drop-repeats"}
     p.add(
         "clock-repeats", "t", 0.99, f"{len(index)} stamps repeat the one before, with other values in the row",
         "An interval of zero divides by zero; shipid refuses the record.",
-        "Spread the stamps between their neighbours: the clock stood still and caught up."
-        if caught_up else "Keep the first row of each stamp.",
-        at=index, fix=fix,
+        "Spread the stamps between their neighbours: the clock stood still and caught up." if caught_up
+        else "Find out which of the rows is right, or state [clock] interval in a format file.",
+        at=index, fix={"action": "spread-stamps"} if caught_up else None,
     )  # fmt: skip
     if caught_up:
         p["t"] = spread
     else:
-        p.keep(~mask)
+        p.keep(~mask, "rows with the stamp of the row before and other values")
+
+
+def _complementary(p: WorkingCopy, mask: np.ndarray) -> bool:
+    """Whether no channel has two samples at one stamp."""
+    group = np.cumsum(~mask)
+    channels = [np.isfinite(values) for name, values in p.values.items() if name != "t"]
+    return len(channels) > 1 and all(bool(np.bincount(group[there]).max(initial=0) <= 1) for there in channels)
+
+
+def _merge(p: WorkingCopy, mask: np.ndarray) -> None:
+    group = np.cumsum(~mask) - 1
+    merged = {}
+    for name, values in p.values.items():
+        if name != "t":
+            there = np.isfinite(values)
+            merged[name] = np.full(int(group[-1]) + 1, np.nan)
+            merged[name][group[there]] = values[there]
+    p.keep(~mask, "rows joined with the row of the same stamp, none of their samples lost")
+    for name, values in merged.items():
+        p[name] = values
+
+
+def _usual(p: WorkingCopy) -> tuple[float, float]:
+    """Median interval of the clock, and from which length on an interval is a gap, signals with clocks of their own considered [s]."""
+    d = np.diff(p.t)
+    dt = float(np.median(d))
+    if robust.spread(d) < 0.2 * dt:
+        return dt, 2.5 * dt
+    own = [np.diff(p.t[np.isfinite(values)]) for name, values in p.values.items() if name != "t"]
+    usual = min((float(np.median(steps)) for steps in own if steps.size > 3), default=dt)
+    return max(usual, dt), GAP * max(usual, dt, float(np.quantile(d, 0.9)))
 
 
 def _gaps(p: WorkingCopy) -> None:
     d = np.diff(p.t)
-    dt = float(np.median(d))
-    found = np.flatnonzero(d > 2.5 * dt)
-    regular = robust.spread(d) < 0.2 * dt
-    if not found.size or not regular:
+    dt, limit = _usual(p)
+    found = np.flatnonzero(d > limit)
+    if not found.size:
         return
     longest = int(found[np.argmax(d[found])])
     lost = int(np.sum(np.round(d[found] / dt) - 1))
+    missed = max(
+        (_bend(p, name, int(k)) for k in found[np.argsort(d[found])[-10:]] for name in ("psi", "delta", "r")),
+        default=0.0,
+    )
+    share = lost / (lost + len(p))
+    meanwhile = (
+        f"; the motion bends meanwhile, and a line across misses about {missed:.0%} of its range"
+        if missed > 0.05
+        else ""
+    )
     p.add(
-        "gap", "t", robust.confidence_of(float(d[longest]) / dt, 2, 5.5),
-        f"{len(found)} gaps, about {lost} samples missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s",
-        "What the rudder did meanwhile is unknown: a simulation through the gap starts the rest from a wrong state.",
-        "Identify from the stretches on either side (FILE@A:B).", at=found,
+        "gap", "t", robust.confidence_of(float(d[longest]) / limit, 0.8, 2.2),
+        f"{len(found)} gaps, about {lost} samples missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s{meanwhile}",
+        "What ship and rudder did meanwhile is unknown: nothing is measured across a gap, and no simulation runs through it.",
+        "Use the stretches on either side (FILE@A:B).", at=np.unique(np.r_[found, found + 1]),
+        spoils=missed > 0.05 or share > 0.3,
     )  # fmt: skip
+
+
+def _bend(p: WorkingCopy, name: str, k: int) -> float:
+    """By how much of its range a line across the gap behind sample `k` may miss a channel."""
+    if not p.has(name):
+        return 0.0
+    there = np.isfinite(p[name])
+    before, after = (
+        np.flatnonzero(there[part]) + part.start for part in (slice(max(k - 7, 0), k + 1), slice(k + 1, k + 9))
+    )
+    reach = float(np.ptp(p[name][there])) if there.any() else 0.0
+    if min(len(before), len(after)) < 3 or reach == 0:
+        return 0.0
+    values, t = p[name], p.t
+    length = float(t[after[0]] - t[before[-1]])
+    line = float(values[after[0]] - values[before[-1]]) / length
+    slopes = [np.polyfit(t[part] - t[part[0]], values[part], 1)[0] for part in (before, after)]
+    bend = 4 / 27 * max(abs(float(slope) - line) for slope in slopes) * length / reach
+    return max(bend, abs(line) * length / reach if name == "delta" and abs(line) * length > 0.2 * reach else 0.0)

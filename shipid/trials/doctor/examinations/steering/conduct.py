@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations import rudder as steering
+from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.signals.series import smoothed

@@ -13,6 +13,9 @@ from shipid.trials.logs.conversion import GLITCH_WINDOW
 _PERIODS = (2 * np.pi, 360.0, np.radians(2 * np.pi))
 """A full turn in a column read rightly, in degrees called radians, and in radians called degrees."""
 
+_SMALL = np.radians(0.25)
+"""Glitches below this are no matter of concern."""
+
 
 def examine_wrap(p: WorkingCopy) -> None:
     """Unwrap the heading in whatever unit it has.
@@ -24,7 +27,10 @@ def examine_wrap(p: WorkingCopy) -> None:
     """
     if not p.has("psi") or len(p) < 3:
         return
-    psi = p["psi"]
+    index = np.flatnonzero(np.isfinite(p["psi"]))
+    psi = p["psi"][index]
+    if len(psi) < 3:
+        return
     d = np.diff(psi)
     for period in _PERIODS:
         jumps = np.flatnonzero(np.abs(np.abs(d) - period) < 0.12 * period)
@@ -34,9 +40,10 @@ def examine_wrap(p: WorkingCopy) -> None:
             p.add(
                 "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {len(jumps)} times",
                 "None in shipid, which unwraps headings; without that, the ship seems to turn in a circle at each of them.",
-                "Unwrap the heading.", at=jumps + 1, fix={"action": "unwrap"}, spoils=False,
+                "Unwrap the heading.", at=index[jumps + 1], fix={"action": "unwrap"}, spoils=False,
             )  # fmt: skip
-            p["psi"] = np.unwrap(psi, period=period)
+            p["psi"] = p["psi"].copy()
+            p["psi"][index] = np.unwrap(psi, period=period)
             return
 
 
@@ -48,55 +55,65 @@ def examine_heading(p: WorkingCopy) -> None:
     p : WorkingCopy
         The record, the rate of turn in the heading's unit and sign.
     """
-    if not p.has("psi", "r") or len(p) < 30:
+    if not p.has("psi", "r"):
         return
-    t, psi = p.t, p["psi"]
-    turned = robust.integral(t, p["r"])
+    index = p.own("psi")
+    if len(index) < 30:
+        return
+    t, psi = p.t[index], p["psi"][index]
+    turned = robust.integral(p.t, p["r"])[index]
+    unknown = p.blind("r")[index]
     rest = np.exp(1j * (psi - turned))
-    size = max(7, round(GLITCH_WINDOW / p.sampling)) | 1
-    size = min(size, (len(p) // 4) | 1)
-    middle = np.arctan2(median_filter(rest.imag, size, mode="nearest"), median_filter(rest.real, size, mode="nearest"))
+    size = max(7, round(GLITCH_WINDOW / max(p.interval("psi"), 1e-9))) | 1
+    size = min(size, (len(psi) // 4) | 1)
+    middle = np.angle(
+        median_filter(rest.real, size, mode="mirror") + 1j * median_filter(rest.imag, size, mode="mirror")
+    )
     off = np.angle(rest * np.exp(-1j * middle))
     grid, still = robust.resolution(psi)
     # What may pass: noise of compass and gyro, resolution, and the lag of one behind the other in a window.
-    inertia = float(np.quantile(np.abs(np.gradient(p["r"], t)), 0.99)) * p.sampling * 2 * p.sampling
+    inertia = float(np.quantile(np.abs(np.gradient(p["r"], p.t)), 0.99)) * p.interval("r") * 2 * p.interval("r")
     usual = max(robust.spread(off), robust.noise(psi))
-    near = 1.4826 * median_filter(np.abs(off), max(51, 4 * size | 1), mode="nearest")
+    near = 1.4826 * median_filter(np.abs(off), min(max(51, 4 * size | 1), (len(psi) // 2) | 1), mode="mirror")
     threshold = np.maximum(7 * np.maximum(usual, near), 2 * inertia + (2 * grid if still > 0.2 else 0.0))
-    threshold = np.maximum(threshold, max(np.radians(0.02), 2e-3 * float(np.ptp(turned))))
-    bad = np.abs(off) > threshold
+    threshold = np.maximum(threshold, max(_SMALL, 2e-3 * float(np.ptp(turned))))
+    bad = (np.abs(off) > threshold) & ~unknown
     if not bad.any() or bad.mean() > 0.3:
         return
-    bad = _widened(bad, np.abs(off) > 0.4 * threshold)
-    logged = p.record.values["psi"][p.rows]
-    across = np.zeros(len(p), dtype=bool)
+    bad = _widened(bad, (np.abs(off) > 0.4 * threshold) & ~unknown)
+    logged = p.record.values["psi"][p.rows[index]]
+    across = np.zeros(len(psi), dtype=bool)
     for a, b in robust.runs(bad):
-        before, after = logged[max(a - 1, 0)], logged[min(b, len(p) - 1)]
+        before, after = logged[max(a - 1, 0)], logged[min(b, len(psi) - 1)]
         full = 2 * np.pi if abs(before - after) < 7 else 360.0
         if abs(abs(before - after) - full) < 0.25 * full:
             across[a:b] = True
+    applied = False
     for kind, mask in (("heading-interpolated", across), ("heading-glitch", bad & ~across)):
         if mask.any():
-            index = np.flatnonzero(mask)
             ratio = float(np.max(np.abs(off[mask]) / threshold[mask]))
             what = (
                 "lie between 0 and 360 where the heading was interpolated across the wrap"
                 if kind == "heading-interpolated" else "disagree with the rate of turn"
             )  # fmt: skip
-            p.add(
+            applied |= p.add(
                 kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
-                f"{len(index)} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
+                f"{int(mask.sum())} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
                 "No ship makes such jumps: residuals, noise levels and intervals become too large, and the fit follows the "
                 "jumps.",
                 "Replace them by the integral of r between good neighbours; in a format file: "
                 "[repairs] heading_glitches = true.",
-                at=index, fix={"action": "mend-heading"},
+                at=index[mask], fix={"action": "mend-heading"},
             )  # fmt: skip
+    if not applied:
+        return
     good = ~bad
     slow = np.unwrap(np.angle(rest[good]))
     slow += psi[good][0] - turned[good][0] - slow[0]
-    mended = np.interp(t, t[good], slow) + turned
-    p["psi"] = np.where(bad, mended, turned + np.interp(t, t[good], slow))
+    mended = p["psi"].copy()
+    mended[index] = turned + np.interp(t, t[good], slow)
+    p["psi"] = mended
+    p.void("psi", np.zeros(len(p), dtype=bool))
 
 
 def _widened(core: np.ndarray, skirt: np.ndarray) -> np.ndarray:

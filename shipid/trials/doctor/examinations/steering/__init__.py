@@ -1,0 +1,1 @@
+"""Examinations of the rudder and of what the ship answers to it."""

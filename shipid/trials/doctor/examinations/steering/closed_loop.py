@@ -1,0 +1,68 @@
+"""A rudder that follows the heading: under an autopilot the disturbances of the ship are in its input, too."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.steering.delay import answer_to
+from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled
+from shipid.trials.doctor.working_copy import WorkingCopy
+
+_FOLLOWS = 0.45
+"""The helm law has to explain this share of the rudder's movements."""
+_DISTURBED = 0.05
+"""Below this share of the turning that is left throughout, there is no disturbance that could mislead."""
+
+
+def examine_closed_loop(p: WorkingCopy) -> None:
+    """Find a rudder that is a function of heading and rate of turn while disturbances turn the ship.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record, units put right.
+    """
+    name = "delta_order" if p.has("delta_order") and float(np.ptp(p["delta_order"])) > 0 else p.rudder
+    if name is None or p.found("no-rudder-movement"):
+        return
+    signals = regular_signals(p, name)
+    if signals is None:
+        return
+    share, stiffness, damping = max(
+        (_law(signals, width * signals.step) for width in (3, 6, 12, 24)), default=(0.0, 0.0, 0.0)
+    )
+    if share < _FOLLOWS:
+        return
+    answer = answer_to(p, name)
+    if answer is None or answer.disturbed < _DISTURBED:
+        return
+    p.add(
+        "closed-loop", name, min(robust.confidence_of(share, 0.35, 0.65), robust.confidence_of(answer.disturbed, 0.07, 0.2)),
+        f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
+        f"steers, and the rudder explains only {max(answer.explained, 0):.0%} of the turning; the rest is disturbance that the rudder "
+        "reacts to",
+        "Output error is biased: rudder and disturbance are correlated, the gain comes out far too small or with the wrong sign, "
+        "and its interval does not say so.",
+        "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.",
+    )  # fmt: skip
+
+
+def _law(signals: Signals, constant: float) -> tuple[float, float, float]:
+    """Fit ``delta' = -k r - d r'``, which holds whatever the course is: share of the movements explained, k and d [s]."""
+    use = settled(signals, constant)
+    if int(use.sum()) < 60:
+        return 0.0, 0.0, 0.0
+    r, slope, _ = filtered(signals, signals.r, constant)
+    rate = filtered(signals, signals.delta, constant)[1][use]
+    design = np.column_stack([r, slope])[use]
+    found = robust.regress(design, rate)
+    if found is None:
+        return 0.0, 0.0, 0.0
+    stiffness, damping = -float(found.value[0]), -float(found.value[1])
+    # Where the rudder is at rest every law of small gains explains it: its movements count.
+    moving = np.abs(rate) > 0.05 * float(np.quantile(np.abs(rate), 0.99))
+    if moving.mean() < 0.3 or stiffness < 5 * float(found.std[0]) or damping < -0.2 * stiffness * constant:
+        return 0.0, 0.0, 0.0
+    rest = np.abs(rate - design @ found.value)[moving]
+    return float(np.mean(rest < 0.4 * np.abs(rate[moving]))), stiffness, max(damping, 0.0)

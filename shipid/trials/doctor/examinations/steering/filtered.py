@@ -1,0 +1,144 @@
+"""Rudder and rate of turn through one low-pass filter: their derivatives without differencing noise.
+
+State variable filters (Young 1981): what holds between rudder and rate of turn holds between the filtered signals, whose
+derivatives are states of the filter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+
+from shipid.trials.doctor.working_copy import WorkingCopy
+
+_MOST = 3000
+_ORDER = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Rudder and rate of turn on a regular clock.
+
+    Attributes
+    ----------
+    t : ndarray, shape (m,)
+        Time [s].
+    step : float
+        Its interval [s].
+    delta, r : ndarray, shape (m,)
+        Rudder angle [rad] and rate of turn [rad/s].
+    known : ndarray of bool, shape (m,)
+        Where both were measured.
+    """
+
+    t: np.ndarray
+    step: float
+    delta: np.ndarray
+    r: np.ndarray
+    known: np.ndarray
+
+
+def regular_signals(p: WorkingCopy, name: str) -> Signals | None:
+    """Return rudder and rate of turn on a regular clock.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record, signs and units put right.
+    name : str
+        The column of the rudder.
+
+    Returns
+    -------
+    Signals or None
+        None where the record is too short, or holds neither rate nor heading.
+    """
+    if len(p) < 40 or not (p.has("r") or p.has("psi")):
+        return None
+    span = float(p.t[-1] - p.t[0])
+    heading = "r" if p.has("r") else "psi"
+    step = max(p.interval(name), p.interval(heading), span / _MOST)
+    if not step > 0 or span / step < 40:
+        return None
+    t = p.t[0] + step * np.arange(int(span / step))
+    r = np.interp(t, p.t, p[heading])
+    if heading == "psi":
+        r = np.gradient(r, step)
+    known = np.interp(t, p.t, p.blind(name, heading).astype(float)) == 0
+    return Signals(t, step, np.interp(t, p.t, p[name]), r, known)
+
+
+def filtered(signals: Signals, values: np.ndarray, constant: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return a signal through a third-order low-pass filter, and its first and second derivative.
+
+    Parameters
+    ----------
+    signals : Signals
+        For the clock.
+    values : ndarray, shape (m,)
+        The signal.
+    constant : float
+        Time constant of the filter [s].
+
+    Returns
+    -------
+    tuple of ndarray, shape (m,)
+    """
+    denominator = np.poly([-1 / constant] * _ORDER)
+    gain = constant**-_ORDER
+    start = float(values[0])
+    found = []
+    for numerator in ([gain], [gain, 0.0], [gain, 0.0, 0.0]):
+        b, a, _ = signal.cont2discrete((numerator, denominator), signals.step, method="foh")
+        found.append(signal.lfilter(np.ravel(b), a, values - start))
+    return found[0] + start, found[1], found[2]
+
+
+def settled(signals: Signals, constant: float) -> np.ndarray:
+    """Return where a filter has forgotten the beginning of the record and every hole.
+
+    Parameters
+    ----------
+    signals : Signals
+        The signals.
+    constant : float
+        Time constant of the filter [s].
+
+    Returns
+    -------
+    ndarray of bool, shape (m,)
+    """
+    lost = np.concatenate(([0], np.flatnonzero(~signals.known)))
+    index = np.arange(len(signals.t))
+    last = lost[np.searchsorted(lost, index, side="right") - 1]
+    result: np.ndarray = index - last > 6 * constant / signals.step
+    return result
+
+
+def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Return what a linear model leaves of the target.
+
+    Parameters
+    ----------
+    design : ndarray, shape (m, p)
+        Regressors.
+    target : ndarray, shape (m,)
+        What they explain.
+    """
+    scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
+    rest: np.ndarray = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
+    return rest
+
+
+def squares(design: np.ndarray, target: np.ndarray) -> float:
+    """Return the sum of squares of what a linear model leaves of the target.
+
+    Parameters
+    ----------
+    design, target
+        As for `residuals`.
+    """
+    rest = residuals(design, target)
+    return float(rest @ rest)
