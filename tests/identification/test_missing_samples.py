@@ -212,6 +212,7 @@ def test_a_signal_with_a_few_samples_is_fitted_on_request_only():
     trial = Trial("few", made)
     assert fitted_signals(MODEL, [trial]) == ("psi",)
     assert fitted_signals(MODEL, [trial], ["psi", "r"]) == ("psi", "r")
+    assert fitted_signals(MODEL, [Trial("few", made.drop(columns="psi"))]) == ("r",), "better than nothing"
 
 
 def test_thinning_keeps_the_samples_of_a_slow_signal():
