@@ -176,7 +176,9 @@ def measure(case: Case, runs: int, timed: int, slowest: float = SLOWEST) -> dict
         if run < timed:
             # A whole record with the same rows.
             whole = pd.DataFrame({n: np.interp(spoilt["t"], noisy["t"], noisy[n]) for n in noisy.columns})
-            ratios.append([seconds, identified(model, whole, run)[1]])
+            # Twice each: a computer that does something else as well is never too fast.
+            again = identified(model, spoilt, run)[1]
+            ratios.append([min(seconds, again), min(identified(model, whole, run)[1] for _ in range(2))])
         if not fit.converged:
             failed += 1
             continue
@@ -247,7 +249,7 @@ def main() -> int:
             runs = (6 if case.sampling == 1.0 else 2) if options.short else options.runs
             # Times of a few runs scatter.
             results.append(
-                measure(case, runs, min(runs, 3 if options.short else 20), 2.5 if options.short else SLOWEST)
+                measure(case, runs, min(runs, 2 if options.short else 20), 2.5 if options.short else SLOWEST)
             )
             if not options.json:
                 show(results[-1])
