@@ -166,7 +166,7 @@ def controls(design: FilterDesign, records: Sequence[Columns]) -> tuple[list[np.
         Records without gaps.
     """
     arranged = [arrange(design.instruments, r) for r in records]
-    starts = [first_carried(design, r, a.inputs) for r, a in zip(records, arranged)]
+    starts = [first_carried(design, r, a) for r, a in zip(records, arranged)]
     return starts, [controls_of(design, a) for a in arranged]
 
 

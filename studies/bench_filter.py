@@ -268,7 +268,7 @@ def main() -> int:
 
     def arranged(design: FilterDesign, record: dict[str, np.ndarray]) -> tuple[np.ndarray, ...]:
         rows = arrange(design.instruments, record)
-        return first_carried(design, record, rows.inputs), controls_of(design, rows), design.constants
+        return first_carried(design, record, rows), controls_of(design, rows), design.constants
 
     brief, full = design.loop(), design.loop(full=True)
     z0, c, k = arranged(design, record)

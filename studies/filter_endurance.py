@@ -91,7 +91,7 @@ def endure(form: str, single: bool, asked: bool, steps: int) -> dict[str, Any]:
     record, far = sail(kalman)
     design = kalman.design
     rows = arrange(design.instruments, record)
-    z = first_carried(design, record, rows.inputs)
+    z = first_carried(design, record, rows)
     loop, p, control = design.loop(), design.constants, controls_of(design, rows)
     # The swing closes on itself: its first sample comes one interval after its last.
     again = control.copy()

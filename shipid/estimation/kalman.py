@@ -216,7 +216,7 @@ class ExtendedKalmanFilter:
         design = self.design
         arranged = arrange(design.instruments, record)
         control = controls_of(design, arranged, adapt, scale)
-        start = first_carried(design, record, arranged.inputs)
+        start = first_carried(design, record, arranged)
         _, out, starts = run_stretches(
             design.loop(full=True),
             start,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -15,6 +16,10 @@ PUT_OVER = np.deg2rad(3.0)
 GATHERING = 0.9
 #: Samples that are averaged at least, where neither the length of the ship nor an approach says how many.
 _LEAST = 10
+#: Where the forward speed and the rudder are looked for, in this order.
+_SPEEDS, _RUDDERS = ("u", "U"), ("delta", "delta_order")
+#: A record by columns.
+Columns = Mapping[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -63,6 +68,46 @@ def check_ahead(speed: float | None, record: str, model: str) -> None:
         )
 
 
+def recorded_speed(columns: Columns) -> np.ndarray | None:
+    """Return the recorded forward speed in m/s, shape (N,); the speed over all where there is no other.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (N,)
+        The record, SI.
+
+    Returns
+    -------
+    ndarray or None
+        None where the record holds no sample of a speed; NaN where one is missing.
+    """
+    return _first_of(columns, _SPEEDS)
+
+
+def speed_before_in(columns: Columns, unit_time: float | None = None) -> SpeedBefore | None:
+    """Return the speed before the manoeuvre of a record, by the rule of `speed_before`.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (N,)
+        The record, SI: times ``t``, a speed, and the rudder angle or the order where it has one.
+    unit_time : float, optional
+        L/U in s.
+
+    Returns
+    -------
+    SpeedBefore or None
+        None where no sample of a speed is there.
+    """
+    speed = recorded_speed(columns)
+    return None if speed is None else speed_before(columns["t"], speed, _first_of(columns, _RUDDERS), unit_time)
+
+
+def _first_of(columns: Columns, names: tuple[str, ...]) -> np.ndarray | None:
+    found = (np.asarray(columns[n], dtype=float) for n in names if n in columns)
+    return next((column for column in found if np.isfinite(column).any()), None)
+
+
 def speed_before(
     t: np.ndarray, speed: np.ndarray, rudder: np.ndarray | None = None, unit_time: float | None = None
 ) -> SpeedBefore | None:
@@ -93,7 +138,8 @@ def speed_before(
     first = min(first, t.size)
     execute = 0
     if rudder is not None and np.isfinite(rudder).any():
-        lain = np.nanmedian(rudder[: min(first, _LEAST)]) if np.isfinite(rudder[: min(first, _LEAST)]).any() else 0.0
+        # Its first position: of the samples that are there, where the rudder keeps a slower clock than the rows.
+        lain = np.median(rudder[np.isfinite(rudder)][: min(first, _LEAST)])
         over = np.abs(rudder - lain) > PUT_OVER
         execute = int(np.argmax(over)) if over.any() else 0
     approach = execute > first // 2

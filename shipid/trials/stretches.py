@@ -16,7 +16,7 @@ import numpy as np
 from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, held, interpolated, usual_interval
-from shipid.trials.speed import speed_before
+from shipid.trials.speed import speed_before_in
 from shipid.trials.trial import Trial
 
 
@@ -160,10 +160,9 @@ def _cut(trial: Trial, rows: np.ndarray, named: bool) -> Trial:
 
 
 def _speed_before(trial: Trial, unit_time: float | None) -> float | None:
-    speed = next((trial[n] for n in ("u", "U") if trial.has(n)), None)
-    if speed is None or trial.has("cruise"):
+    if trial.has("cruise"):
         return None
-    found = speed_before(trial["t"], speed, trial["delta"] if trial.has("delta") else None, unit_time)
+    found = speed_before_in({n: trial[n] for n in trial.table.columns}, unit_time)
     return None if found is None else found.value
 
 

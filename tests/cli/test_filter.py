@@ -204,3 +204,26 @@ def test_the_family_of_recursive_identification(call, method, tmp_path):
 def test_methods_and_what_they_do_not_take(refused):
     refused(2, ["filter", TRIAL, *NOMOTO, "--method", "kalman"], "kalman", "ekf")
     refused(2, ["filter", "--follow", "-", *NOMOTO, "--method", "rls"], "--follow")
+
+
+def test_a_record_with_holes(call, lines, tmp_path):
+    """Empty fields of a sensor are skipped; over a long hole of the rudder there are no rows, and it says so."""
+    head, *rows = [line.split(",") for line in lines]
+    rudder, heading = (next(k for k, name in enumerate(head) if name.startswith(n)) for n in ("delta [", "psi ["))
+    for k, row in enumerate(rows):
+        if 100 <= k < 160:
+            row[rudder] = ""
+        if k % 3 == 0:
+            row[heading] = ""
+    log = tmp_path / "holes.csv"
+    log.write_text("\n".join(",".join(row) for row in [head, *rows]) + "\n")
+    out = tmp_path / "out"
+    answer = call("filter", log, *NOMOTO, *SENSORS, "--out", out)
+    assert answer.code == 0 and "60 of 738 samples lie in holes of an input" in answer.out
+    table = pd.read_csv(out / "estimates.csv")
+    assert len(table) == 678 and np.isfinite(table.to_numpy()).all()
+    assert not ((table["t [s]"] >= 100) & (table["t [s]"] < 160)).any()
+    result = json.loads((out / "result.json").read_text())
+    assert (
+        result["holes"]["samples_left_out"] == 60 and "No delta from 99 to 160 s" in (out / "report.html").read_text()
+    )

@@ -212,6 +212,7 @@ def test_a_signal_with_a_few_samples_is_fitted_on_request_only():
     trial = Trial("few", made)
     assert fitted_signals(MODEL, [trial]) == ("psi",)
     assert fitted_signals(MODEL, [trial], ["psi", "r"]) == ("psi", "r")
+    assert fitted_signals(MODEL, [Trial("few", made.drop(columns="psi"))]) == ("r",), "better than nothing"
 
 
 def test_thinning_keeps_the_samples_of_a_slow_signal():
@@ -331,3 +332,15 @@ def test_rows_that_are_missing_count_as_well():
     assert sizes[0] == pytest.approx(sizes[1], rel=0.5) and min(sizes) > 0.01
     whole = fitted(made).identified.problem
     assert effects_of(whole, q, 0) is None
+
+
+def test_a_stretch_in_which_the_compass_was_silent():
+    """It is fitted by the rate of turn; its heading holds no residual, and nothing is measured of it."""
+    made = table()
+    made.loc[200:240, "delta"] = NAN
+    made.loc[241:, "psi"] = NAN
+    fit = shipid.assess(fitted(made))
+    assert [c.samples["psi"][0] for c in fit.fitted] == [200, 0] and set(fit.fitted[1].rmse) == {"r"}
+    assert fit.fitted[1].measures.kind == ""
+    near_truth(fit)
+    json.dumps(fit.to_dict(), allow_nan=False)

@@ -7,13 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 
 from shipid.estimation.design import FilterDesign
-from shipid.estimation.records.arrangement import FilterRecord, columns_of
+from shipid.estimation.records.arrangement import Arrangement, FilterRecord, columns_of
 from shipid.estimation.records.triangles import diagonal_of
 from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.initial import state_spreads
 
 
-def first_sample(design: FilterDesign, record: FilterRecord) -> dict[str, float]:
+def first_sample(design: FilterDesign, record: FilterRecord, used: np.ndarray) -> dict[str, float]:
     """Return the first finite value of each column, under the names of the measured quantities as well.
 
     Parameters
@@ -22,9 +22,11 @@ def first_sample(design: FilterDesign, record: FilterRecord) -> dict[str, float]
         The filter.
     record : Trial or mapping of str to ndarray
         What is filtered.
+    used : ndarray of bool, shape (samples,)
+        Which of its samples are used.
     """
     columns, _ = columns_of(record)
-    firsts = {n: c[np.isfinite(c)][:1] for n, c in columns.items()}
+    firsts = {n: c[used & np.isfinite(c)][:1] for n, c in columns.items()}
     return design.instruments.with_quantities({n: float(c[0]) for n, c in firsts.items() if c.size})
 
 
@@ -88,7 +90,7 @@ def carried_vector(design: FilterDesign, sample: Mapping[str, float], inputs: np
     return z
 
 
-def first_carried(design: FilterDesign, record: FilterRecord, inputs: np.ndarray) -> np.ndarray:
+def first_carried(design: FilterDesign, record: FilterRecord, arranged: Arrangement) -> np.ndarray:
     """Return the carried vector before the first sample of a record.
 
     Parameters
@@ -97,10 +99,10 @@ def first_carried(design: FilterDesign, record: FilterRecord, inputs: np.ndarray
         The filter.
     record : Trial or mapping of str to ndarray
         What is filtered.
-    inputs : ndarray, shape (N, inputs)
-        The inputs along the record.
+    arranged : Arrangement
+        The record as the filter takes it.
     """
-    return carried_vector(design, first_sample(design, record), inputs[0])
+    return carried_vector(design, first_sample(design, record, arranged.forward), arranged.inputs[0])
 
 
 def _diagonal(deviation: np.ndarray, form: str) -> np.ndarray:

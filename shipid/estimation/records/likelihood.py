@@ -119,7 +119,7 @@ def make_likelihood(
     layout = StepLayout(design.equations, bare(design.step_settings))
     places = tuple(_place(design, layout, n) for n in unknowns)
     arranged = arrange(design.instruments, record, filled=filled)
-    first = first_carried(design, record, arranged.inputs)
+    first = first_carried(design, record, arranged)
     behind = (carried_vector(design, first_behind(design, arranged, h), arranged.inputs[h.row]) for h in arranged.holes)
     starts = [z[: total(layout.carried)] for z in (first, *behind)]
     seeds = [np.zeros((z.size, len(unknowns))) for z in starts]

@@ -10,7 +10,7 @@ from shipid.estimation.settings.instruments import Instruments
 from shipid.generation.simulator import input_rows
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, usual_interval
-from shipid.trials.speed import check_ahead, speed_before
+from shipid.trials.speed import check_ahead, speed_before_in
 from shipid.trials.stretches import fill_input, is_order
 
 
@@ -37,10 +37,9 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     speed = instruments.scale.speed
     if speed is not None:
         given |= {"cruise": speed, "u": speed}
-    if "u" in columns:
-        before = speed_before(columns["t"], columns["u"], columns.get("delta"), instruments.scale.unit_time)
-        if before is not None:
-            given["cruise"] = before.value
+    before = speed_before_in(columns, instruments.scale.unit_time)
+    if before is not None:
+        given["cruise"] = before.value
     # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
     given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
     given |= instruments.inputs

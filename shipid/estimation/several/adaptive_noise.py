@@ -244,7 +244,7 @@ class AdaptiveFilter:
         design, count = self.design, len(self.factors)
         arranged = arrange(design.instruments, record)
         control = controls_of(design, arranged, adapt, scale)
-        start = first_carried(design, record, arranged.inputs)
+        start = first_carried(design, record, arranged)
 
         def anew(carried: np.ndarray, hole: Hole) -> np.ndarray:
             """Each filter for itself, with the probability it had."""

@@ -11,22 +11,6 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.trial import Trial
 
 
-def recorded_speed(trial: Trial) -> np.ndarray | None:
-    """Return the recorded forward speed in m/s, shape (N,); the speed over all where there is no other.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-
-    Returns
-    -------
-    ndarray or None
-        None where the trial records no speed; NaN where a sample is missing.
-    """
-    return next((trial[n] for n in ("u", "U") if trial.has(n) and np.isfinite(trial[n]).any()), None)
-
-
 def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
     """Return the medians in m/s of all recorded speeds, forward and over all.
 

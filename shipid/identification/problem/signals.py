@@ -60,7 +60,8 @@ def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
 def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
     """Return the signals that every trial measures and the model predicts.
 
-    A signal of which all trials together hold only a few samples is fitted on request only: its noise level is not known.
+    A signal of which all trials together hold only a few samples does not show its noise level: it is fitted on request, or where
+    there is no other.
 
     Parameters
     ----------
@@ -88,8 +89,9 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
                     f"the signal '{name}' is to be fitted, and trial {trial.name} does not have it. Its columns: "
                     f"{', '.join(trial.table.columns)}."
                 )
-    measured = {n for n in predicted if all(t.has(n) for t in trials) and _shows_noise(trials, n)}
-    found = usual_signals(model, measured) if wanted is None else tuple(dict.fromkeys(wanted))
+    measured = {n for n in predicted if all(t.has(n) for t in trials)}
+    found = usual_signals(model, {n for n in measured if _shows_noise(trials, n)}) or usual_signals(model, measured)
+    found = found if wanted is None else tuple(dict.fromkeys(wanted))
     if not found:
         raise NothingToFitError(
             f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "

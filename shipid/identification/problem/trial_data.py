@@ -11,9 +11,8 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
-from shipid.identification.problem.ship_scale import recorded_speed
 from shipid.trials.filling import interpolated, usual_interval
-from shipid.trials.speed import PUT_OVER, check_ahead, speed_before
+from shipid.trials.speed import PUT_OVER, check_ahead, recorded_speed, speed_before_in
 from shipid.trials.stretches import stretches_of
 from shipid.trials.trial import Trial
 
@@ -270,10 +269,9 @@ def prepare(
     NotAheadError
         If the ship does not go ahead, and the speed stands in the model.
     """
-    t, rudder = trial["t"], trial["delta"] if trial.has("delta") else None
+    t, columns = trial["t"], {n: trial[n] for n in trial.table.columns}
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
-    recorded = recorded_speed(trial)
-    measured = None if recorded is None else speed_before(t, recorded, rudder, unit_time)
+    recorded, measured = recorded_speed(columns), speed_before_in(columns, unit_time)
     # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
     if trial.has("cruise"):

@@ -107,7 +107,7 @@ class Remedies:
         }
         known = {"tau_delta": 0.5} | machine | identified.values
         excess = identified.covariance.excess[: len(problem.estimated)]
-        rate = 1 / first.trial.sampling / max(1.0, float(np.mean(excess)))
+        rate = 1 / first.step / max(1.0, float(np.mean(excess)))
         extra = tuple(s for s in SIGNALS if s in model and s not in problem.signals and is_predicted(model, s))
         level = dict(zip(problem.signals, problem.sigma.tolist()))
         level |= dict(zip(extra, 0.2 * structural_errors(extra, first, unit_time)))

@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from shipid.foundation.errors import ShipidError
+from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.measuring.measure import detect, measure
@@ -55,6 +58,9 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     TrialMeasures
     """
     metres = f"{length!r} m" if length else None
+    if any(trial.has(n) and np.isfinite(trial[n]).sum() < FEWEST_SAMPLES for n in ("psi", "delta")):
+        # A stretch of a record in which the compass was silent.
+        return TrialMeasures("", None, None)
     said = _examined(trial)
     try:
         kind = detect(trial, said)

@@ -273,3 +273,22 @@ def test_a_heading_that_comes_late_is_where_it_says(setup: Any) -> None:
         online.update({"t": float(k), "r": 0.0, "delta": 0.0})
     estimate = online.update({"t": 5.0, "psi": 2.5, "r": 0.0, "delta": 0.0})
     assert estimate.taken == ("psi", "r") and estimate["psi"] == pytest.approx(2.5, abs=1e-3)
+
+
+def test_none_is_a_sample_that_is_missing(setup: Any, swing: Any) -> None:
+    """A live reader has None where a sensor shows nothing, a table NaN, and a message leaves it out: all are the same."""
+    kalman = setup("yaw", SENSORS, **OPTIONS).kalman
+    rows = rows_of(sailed(setup("yaw", SENSORS, **OPTIONS), np.arange(20) * 0.7, swing))
+    ends = []
+    for missing in (None, float("nan"), "left out"):
+        online = kalman.start()
+        for k, row in enumerate(rows):
+            sample: dict[str, Any] = dict(row)
+            for name in ("psi",) if k % 3 == 1 else ("r", "delta") if k % 5 == 2 else ():
+                sample[name] = missing
+                if missing == "left out":
+                    del sample[name]
+            estimate = online.update(sample)
+        ends.append(np.concatenate([estimate.x, estimate.std]))
+    np.testing.assert_array_equal(ends[0], ends[1])
+    np.testing.assert_array_equal(ends[0], ends[2])

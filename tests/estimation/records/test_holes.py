@@ -10,6 +10,7 @@ import pytest
 
 import shipid
 from shipid import ExtendedKalmanFilter, find_model, find_ship, simulate
+from shipid.estimation.records.arrangement import arrange
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.estimation.several.cascade import Cascade
 from shipid.identification.recursive.identifier import RecursiveIdentifier
@@ -183,6 +184,26 @@ def test_signals_of_different_rates_are_filtered_on_their_own_clocks(trial, kalm
     assert not run.arranged.holes and run.t.size == t.size
     assert run.innovations["psi"].t.size == 601 and run.innovations["r"].t.size == 301
     assert run.parameters["K"].value == pytest.approx(K, abs=5 * run.parameters["K"].std)
+
+
+def test_a_record_begins_where_its_inputs_do(trial, kalman):
+    """The rudder is not known for a hundred seconds: the first estimate comes from the first samples behind them."""
+    run = kalman.filter(holed(trial, "delta", slice(0, 200)))
+    assert run.t[0] == pytest.approx(100.0 - 2.5), "five intervals before its first sample"
+    assert run["psi"][0] == pytest.approx(trial["psi"][195], abs=2 * np.deg2rad(0.2))
+    assert run.parameters["K"].value == pytest.approx(K, abs=4 * run.parameters["K"].std)
+
+
+def test_the_speed_before_the_manoeuvre_is_found_by_one_rule():
+    """From the speed over all, and up to the first order, where a record has no other speed and no rudder."""
+    made = ExtendedKalmanFilter(
+        find_model("de-keizer"), "soesterberg", measured={"r": "0.02 deg/s"}, estimated=[], inputs={"delta": "0 deg"}
+    )
+    t = np.arange(0, 100, 0.5)
+    over = t >= 40
+    log = {"t": t, "r": 0.0 * t, "U": np.where(over, 6.0, 8.0), "delta_order": np.where(over, 0.3, 0.0)}
+    arranged = arrange(made.design.instruments, log)
+    assert arranged.inputs[0, made.model.inputs.index("cruise")] == 8.0
 
 
 def test_nothing_is_known_at_no_time(trial, kalman):
