@@ -20,6 +20,7 @@ import click
 
 from shipid.cli.messages import progress, say
 from shipid.foundation.aliases import Plain
+from shipid.foundation.printable import escaped, printable
 
 #: What writes a file to the path it is given.
 Writer: TypeAlias = Callable[[Path], object]
@@ -111,7 +112,7 @@ class Delivery:
         if self.as_json:
             click.echo(json_text(data))
         else:
-            click.echo(text)
+            click.echo(printable(text))
             if self.folder is not None:
                 click.echo(f"written: {', '.join(str(self.folder / n) for n in self.files)}")
         if self.open_report and self.folder is not None:
@@ -172,7 +173,7 @@ def json_text(value: Plain, *, indent: int | None = 1) -> str:
     indent : int or None
         Spaces a level; None for one line.
     """
-    return json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False)
+    return escaped(json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False))
 
 
 def output_file(path: str, overwrite: bool) -> Path:

@@ -89,8 +89,8 @@ def filter_trial(
 
     Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other model works too. Prints the last
     estimates with their intervals, and whether the innovations are as large as their predicted variance, and white. With --out, a
-    table of the estimates against time, the result, and a report. With --follow, samples are read line by line after a header
-    with units ("t [s], psi [deg], delta [deg]"), and each gives a line of estimates.
+    table of the estimates against time, the result, and a report. With --follow, a log is read line by line as it is written: a
+    table with a header, one that --format describes, or NMEA 0183; each sample gives a line of estimates.
     """
     from shipid.estimation.settings.defaults import parameters_to_estimate
     from shipid.foundation.errors import UsageError
@@ -118,7 +118,7 @@ def filter_trial(
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
-        run_follow(follow, found, known, measured, settings, wait, delivery.as_json)
+        run_follow(follow, found, known, measured, settings, read.format, wait, delivery.as_json)
         return
     with delivery.progress() as tell:
         tell("reading")

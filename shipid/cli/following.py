@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-import time
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import click
@@ -16,55 +14,13 @@ from shipid.cli.messages import say
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
+    from shipid.estimation.online.online_filter import OnlineFilter
     from shipid.foundation.aliases import Plain
     from shipid.parameters.parameter_set import ParameterSet
+    from shipid.trials.logs.live.table import LiveSample
 
-#: How often a file that has come to its end is looked at again, in s.
-_LOOK_AGAIN = 0.05
-
-
-def lines_of(source: str, wait: float) -> Iterator[str]:
-    """Read lines as they are written.
-
-    Parameters
-    ----------
-    source : str
-        A file, or ``-`` for standard input, which ends when it is closed.
-    wait : float
-        Seconds without a new line after which a file is taken to have ended.
-
-    Yields
-    ------
-    str
-        A line.
-
-    Raises
-    ------
-    MissingFileError
-        If there is no such file.
-    """
-    from shipid.foundation.errors import MissingFileError
-
-    if source == "-":
-        yield from sys.stdin
-        return
-    path = Path(source)
-    if not path.is_file():
-        raise MissingFileError(f"there is no file {source} to follow.")
-    with path.open(encoding="utf-8", errors="replace") as stream:
-        quiet, part = 0.0, ""
-        while quiet < wait:
-            line = stream.readline()
-            if line.endswith("\n"):
-                yield part + line
-                quiet, part = 0.0, ""
-                continue
-            # A line that is still being written is finished by what comes next.
-            part += line
-            time.sleep(_LOOK_AGAIN)
-            quiet = 0.0 if line else quiet + _LOOK_AGAIN
-        if part.strip():
-            yield part
+#: A log that names its channels one by one is listened to for so long before the filter starts [s].
+_LISTEN = 3.0
 
 
 def follow(
@@ -73,6 +29,7 @@ def follow(
     ship: ParameterSet | None,
     measured: Mapping[str, str] | None,
     settings: Mapping[str, Plain],
+    format_: str | None,
     wait: str,
     as_json: bool,
 ) -> None:
@@ -86,84 +43,98 @@ def follow(
         The model.
     ship, measured, settings
         See `shipid.estimation.kalman.ExtendedKalmanFilter`.
+    format_ : str or None
+        Trial format file, or ``nmea``.
     wait : str
-        See `lines_of`, with its unit.
+        Seconds without a new line after which a file is taken to have ended, with its unit.
     as_json : bool
         Whether an estimate is a line of JSON instead of a line of a table.
 
     Raises
     ------
-    EmptyFileError
-        If nothing comes before the source ends.
+    TrialError
+        If nothing comes before the source ends, or its header cannot be read.
     """
     from shipid.declaration.units import to_si
-    from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.estimation.settings.defaults import standard_sensors
-    from shipid.generation.reduction import reduced
-    from shipid.trials.errors import EmptyFileError
+    from shipid.trials.logs.live.lines import lines_of
+    from shipid.trials.logs.live.reader import LiveLog
+    from shipid.trials.logs.nmea.settings import chosen_format
 
-    lines = lines_of(source, to_si(wait, "s", "the wait"))
-    header = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), None)
-    if header is None:
-        raise EmptyFileError(f"{source} holds no header. Write one with units first: 't [s], psi [deg], delta [deg]'.")
-    separator = next((s for s in (",", ";", "\t") if s in header), ",")
-    columns = _columns(header, separator, source)
-    sensors = standard_sensors(model, tuple(n for n, _ in columns)) if measured is None else measured
-    kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    online = kalman.start()
-    names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
-    heads = [f"{p}{n} [{kalman.model[n].unit}]" for n in names for p in ("", "std_")]
-    header_line = ",".join(["t [s]", *heads, "rejected"])
-    for number, line in enumerate(lines, start=2):
-        if not line.strip() or line.lstrip().startswith("#"):
+    fmt = chosen_format(format_)
+    lines = lines_of(source, to_si(wait, "s", "the wait"), fmt.encoding if fmt else None)
+    log = LiveLog(lines, source, fmt, say)
+    printer = _Printer(source, as_json)
+    heard: list[LiveSample] = []
+    online: OnlineFilter | None = None
+    for sample in log:
+        if online is not None:
+            printer.update(online, sample)
             continue
-        sample = _sample(line, separator, columns, source, number)
-        if sample is None:
-            continue
-        estimate = online.update(sample)
+        heard.append(sample)
+        if log.settled or sample.values["t"] - heard[0].values["t"] >= _LISTEN:
+            online = printer.start(model, ship, measured, settings, log.names, heard)
+    if online is None:
+        printer.start(model, ship, measured, settings, log.names, heard)
+
+
+class _Printer:
+    """Runs the filter over samples and prints its estimates."""
+
+    def __init__(self, source: str, as_json: bool) -> None:
+        self.source, self.as_json = source, as_json
+        self.names: list[str] = []
+        self.channels: tuple[str, ...] = ()
+        self.header = ""
+
+    def start(
+        self,
+        model: Model,
+        ship: ParameterSet | None,
+        measured: Mapping[str, str] | None,
+        settings: Mapping[str, Plain],
+        names: tuple[str, ...],
+        heard: list[LiveSample],
+    ) -> OnlineFilter:
+        """Start a filter for the channels there are, and give it the samples that have come."""
+        from shipid.estimation.kalman import ExtendedKalmanFilter
+        from shipid.estimation.settings.defaults import standard_sensors
+        from shipid.generation.reduction import reduced
+
+        self.channels = names
+        sensors = standard_sensors(model, names) if measured is None else measured
+        kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
+        self.names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
+        heads = [f"{p}{n} [{kalman.model[n].unit}]" for n in self.names for p in ("", "std_")]
+        self.header = ",".join(["t [s]", *heads, "rejected"])
+        online = kalman.start()
+        for sample in heard:
+            self.update(online, sample)
+        return online
+
+    def update(self, online: OnlineFilter, sample: LiveSample) -> None:
+        """Give the filter a sample and print the estimate."""
+        from shipid.generation.simulator import UnstatedInputError
+
+        try:
+            estimate = online.update(sample.values)
+        except UnstatedInputError:
+            named = [n for n in online.design.model.inputs if n in self.channels]
+            lacking = [n for n in named if not math.isfinite(sample.values.get(n, math.nan))]
+            if not lacking:
+                raise
+            say(f"{self.source}, line {sample.line}: no {' and '.join(lacking)} yet; left out.")
+            return
         if estimate.refused:
-            say(f"{source}, line {number}: refused, {estimate.refused}.")
-            continue
-        if as_json:
+            say(f"{self.source}, line {sample.line}: refused, {estimate.refused}.")
+            return
+        if self.as_json:
             click.echo(json_text(estimate.to_dict(), indent=None))
         else:
             # With the first estimate: a record that cannot be filtered prints nothing.
-            if header_line:
-                click.echo(header_line)
-                header_line = ""
-            cells = [f"{v:.9g}" for n in names for v in (estimate[n], estimate.std_of(n))]
+            if self.header:
+                click.echo(self.header)
+                self.header = ""
+            numbers = [v for n in self.names for v in (estimate[n], estimate.std_of(n))]
+            cells = [f"{v:.9g}" if math.isfinite(v) else "" for v in numbers]
             click.echo(",".join([f"{estimate.t:.9g}", *cells, " ".join(estimate.rejected)]))
         sys.stdout.flush()
-
-
-def _columns(header: str, separator: str, source: str) -> list[tuple[str, float]]:
-    """Names and factors to SI of a header line."""
-    from shipid.trials.columns import no_unit, split_header, to_inside
-
-    found = []
-    for text in header.strip().split(separator):
-        name, unit = split_header(text)
-        if unit is None:
-            raise no_unit(name, f"{source}, header: ")
-        found.append((name, to_inside(name, unit, f"{source}, header: ")))
-    return found
-
-
-def _sample(
-    line: str, separator: str, columns: list[tuple[str, float]], source: str, number: int
-) -> dict[str, float] | None:
-    """One sample, SI; a cell that is empty or no number is missing. None for a line that cannot be a sample."""
-    cells = line.strip().split(separator)
-    if len(cells) != len(columns):
-        say(f"{source}, line {number}: {len(cells)} fields where the header has {len(columns)}; left out.")
-        return None
-    sample = {}
-    for cell, (name, factor) in zip(cells, columns):
-        try:
-            sample[name] = float(cell) * factor
-        except ValueError:
-            sample[name] = math.nan
-    if not math.isfinite(sample.get("t", math.nan)):
-        say(f"{source}, line {number}: no time 't'; left out.")
-        return None
-    return sample

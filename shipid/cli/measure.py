@@ -8,25 +8,49 @@ from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import TrialReader, reading
 from shipid.foundation.aliases import Plain
 
+_KINDS = ("zig-zag", "turning circle", "spiral", "pull-out")
+_READINGS = ("order", "moved")
+
 
 @click.command()
 @click.argument("trial")
 @reading
-@click.option("--kind", type=click.Choice(["zig-zag", "turning circle"]), help="Found from the trial by default.")
+@click.option("--kind", type=click.Choice(_KINDS), help="Found from the trial by default.")
+@click.option("--manoeuvre", metavar="N", type=click.IntRange(1), help="Which one, of a log that holds several.")
+@click.option(
+    "--execute", type=click.Choice(_READINGS), default="order", show_default=True,
+    help="The order, read back from the ramp of the rudder where it is not logged; or the rudder off its plate by 15 %.",
+)  # fmt: skip
 @click.option("--length", metavar="L", help="Ship length, as in '320 m', for the ratios to it.")
 @delivered()
-def measure(trial: str, read: TrialReader, kind: str | None, length: str | None, delivery: Delivery) -> None:
-    """Measure a zig-zag or a turning circle in the terms of ITTC and IMO."""
+def measure(
+    trial: str,
+    read: TrialReader,
+    kind: str | None,
+    manoeuvre: int | None,
+    execute: str,
+    length: str | None,
+    delivery: Delivery,
+) -> None:
+    """Measure a zig-zag, a turning circle, a spiral or a pull-out in the terms of ITTC and IMO.
+
+    The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why.
+    """
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UsageError
     from shipid.trials.measuring.measure import measure as run_measure
 
     if length is not None and not to_si(length, "m", "the ship length") > 0:
         raise UsageError(f"a ship length of {length} has no ratios to it: give one greater than zero.")
-    measured = run_measure(read(trial), kind, length=length)
+    measured = run_measure(read(trial), kind, execute=execute, length=length, manoeuvre=manoeuvre)
     flat: dict[str, Plain] = {"kind": measured.kind, "trial": measured.trial, "execute": measured.execute}
-    flat |= {n: getattr(measured, n) for n in ("nominal", "first_side", "side", "track") if hasattr(measured, n)}
+    words = ("read_from", "nominal", "first_side", "side", "track", "method")
+    flat |= {n: getattr(measured, n) for n in words if hasattr(measured, n)}
     for name, value, unit, _ in measured.quantities():
         key = name if unit == "1" else f"{name}_{unit.replace('/', '_')}"
         flat[key] = list(value) if isinstance(value, tuple) else value
+        reason = measured.reason(name)
+        if reason is not None:
+            flat[f"{key}_reason"] = reason
+    flat |= {"reasons": dict(measured.reasons), "notes": list(measured.notes)}
     delivery.hand_over_parts(flat, repr(measured))

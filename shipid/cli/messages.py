@@ -10,6 +10,8 @@ from contextlib import contextmanager
 
 import click
 
+from shipid.foundation.printable import printable
+
 
 def watched() -> bool:
     """Return whether standard error is a terminal; it may also be closed."""
@@ -17,7 +19,7 @@ def watched() -> bool:
 
 
 def say(message: str) -> None:
-    """Print one paragraph on standard error.
+    """Print a message on standard error, each of its lines as a paragraph.
 
     Parameters
     ----------
@@ -25,10 +27,12 @@ def say(message: str) -> None:
         Sentences.
     """
     width = os.get_terminal_size(sys.stderr.fileno()).columns if watched() else 100
-    filled = textwrap.fill(
-        f"shipid: {message}", min(110, max(40, width)), break_long_words=False, break_on_hyphens=False
+    width = min(110, max(40, width))
+    lines = [printable(line) for line in f"shipid: {message}".split("\n")]
+    click.echo(
+        "\n".join(textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in lines),
+        err=True,
     )
-    click.echo(filled, err=True)
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from __future__ import annotations
 COMMANDS = {
     "models": ("shipid.cli.catalogue:models", "List models and ships, one line each."),
     "show": ("shipid.cli.catalogue:show", "Show a model: quantities, units, equations, sources."),
+    "ship": ("shipid.cli.ship:ship", "Show a ship: values, units, sources; or draft the file of a new one."),
     "simulate": ("shipid.cli.simulate:simulate", "Simulate a manoeuvre and write it as a trial."),
     "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),

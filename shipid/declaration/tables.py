@@ -12,6 +12,9 @@ from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError, UnitError, nearest
 
+#: No file of this toolbox comes near these bounds [bytes], [tables in tables].
+_LARGEST_FILE, _DEEPEST = 1_000_000, 20
+
 _KINDS = {str: "text in quotes", int: "a whole number", float: "a number", bool: "true or false", list: "a list"}
 
 
@@ -225,12 +228,32 @@ def read_table(path: Path, what: str, error: type[ShipidError]) -> Table:
         Of the class `error`, if the file cannot be read or is not valid TOML.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            data = file.read(_LARGEST_FILE + 1)
+        if len(data) > _LARGEST_FILE:
+            raise error(f"the {what} {path} is larger than {_LARGEST_FILE} bytes. Check that it is the right file.")
+        content = tomllib.loads(data.decode("utf-8-sig").replace("\r\n", "\n"))
     except OSError as failed:
         raise error(f"the {what} {path} cannot be read: {failed.strerror}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as failed:
+    except RecursionError:
+        raise error(f"the {what} {path} is nested deeper than {_DEEPEST} tables.") from None
+    except ValueError as failed:  # no TOML, no UTF-8, or a whole number of thousands of digits
         raise error(f"the {what} {path} is not valid TOML: {failed}.") from None
+    _check_bounds(content, f"the {what} {path}", error)
     return Table(content, str(path), error)
+
+
+def _check_bounds(content: Mapping[str, Plain], where: str, error: type[ShipidError]) -> None:
+    """Refuse tables in tables without end, and whole numbers that TOML does not have."""
+    level: list[Plain] = [content]
+    for _ in range(_DEEPEST):
+        level = [inner for outer in level for inner in (outer.values() if isinstance(outer, Mapping) else outer)]
+        if any(isinstance(value, int) and not -(2**63) <= value < 2**63 for value in level):
+            raise error(f"{where} holds a whole number that is larger than TOML has (2^63). Write it as 1e20.")
+        level = [value for value in level if isinstance(value, (Mapping, list))]
+        if not level:
+            return
+    raise error(f"{where} is nested deeper than {_DEEPEST} tables.")
 
 
 def is_finite(number: Plain) -> bool:

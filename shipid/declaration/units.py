@@ -16,6 +16,16 @@ from shipid.foundation.errors import UnitError
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+#: The longest text that is looked at as a unit.
+_LONGEST = 60
+# What no unit holds: a number of four digits; a power that is no plain number of two digits, or has a power itself; a number
+# to a power; a second power of a product.
+_OUTSIZED = re.compile(
+    r"(?<![.0-9])[0-9]{4}"
+    r"|\*\*(?!\s*(?:\(\s*[-+]?[0-9]{1,2}(?:\.[0-9]*|/[0-9]+)?\s*\)|[-+]?[0-9]{1,2}(?:\.[0-9]*)?(?![0-9.eE]))\s*(?!\*\*)(?:[^*\s]|\*(?!\*)|$))"
+    r"|[0-9]\s*\*\*"
+    r"|\)\s*\*\*.*\)\s*\*\*"
+)
 _SUPERSCRIPT_RUN = re.compile(r"[⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 
 
@@ -36,6 +46,16 @@ def registry() -> PintUnit:
     ureg.define("shaft_revolutions_per_second = revolution / second = rps")
     ureg.define("shaft_revolutions_per_minute = revolution / minute = rpm = revolutions_per_minute")
     return ureg
+
+
+def _check_size(text: str) -> None:
+    """Refuse what no unit is before it is computed: ``deg^9^9^9`` would take for ever."""
+    if len(text) > _LONGEST or _OUTSIZED.search(_tidy(text)):
+        shown = text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+        raise UnitError(
+            f"'{shown}' is not a unit: it is longer than {_LONGEST} characters, or has numbers or powers that no unit has. "
+            "Write it as deg/s, kn, 1/s, s^2/deg^2, or 1 for a number."
+        )
 
 
 def _tidy(text: str) -> str:
@@ -61,6 +81,7 @@ def unit(text: str) -> PintUnit:
     UnitError
         If the text is not a unit.
     """
+    _check_size(text)
     tidy = _tidy(text)
     if tidy in ("", "1", "-"):
         return registry().Unit("")
@@ -73,7 +94,11 @@ def unit(text: str) -> PintUnit:
     if isinstance(parsed, (int, float)) or parsed.magnitude != 1:
         raise UnitError(f"'{text}' is not a unit: it contains a number.")
     result = parsed.units
-    if registry().Quantity(0, result).to_base_units().magnitude != 0:
+    try:
+        offset = registry().Quantity(0, result).to_base_units().magnitude != 0
+    except Exception:  # powers that overflow, and units that pint cannot take to base units
+        raise UnitError(f"'{text}' is not a unit that can be converted to SI.") from None
+    if offset:
         raise UnitError(f"'{text}' has an offset; shipid takes no such unit.")
     return result
 

@@ -6,12 +6,17 @@ import difflib
 from collections.abc import Iterable
 
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.printable import printable
 
 
 class ShipidError(Exception):
     """Base of every error a user can cause; the command line prints it and exits with ``exit_code``."""
 
     exit_code = ExitCode.BAD_DATA
+
+    def __str__(self) -> str:
+        """Return the message; what it quotes from a file cannot steer a terminal."""
+        return printable(super().__str__())
 
 
 class UsageError(ShipidError):

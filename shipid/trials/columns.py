@@ -131,7 +131,7 @@ def example_unit(name: str) -> str:
     return FIELDS[name].display if name in FIELDS else "unit"
 
 
-def no_unit(name: str, where: str) -> NoUnitError:
+def no_unit(name: str, where: str, field: str | None = None) -> NoUnitError:
     """Return the error for a column that says no unit.
 
     Parameters
@@ -140,9 +140,11 @@ def no_unit(name: str, where: str) -> NoUnitError:
         The column.
     where : str
         File and line, at the beginning of the message.
+    field : str, optional
+        The field of the vocabulary that it is; by default the one of its name.
     """
-    if name in FIELDS:
-        column = FIELDS[name]
+    if (field or name) in FIELDS:
+        column = FIELDS[field or name]
         choices = [header(name, choice) for choice in dict.fromkeys((column.display, column.unit))]
         remedy = f"Write {' or '.join(repr(c) for c in choices)} in the header"
     else:

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
-from shipid.foundation.errors import ShipidError
+from shipid.foundation.errors import ShipidError, UsageError
 
 
 class TrialError(ShipidError):
     """Base of everything that can be wrong with a trial record, its format file or its contents."""
+
+
+class ForeignFileError(TrialError):
+    """A file that is no table that can be read: named for what it is."""
+
+
+class FileSizeError(TrialError):
+    """A file that is larger, or expands to more, than is read."""
+
+
+class DamagedFileError(TrialError):
+    """A file of a known kind that cannot be read as one."""
+
+
+class ChoiceError(TrialError):
+    """A sheet, struct or group that is not there, or that has to be named because several hold a table."""
 
 
 class EmptyFileError(TrialError):
@@ -40,19 +54,11 @@ class ColumnUnitError(TrialError):
 
 
 class TextInColumnError(TrialError):
-    """A numeric column contains text.
+    """A numeric column contains text."""
 
-    Parameters
-    ----------
-    message : str
-        The whole message.
-    cells : Mapping of int or str to Mapping of int to str, optional
-        By column, as the reader counts or names them, and by row the text of the cells.
-    """
 
-    def __init__(self, message: str, cells: Mapping[int | str, Mapping[int, str]] | None = None) -> None:
-        super().__init__(message)
-        self.cells: Mapping[int | str, Mapping[int, str]] = cells or {}
+class AmbiguousNumberError(TrialError):
+    """Numbers such as 1,234 that can be read in two ways, with nothing to tell which."""
 
 
 class NonFiniteError(TrialError):
@@ -61,6 +67,10 @@ class NonFiniteError(TrialError):
 
 class ClockError(TrialError):
     """The time stamps repeat or run backwards."""
+
+
+class NotALiveLogError(TrialError):
+    """What is to be followed line by line is no text, or a line of it has no end."""
 
 
 class DateOrderError(TrialError):
@@ -105,3 +115,7 @@ class FormatFileError(TrialError):
 
 class NotAManoeuvreError(TrialError):
     """The record is neither a zig-zag nor a turning circle, so it cannot be measured as one."""
+
+
+class SeveralManoeuvresError(UsageError):
+    """The record holds several manoeuvres and none is chosen, or there is none with the number asked for."""

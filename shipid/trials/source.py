@@ -25,6 +25,8 @@ class Source:
         Whether the record is a simulation (its first comment line says so).
     comment : str
         The comment lines at the head of the file.
+    start : str or None
+        The moment of t = 0 in ISO 8601, with its zone where one is known; None where the log says no date.
     """
 
     path: str | None = None
@@ -33,6 +35,7 @@ class Source:
     notes: tuple[str, ...] = ()
     simulated: bool = False
     comment: str = ""
+    start: str | None = None
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the source as plain values."""
@@ -43,4 +46,5 @@ class Source:
             "notes": list(self.notes),
             "simulated": self.simulated,
             "comment": self.comment,
+            "start": self.start,
         }

@@ -54,6 +54,31 @@ def ship(**values: float | None) -> ParameterSet:
 GOOD = {"L": 100.0, "speed": 5.0, "delta_max": 0.6, "delta_rate": 0.05}
 
 
+class Wobbling(Component):
+    """A rate of turn of first order, and a yaw that the rudder hardly moves, which grows between 8.3 and 9.7 m/s."""
+
+    r = state("rad/s", "rate of turn")
+    w = state("rad/s^2", "yaw acceleration")
+    delta = given("rad", "rudder angle")
+    u = given("m/s", "forward speed")
+    a = parameter("1/s^2", "yaw acceleration per rudder angle", start=0.1)
+    b = parameter("1/s", "damping", start=0.1)
+    c = parameter("s/m^2", "change of the growth with the speed", start=0.1)
+    middle = shipid.constant("m/s", "speed of the largest growth", default=9.0)
+    half = shipid.constant("m/s", "half of the range of growth", default=0.7)
+    touch = shipid.constant("1/s", "what the rudder adds to it", default=1e-4)
+
+    @r.rate
+    def yaw(self):
+        """A test."""
+        return self.a * self.delta - self.b * self.r + self.w
+
+    @w.rate
+    def memory(self):
+        """A test."""
+        return self.c * (self.half**2 - (self.u - self.middle) ** 2) * self.w + self.touch * self.a * self.delta
+
+
 class Compassless(Component):
     """Rate of turn, and nothing else."""
 
@@ -221,3 +246,15 @@ def test_the_rudder_rate_a_request_needs():
     most = float(asked.warnings[-1].split("At most ")[1].split(" rad/s")[0])
     assert most == pytest.approx(np.deg2rad(2.5) / np.deg2rad(15) * 9.5 / 11.4, rel=5e-3)
     assert not shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.99 * most).warnings
+
+
+def test_a_ship_that_no_rudder_holds_between_two_speeds_is_refused():
+    """Stable at both speeds of the schedule; between them the requested poles are met, and another one grows."""
+    units = {"a": "1/s^2", "b": "1/s", "c": "s/m^2"}
+    values = {n: Value(n, v, units[n], "assumed") for n, v in {"a": 0.01, "b": 0.1, "c": 0.02}.items()}
+    parts = {"L": Value("L", 100.0, "m", "assumed"), "speed": Value("speed", 10.0, "m/s", "assumed")}
+    wobbling = ParameterSet("test", sections={"particulars": parts, "wobbling": values})
+    model = join("wobbling", Wobbling, PlanarMotion)
+    assert len(shipid.design_autopilot(model, wobbling, speeds=[8.0]).speeds) == 1
+    with pytest.raises(UnstableDesignError, match="at 9 m/s is unstable"):
+        shipid.design_autopilot(model, wobbling, speeds=[8.0, 10.0])

@@ -55,8 +55,11 @@ def test_gap_in_the_clock(refused, changed, zigzag, fitted):
     [
         (b"", ("is empty (0 bytes)",)),
         (b"t [s],psi [deg],delta [deg]\n", ("holds no samples",)),
-        (bytes(np.random.default_rng(0).integers(0, 256, 5000, dtype=np.uint8)), ("log.csv", "Separate the columns")),
-        (b"PK\x03\x04" + bytes(2000), ("log.csv",)),
+        (
+            bytes(np.random.default_rng(0).integers(0, 256, 5000, dtype=np.uint8)),
+            ("log.csv", "is a binary file of a kind that is not known. Export"),
+        ),
+        (b"PK\x03\x04" + bytes(2000), ("log.csv", "is a zip archive that cannot be opened")),
     ],
 )
 def test_file_that_is_no_table(refused, tmp_path, fitted, content, words):

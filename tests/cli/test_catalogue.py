@@ -28,7 +28,7 @@ def test_help_imports_nothing_numeric(arguments):
 def test_help_names_every_command(call):
     answer = call("--help")
     assert answer.code == 0
-    assert all(f"\n  {name} " in answer.out for name in ("models", "show", "simulate", "measure", "identify"))
+    assert all(f"\n  {name} " in answer.out for name in ("models", "show", "ship", "simulate", "measure", "identify"))
     assert answer.err == ""
 
 

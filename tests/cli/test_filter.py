@@ -12,6 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+import shipid
+from shipid.trials.logs.nmea.writing import nmea_lines
+
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
 NOMOTO = ("--model", "nomoto", "--ship", "soesterberg")
 SENSORS = ("--measured", "psi=0.2 deg,r=0.02 deg/s")
@@ -98,6 +101,40 @@ def test_a_line_that_is_no_sample_is_left_out_and_said(call, lines, monkeypatch)
     assert len(estimates) == 30
     assert estimates[-1]["taken"] == ["r"]
     assert "line 21: 3 fields" in answer.said and "line 27: refused" in answer.said
+
+
+def test_nmea_and_dates_are_followed_as_a_table_is(call, tmp_path, lines):
+    plain = pd.read_csv(io.StringIO(answer_of(call, tmp_path, "\n".join(lines[:200]))))
+    header, *rows = lines[:200]
+    stamps = pd.Timestamp("2026-05-04 23:59:00") + pd.to_timedelta([float(row.split(",")[0]) for row in rows], unit="s")
+    dated = [f"{stamp:%d.%m.%Y %H:%M:%S.%f},{row.partition(',')[2]}" for stamp, row in zip(stamps, rows)]
+    text = "\n".join([header.replace("t [s]", "Zeit"), *dated])
+    pd.testing.assert_frame_equal(pd.read_csv(io.StringIO(answer_of(call, tmp_path, text))), plain)
+    trial = shipid.read_trial(TRIAL, window="0:198")
+    sentences = "\r\n".join(nmea_lines(trial))
+    nmea = pd.read_csv(io.StringIO(answer_of(call, tmp_path, sentences, "--format", "nmea")))
+    assert nmea["psi [rad]"].iloc[-1] == pytest.approx(plain["psi [rad]"].iloc[-1], abs=0.01)
+    assert not nmea.drop(columns="rejected").isna().any().any()
+
+
+def answer_of(call, tmp_path, text, *options):
+    path = tmp_path / "live.log"
+    path.write_text(text + "\n")
+    answer = call("filter", "--follow", path, "--wait", "0.1 s", *NOMOTO, *SENSORS, *options)
+    assert answer.code == 0, answer.err
+    return answer.out
+
+
+def test_a_stream_that_begins_before_its_rudder(call, lines, monkeypatch):
+    header, *rows = lines[:40]
+    late = [
+        ",".join(["" if k == header.split(",").index("delta [deg]") else c for k, c in enumerate(row.split(","))])
+        for row in rows[:5]
+    ]
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n".join([header, *late, *rows[5:]]) + "\n"))
+    answer = call("filter", "--follow", "-", *NOMOTO, *SENSORS, "--json")
+    assert len(answer.out.splitlines()) == 34
+    assert "line 6: no delta yet; left out" in answer.said and "line 7" not in answer.said
 
 
 @pytest.mark.parametrize(

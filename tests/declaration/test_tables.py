@@ -80,3 +80,29 @@ def test_files_that_are_no_tables(tmp_path: Path) -> None:
     (tmp_path / "plan.toml").write_bytes(b"a = '\xff'")
     with pytest.raises(ShipidError, match="is not valid TOML"):
         read_table(tmp_path / "plan.toml", "plan", ShipidError)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("a = " + "9" * 5000, "is not valid TOML"),
+        ("a = 9223372036854775808", r"larger than TOML has \(2\^63\)"),
+        ("a = [[1, 18446744073709551616]]", "larger than TOML has"),
+        ("a = " + "[" * 100000, "nested deeper than 20 tables"),
+        ("a = " + "[" * 30 + "]" * 30, "nested deeper than 20 tables"),
+        ("a." * 5000 + "b = 1", "nested deeper than 20 tables|not valid TOML"),
+        ("# " + "x" * 1_000_000, "larger than 1000000 bytes"),
+    ],
+)
+def test_a_file_without_bounds_is_refused(text: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_text(text)
+    with pytest.raises(ParameterSetError, match=words) as caught:
+        read_table(path, "parameter set", ParameterSetError)
+    assert len(str(caught.value)) < 400
+
+
+def test_the_largest_whole_number_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "boat.toml"
+    path.write_bytes(b"\xef\xbb\xbfa = 9223372036854775807\r\nb = -9223372036854775808\r\n")
+    assert read_table(path, "parameter set", ParameterSetError).content == {"a": 2**63 - 1, "b": -(2**63)}

@@ -121,6 +121,27 @@ def test_units_as_they_are_printed(text: str, shown: str) -> None:
     assert units.same_dimension(shown, text)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "deg^9^9^9", "deg^9 ^9", "9**9", "9**(1*9**9)", "((9*m)**99)**99", "m**(9**9)", "m^999", "m**1e9", "9⁹⁹⁹", "1000 m", "deg/s" * 13,
+    ],
+)  # fmt: skip
+def test_what_no_unit_holds_is_refused_before_it_is_computed(text: str) -> None:
+    with pytest.raises(UnitError, match="longer than 60 characters, or has numbers or powers that no unit has"):
+        units.unit(text)
+
+
+@pytest.mark.parametrize("text", ["s^2/deg^2", "m**0.333333", "m/s^(-1)", "(m/s)^2", "kg·m²", "m**(1/3)", "1/(m*s)"])
+def test_powers_that_units_have_are_read(text: str) -> None:
+    assert units.unit(text).dimensionality
+
+
+def test_a_power_that_overflows_is_refused() -> None:
+    with pytest.raises(UnitError, match="not a unit that can be converted to SI"):
+        units.unit("Ym^99")
+
+
 @pytest.mark.parametrize(("value", "wanted"), [("12.6 rad/s", "rps"), ("720 deg/s", "rpm"), ("2 rps", "rad/s")])
 def test_a_shaft_is_counted_and_not_turned_through_an_angle(value: str, wanted: str) -> None:
     with pytest.raises(UnitError, match="shaft speed"):

@@ -45,6 +45,16 @@ def libraries(folder: Path) -> dict[str, int]:
 
 
 @pytest.mark.usefixtures("compiler")
+def test_the_cache_folder_is_made_with_those_above_it(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    inner = fresh / "not" / "there" / "yet"
+    monkeypatch.setenv("SHIPID_CACHE", str(inner))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", CompilerNotice)
+        compile_function(make_function())
+    assert len(libraries(inner)) == 1
+
+
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("name", ["de-keizer", "pershitz", "pershitz-discrete", "bech"])
 def test_compiled_and_interpreted_give_the_same_numbers(
     name: str, fresh: Path, sail: Any, named: Any, monkeypatch: pytest.MonkeyPatch

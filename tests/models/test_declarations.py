@@ -50,6 +50,21 @@ def test_every_equation_cites_its_source(component: type[Component]) -> None:
     assert (component.__doc__ or "").strip()
 
 
+@pytest.mark.parametrize("component", [c for c in COMPONENTS if {"x", "y"} <= declared_quantities(c).keys()])
+def test_north_and_east_are_of_one_size(component: type[Component]) -> None:
+    """No direction is preferred: unit and nominal size of both coordinates are the same."""
+    x, y = (declared_quantities(component)[n] for n in ("x", "y"))
+    assert (x.unit, x.nominal) == (y.unit, y.nominal)
+
+
+@pytest.mark.parametrize("model", [m for m in SHIP_MODELS if {"r", "r_star", "omega"} & set(find_model(m).states)])
+def test_the_track_follows_the_motions_that_make_it(model: str) -> None:
+    """The order of the states, in tables and files: what turns the ship first, then where that takes it."""
+    states = list(find_model(model).states)
+    turning = next(n for n in ("r", "r_star", "omega") if n in states)
+    assert states.index(turning) < states.index("x") < states.index("y")
+
+
 @pytest.mark.parametrize("module", modules(), ids=lambda m: m.__name__)
 def test_every_file_names_its_family_and_stays_one_idea(module: object) -> None:
     assert len((module.__doc__ or "").split()) > 15

@@ -82,6 +82,8 @@ def test_tables_hold_the_numbers(pages, judged, read_page):
     own = next(s for s in judged.steps if s.change_deg == 60 and s.speed == judged.pilot.speeds[-1])
     assert f"{own.overshoot_deg:.2f}" in text and f"{own.settling_s:.0f}" in text
     assert "Without the sea filter the rms rudder is" in text
+    for name, variant in judged.robust[0].variants.items():
+        assert f"{name[0].upper()}{name[1:]} {variant['disk']:.2f} {variant['overshoot_deg']:.2f}" in text
 
 
 def test_a_design_that_was_not_judged_says_so(judged, read_page):

@@ -56,6 +56,7 @@ def test_every_section_and_trial_is_there(which, request, read_page):
         assert name in page.text
     for fixed in fit.fixed:
         assert fixed in page.text
+    assert ("The search did not converge. Its message:" in page.text) is (which == "diverged")
 
 
 def test_the_answer_comes_first_in_words(fit, text, read_page):

@@ -70,12 +70,13 @@ class OnlineEstimate:
         return float(named(self.design, self.x, self.std, name)[1])
 
     def to_dict(self) -> dict[str, Plain]:
-        """Return plain values, SI."""
+        """Return plain values, SI; None where a number is not finite."""
         names = [s for s in self.design.model.states if s not in self.design.parameters.values()]
         names += list(self.design.parameters)
+        estimates = {n: {"value": self[n], "std": self.std_of(n)} for n in names}
         return {
             "t": self.t,
-            "estimates": {n: {"value": self[n], "std": self.std_of(n)} for n in names},
+            "estimates": {n: {k: v if math.isfinite(v) else None for k, v in e.items()} for n, e in estimates.items()},
             "taken": list(self.taken),
             "rejected": list(self.rejected),
             "refused": self.refused,

@@ -27,7 +27,8 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
 from shipid.identification.validation.predictions import shown_outputs
 from shipid.identification.validation.trial_measures import measured_circle
-from shipid.trials.measuring.measures import TurningCircle, ZigZag
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 
@@ -126,7 +127,7 @@ def _with_swings(
     found: PredictedManoeuvre, identified: Identified, runs: _Runs, measured: ZigZag
 ) -> PredictedManoeuvre:
     trial, count = runs.data.trial, len(found.overshoots)
-    executes = [e for e in measured.executes or () if e is not None]
+    executes = measured.leading_executes
     side = 1 if measured.first_side == "starboard" else -1
 
     def read(run: dict[str, np.ndarray]) -> tuple[float | None, ...]:

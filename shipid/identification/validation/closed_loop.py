@@ -19,10 +19,12 @@ from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
-from shipid.trials.measuring.executes import first_execute, leaves
-from shipid.trials.measuring.measures import ZigZag
+from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.executes import first_execute, leaves
+from shipid.trials.measuring.rudder.steering import rate_of, steering_of
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.signals import series
+from shipid.trials.signals.channel import channel_of
 from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
@@ -73,15 +75,17 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     """
     if not trial.has("delta", "psi") or not measured.executes:
         return None
-    t, delta, psi = trial["t"], trial["delta"], trial["psi"]
+    steering, heading = steering_of(trial, "order", "delta"), channel_of(trial, "psi")
+    t, delta = steering.channel.t, steering.channel.y
     held = regular(plates(delta))[: MOST + 1]
     reversals = min(len(held) - 1, len(measured.executes))
     if reversals < 1:
         return None
     held = held[: reversals + 1]
-    left = [leaves(t, delta, plate, "order") for plate in held[:-1]]
-    start = first_execute(t, delta, held[0], "order")
-    begin = start[0] if start is not None and start[0] < left[0] else float(t[held[0].first])
+    steering = rate_of(steering, held)
+    left = [leaves(steering, plate).time for plate in held[:-1]]
+    start = first_execute(steering, held[0])
+    begin = start[0].time if start is not None and start[0].time < left[0] else float(t[held[0].first])
     half = 0.03 * float(np.median(np.diff([begin, *left])))
     rates = []
     for one, two in pairwise(held):
@@ -93,14 +97,14 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
         if late is not None:
             early = float(when[last[-1]])
             rates.append(0.7 * (abs(one.angle) + abs(two.angle)) / max(late - early, 0.1 * trial.sampling))
-    executes = [e for e in measured.executes[:reversals] if e is not None]
+    delays = [e - when for e, when in zip(measured.executes[:reversals], left) if e is not None]
     return ZigzagHelmsman(
         begin,
         held[0].side,
         np.array([plate.angle for plate in held]),
-        np.array([series.value_at(t, psi, when, half, 1) for when in left]),
+        np.array([series.value_at(heading.t, heading.y, when, half, 1) for when in left]),
         float(np.median(rates)) if rates else _NEVER,
-        float(np.median(np.array(executes) - left[: len(executes)])) if executes else 0.0,
+        float(np.median(delays)) if delays else 0.0,
     )
 
 

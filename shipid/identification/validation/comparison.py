@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.identification.validation.trial_measures import TrialMeasures
-from shipid.trials.measuring.measures import TurningCircle
+from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
 

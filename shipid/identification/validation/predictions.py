@@ -26,7 +26,7 @@ from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
 from shipid.trials.fitness import check_regular
-from shipid.trials.measuring.measures import TurningCircle
+from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
 
@@ -192,10 +192,9 @@ def _overshoots(
     zigzag = measures.zigzag
     if zigzag is None or psi is None or not np.isfinite(psi).all():
         return (), ()
-    executes = tuple(e for e in zigzag.executes or () if e is not None)
     side = 1 if zigzag.first_side == "starboard" else -1
-    kept = tuple(o for o in zigzag.overshoots or () if o is not None)
-    return kept, overshoots_of(trial["t"], psi, executes, side=side)[: len(kept)]
+    kept = zigzag.leading_overshoots
+    return kept, overshoots_of(trial["t"], psi, zigzag.leading_executes, side=side)[: len(kept)]
 
 
 def _predicted_circle(

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from shipid.foundation.errors import ShipidError
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.measuring.measure import detect, measure
-from shipid.trials.measuring.measures import TurningCircle, ZigZag
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.trial import Trial
 
 
@@ -52,23 +55,34 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     TrialMeasures
     """
     metres = f"{length!r} m" if length else None
+    said = _examined(trial)
     try:
-        kind = detect(trial)
+        kind = detect(trial, said)
     except ShipidError:
         kind = ""
-    circle = measured_circle(trial, metres) if kind == TurningCircle.kind else None
+    circle = measured_circle(trial, metres, diagnosis=said) if kind == TurningCircle.kind else None
     try:
-        zigzag = measure(trial, ZigZag.kind, length=metres)
+        zigzag = measure(trial, ZigZag.kind, length=metres, diagnosis=said)
     except ShipidError:
         zigzag = None
     return TrialMeasures(
-        "zig-zag" if kind == ZigZag.kind else "turning circle" if kind else "",
+        "zig-zag" if kind == ZigZag.kind else "turning circle" if kind == TurningCircle.kind else "",
         zigzag if isinstance(zigzag, ZigZag) else None,
         circle,
     )
 
 
-def measured_circle(trial: Trial, length: str | None, execute: str | None = None) -> TurningCircle | None:
+def _examined(trial: Trial) -> Diagnosis:
+    """What the doctor says of a trial, once for all that is measured of it."""
+    try:
+        return check_trial(trial)
+    except ShipidError:
+        return Diagnosis(trial.name)
+
+
+def measured_circle(
+    trial: Trial, length: str | None, execute: str | None = None, diagnosis: Diagnosis | None = None
+) -> TurningCircle | None:
     """Measure a turning circle.
 
     Parameters
@@ -79,6 +93,8 @@ def measured_circle(trial: Trial, length: str | None, execute: str | None = None
         Length of the ship with its unit, for ratios to it.
     execute : {"moved", "order"}, optional
         How the execute is read, see `shipid.trials.measuring.measure.measure`.
+    diagnosis : Diagnosis, optional
+        What the doctor says of the record. Without it the record counts as sound, as one that a model predicts is.
 
     Returns
     -------
@@ -86,7 +102,8 @@ def measured_circle(trial: Trial, length: str | None, execute: str | None = None
         None where the record is none.
     """
     try:
-        found = measure(trial, TurningCircle.kind, execute=execute, length=length)
+        sound = Diagnosis(trial.name) if diagnosis is None else diagnosis
+        found = measure(trial, TurningCircle.kind, execute=execute, length=length, diagnosis=sound)
     except ShipidError:
         return None
     return found if isinstance(found, TurningCircle) else None

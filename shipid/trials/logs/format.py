@@ -11,10 +11,16 @@ unit and sign, and what has to be put right::
     index = 9                  # counted from 0; or column = "rudder angle"
     unit = "deg"
     sign = -1                  # this log turns to port with positive rudder
+
+In a file of several tables ``[table]`` names the one that is meant: ``sheet = "Run 2"`` in a workbook, ``struct`` in a MATLAB
+file, ``group`` in an HDF5 file.
+
+A clock that is a date or a time of day is found out by itself; ``[clock]`` says what is not (`shipid.trials.logs.clocks.settings`).
 """
 
 from __future__ import annotations
 
+import codecs
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -24,15 +30,19 @@ from shipid.declaration.tables import Table, is_finite, read_table
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.trials.errors import FormatFileError
+from shipid.trials.logs.clocks.settings import KEYS, ClockFormat, clock_format
 
 SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": r"\s+"}
 DECIMALS = {"point": ".", "comma": ","}
 
 _TOP = (
     "title", "source", "ship", "separator", "header_lines", "encoding", "comment", "decimal",
-    "columns", "clock", "windows", "repairs",
+    "columns", "clock", "windows", "repairs", "table",
 )  # fmt: skip
+#: Codecs of Python that no text file is written in.
+_NO_ENCODINGS = ("punycode", "idna", "unicode_escape", "raw_unicode_escape", "undefined")
 _COLUMN = ("column", "index", "unit", "sign", "scale", "frame", "note")
+_PARTS = ("sheet", "struct", "group")
 _REPAIRS = ("heading_glitches", "trailing")
 _FRAMES = {"earth": ("u", "v"), "from": ("wind_direction", "wind_direction_relative")}
 
@@ -106,12 +116,16 @@ class TrialFormat:
         What starts a comment line.
     interval : float or None
         Constant sampling interval [s] that replaces a broken clock.
+    clock : ClockFormat
+        How the clock is written, and its zone.
     windows : Mapping of str to Window
         Named stretches of the record.
     glitch_threshold : float or None
         Heading glitches above this are repaired [rad]; None repairs nothing.
     drop_trailing : bool
         Whether empty rows at the end are dropped.
+    table : str or None
+        The sheet, struct or group that holds the log, in a file of several.
     ship, source, title : str or None
         Parameter set of the ship; where the data come from; what the campaign is.
     """
@@ -124,9 +138,11 @@ class TrialFormat:
     encoding: str | None = None
     comment: str = "#"
     interval: float | None = None
+    clock: ClockFormat = field(default_factory=ClockFormat)
     windows: Mapping[str, Window] = field(default_factory=dict)
     glitch_threshold: float | None = None
     drop_trailing: bool = False
+    table: str | None = None
     ship: str | None = None
     source: str | None = None
     title: str | None = None
@@ -206,7 +222,7 @@ def parse_format(table: Table, name: str) -> TrialFormat:
     if not columns:
         raise table.fail("it names no columns. Write a table [columns.psi] with column or index, and unit, for each.")
     clock, repairs = table.table("clock"), table.table("repairs")
-    clock.check_keys(("interval", "note"))
+    clock.check_keys(KEYS)
     repairs.check_keys(_REPAIRS)
     interval = clock.quantity("interval", "s", positive=True)
     if interval is None and "t" not in columns:
@@ -226,7 +242,9 @@ def parse_format(table: Table, name: str) -> TrialFormat:
         decimal=DECIMALS[decimal] if decimal else None,
         header_lines=header_lines,
         interval=interval,
+        clock=clock_format(clock),
         glitch_threshold=threshold,
+        table=_part(table.table("table")),
         drop_trailing=repairs.choice("trailing", ("drop",)) is not None,
         **common_entries(table),
     )
@@ -252,11 +270,11 @@ def common_entries(table: Table) -> dict[str, Plain]:
     encoding, comment = table.value("encoding", str), table.value("comment", str, "#")
     if encoding is not None:
         try:
-            "".encode(encoding)
-        except LookupError:
-            raise table.fail(
-                f"'encoding' is '{encoding}', which is not known. Write utf-8, cp1252 or latin-1."
-            ) from None
+            known = "t".encode(encoding) and codecs.lookup(encoding).name not in _NO_ENCODINGS
+        except (LookupError, ValueError):
+            known = False
+        if not known:
+            raise table.fail(f"'encoding' is '{encoding}', which is not known. Write utf-8, cp1252 or latin-1.")
     if len(comment) != 1:
         raise table.fail(f"'comment' is {comment!r}, and has to be one character such as '#'.")
     windows = table.table("windows")
@@ -312,6 +330,14 @@ def _column(name: str, table: Table) -> ColumnFormat:
         unit = "rpm" if unit.endswith("min") else "rps"
     header, note = table.value("column", str), table.value("note", str, "")
     return ColumnFormat(name, header, index, unit, sign_of(table), scale, frame, note)
+
+
+def _part(table: Table) -> str | None:
+    """Return which table of a file is meant: a sheet, a struct or a group."""
+    table.check_keys(_PARTS)
+    if len(table.content) > 1:
+        raise table.fail(f"it names {' and '.join(table.content)}. Name one of them: the one that holds the log.")
+    return next((str(table.value(key, str)) for key in table), None)
 
 
 def _check_frames(table: Table, columns: Mapping[str, ColumnFormat]) -> None:

@@ -1,18 +1,20 @@
-"""Tables of pandas as logs: in memory, and in Parquet files."""
+"""Tables of pandas in memory as logs."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
-from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import MissingExtraError
-from shipid.trials.errors import TextInColumnError, TrialError
-from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.naming import by_format, by_header
+from shipid.foundation.errors import UnknownNameError
+from shipid.trials.columns import header as join_header
+from shipid.trials.columns import split_header
+from shipid.trials.errors import HeaderError, TextInColumnError, TrialError
+from shipid.trials.logs.clocks.headers import NAMES, short
+from shipid.trials.logs.clocks.reading import with_clock
+from shipid.trials.logs.naming import by_header
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
 
@@ -30,107 +32,76 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     LenientRecord
     """
     where = f"table '{name}'"
-    series, stated, faults = by_header({str(c): frame[c] for c in frame.columns}, units, where)
-    values = _numbers(series, where, faults)
-    return LenientRecord(name, values, stated, where, source or Source(), faults=tuple(faults), words=_words(faults))
+    found, twice = _by_header(frame, units, where)
+    clocked = with_clock(_with_index(found, frame.index), where)
+    series, stated, faults = by_header(clocked.columns, {}, where)
+    faults = [*twice, *faults, *clocked.faults]
+    values, words = _numbers(series, where, faults)
+    source = source or Source()
+    source = replace(source, start=clocked.start or source.start)
+    return LenientRecord(name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults), words=words)
 
 
-def read_parquet(file: Path, fmt: TrialFormat | None) -> tuple[LenientRecord, tuple[str, ...]]:
-    """Read a Parquet file.
-
-    Parameters
-    ----------
-    file : Path
-        The file; units stand in the headers, or in the metadata of the columns.
-    fmt : TrialFormat or None
-        What its columns are.
-
-    Returns
-    -------
-    record : LenientRecord
-        The columns.
-    comments : tuple of str
-        The comment lines of the file.
-
-    Raises
-    ------
-    MissingExtraError
-        If pyarrow is not installed.
-    TrialError
-        If it is not a Parquet file, or lacks what the format file names.
-    """
-    try:
-        import pyarrow.parquet
-    except ImportError:
-        raise MissingExtraError(
-            f"the Parquet file '{file}'", "pyarrow", "parquet", "Or convert the file to CSV."
-        ) from None
-    try:
-        arrow = pyarrow.parquet.read_table(file)
-    except (pyarrow.ArrowInvalid, OSError) as error:
-        raise TrialError(
-            f"'{file}' is not a readable Parquet file: {error}. Check that it was copied completely."
-        ) from None
-    frame = arrow.to_pandas()
-    units = _arrow_units(arrow.schema, frame)
-    where = f"'{file}'"
-    series = {str(c): frame[c] for c in frame.columns}
+def _by_header(
+    frame: pd.DataFrame, units: Mapping[str, str], where: str
+) -> tuple[dict[str, pd.Series], list[TrialError]]:
+    """The columns of a table, with the units that are stated beside their headers; and those that stand twice."""
+    columns: dict[str, pd.Series] = {}
     faults: list[TrialError] = []
-    if fmt is None:
-        named, stated, faults = by_header(series, units, where)
-    else:
-        headers = tuple(series)
-        found, stated = by_format(fmt, headers, len(headers), where, units)
-        named = {name: series[headers[index]] for name, index in found.items()}
-    faults += [
-        TextInColumnError(f"{where}, column '{name}': it holds {column.dtype}, not numbers. Write it as float64.")
-        for name, column in named.items()
-        if not pd.api.types.is_numeric_dtype(column.dtype)
-    ]
-    values = _numbers(named, where, faults)
-    comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
-    record = LenientRecord(file.stem, values, stated, where, faults=tuple(faults), words=_words(faults))
-    return record, tuple(comment.splitlines())
+    headers = [f"{label[0]} [{label[1]}]" if _is_pair(label) else str(label) for label in frame.columns]
+    names = [split_header(header)[0] for header in headers]
+    for unknown in (u for u in units if u not in names and u not in headers):
+        raise UnknownNameError("column", unknown, names)
+    for k, (header, name) in enumerate(zip(headers, names)):
+        unit = units.get(header) or units.get(name)
+        full = join_header(name, unit) if unit and split_header(header)[1] is None else header
+        if full in columns:
+            faults.append(HeaderError(f"{where}: two columns are named '{header}'. Rename or drop one of them."))
+            continue
+        columns[full] = frame.iloc[:, k]
+    return columns, faults
 
 
-def _words(faults: list[TrialError]) -> dict[str, Mapping[int, str]]:
-    """Return by column and row the cells that hold text."""
-    texts = [fault.cells for fault in faults if isinstance(fault, TextInColumnError)]
-    return {str(name): cells for found in texts for name, cells in found.items()}
+def _is_pair(label: object) -> bool:
+    """Whether a label of two levels is a name and its unit."""
+    return isinstance(label, tuple) and len(label) == 2 and all(isinstance(part, str) and part for part in label)
 
 
-def _arrow_units(schema: Plain, frame: pd.DataFrame) -> dict[str, str]:
-    """Units that a Parquet file states beside its headers: in the fields' metadata, or in pandas' attrs."""
-    units = {}
-    attrs = frame.attrs.get("units", {})
-    for arrow_field in schema:
-        metadata = arrow_field.metadata or {}
-        stated = metadata.get(b"unit") or metadata.get(b"units")
-        unit = stated.decode("utf-8", "replace") if stated else attrs.get(arrow_field.name)
-        if unit:
-            units[arrow_field.name] = unit
-    return units
+def _with_index(columns: dict[str, pd.Series], index: pd.Index) -> dict[str, pd.Series]:
+    """Take the index as the clock of a table, where it holds dates, times or durations, or is named as a clock."""
+    if isinstance(index, pd.PeriodIndex):
+        index = index.to_timestamp()
+    clock = isinstance(index, (pd.DatetimeIndex, pd.TimedeltaIndex)) or short(str(index.name)) in NAMES
+    if not clock or isinstance(index, pd.MultiIndex):
+        return columns
+    header = str(index.name) if index.name is not None else "time"
+    values = pd.Series(index)
+    if header in columns or split_header(header)[0] in [split_header(name)[0] for name in columns]:
+        return columns
+    return {header: values, **{name: column.reset_index(drop=True) for name, column in columns.items()}}
 
 
-def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialError]) -> dict[str, np.ndarray]:
-    """Return columns as numbers, NaN where there is none; what is none is added to the faults."""
-    result = {}
+def _numbers(
+    series: Mapping[str, pd.Series], where: str, faults: list[TrialError]
+) -> tuple[dict[str, np.ndarray], dict[str, dict[int, str]]]:
+    """Return columns as numbers, NaN where there is none, and the cells that are none; those are added to the faults."""
+    result, words = {}, {}
     for name, column in series.items():
-        if column.dtype.kind in "mM":
-            raise TextInColumnError(
-                f"{where}, column '{name}': it holds dates or times of day, not numbers. Write seconds since the start of "
-                "the record."
-            )
-        numbers = pd.to_numeric(column, errors="coerce")
+        if column.dtype.kind in "mMc" or isinstance(column.dtype, pd.PeriodDtype):
+            what = "complex numbers" if column.dtype.kind == "c" else "dates or times, and is not the clock"
+            faults.append(TextInColumnError(f"{where}, column '{name}': it holds {what}. Leave it out."))
+            result[name] = np.full(len(column), np.nan)
+            continue
+        numbers = pd.to_numeric(column.astype(object) if column.dtype.kind == "O" else column, errors="coerce")
         text = numbers.isna() & column.notna()
         if text.any():
+            words[name] = {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}
             k = int(np.flatnonzero(text)[0])
             faults.append(
                 TextInColumnError(
                     f"{where}, row {k}, column '{name}': '{str(column.iloc[k])[:40]}' is not a number. "
-                    "Replace it by the number, or remove the row.",
-                    {name: {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}},
+                    "Replace it by the number, or remove the row."
                 )
             )
         result[name] = numbers.to_numpy(dtype=float, na_value=np.nan)
-    return result
+    return result, words

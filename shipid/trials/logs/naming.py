@@ -8,11 +8,10 @@ from typing import TypeVar
 from shipid.foundation.errors import UnknownNameError, nearest
 from shipid.trials import columns
 from shipid.trials.errors import HeaderError, TrialError, UnknownColumnError
+from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.format import TrialFormat
 
 T = TypeVar("T")
-
-_LIKE_TIME = ("time", "tvec", "seconds", "elapsed", "timestamp", "t_s")
 
 
 def by_header(
@@ -46,6 +45,7 @@ def by_header(
     values: dict[str, T] = {}
     stated: dict[str, str] = {}
     faults: list[TrialError] = []
+    clocks: list[str] = []
     for header, column in found.items():
         name, unit = columns.split_header(header)
         if not name:
@@ -57,20 +57,24 @@ def by_header(
         unit = unit or units.get(name) or units.get(header)
         if unit:
             stated[name] = unit
+        elif name != "t" and short(header) in NAMES:
+            clocks.append(name)
         else:
             faults.append(columns.no_unit(name, where + ", "))
     for name in units:
         if name not in values and name not in found:
             raise UnknownNameError("column", name, values)
-    if "t" not in values:
-        close = [n for n in values if n.lower() in _LIKE_TIME]
-        rename = f"Rename '{close[0]}' to 't [s]'" if close else "Name the time column 't [s]'"
+    if "t" not in values and clocks:
+        faults.insert(0, columns.no_unit(clocks[0], where + ", ", "t"))
+    elif "t" not in values:
         faults.append(
             UnknownColumnError(
-                f"{where}: there is no time column 't' among {', '.join(values)}. {rename}, or map the columns in a "
-                "format file."
+                f"{where}: there is no time column 't' among {', '.join(values)}. Name the time column 't [s]', or map the "
+                "columns in a format file."
             )
         )
+    else:
+        faults += [columns.no_unit(name, where + ", ", "t") for name in clocks]
     return values, stated, faults
 
 
@@ -97,7 +101,7 @@ def by_format(
     found : dict of str to int
         Index of each column, by name.
     stated : dict of str to str
-        Unit of each column, by name.
+        Unit of each column, by name; without that of a clock that states none.
 
     Raises
     ------
@@ -127,7 +131,9 @@ def by_format(
                 )
         header = headers[index] if index < len(headers) == width else ""
         unit = column.unit or units.get(column.column or "") or columns.split_header(header)[1]
-        if not unit:
+        found[name] = index
+        if unit:
+            stated[name] = unit
+        elif name != "t":  # a clock may be no number: `shipid.trials.logs.clocks`
             raise columns.no_unit(name, f"{where}, format file '{fmt.name}': ")
-        found[name], stated[name] = index, unit
     return found, stated

@@ -1,4 +1,4 @@
-"""Read logs and trials: text with units in the header, text described by a format file, Parquet, NMEA 0183."""
+"""Read logs and trials: tables of every kind of file, with units in the header or described by a format file, and NMEA."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from shipid.foundation.errors import MissingFileError, nearest
 from shipid.trials import columns
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.frames import read_parquet
+from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.nmea.reading import read_nmea
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.record import LenientRecord, Span, inside
 from shipid.trials.logs.strict import sound_table
-from shipid.trials.logs.text import read_text
-from shipid.trials.source import Source
+from shipid.trials.logs.tables.reading import read_table
+from shipid.trials.logs.tables.table import record_of
 from shipid.trials.trial import Trial
 
 
@@ -32,8 +32,9 @@ def read_trial(
     Parameters
     ----------
     path : str or Path
-        A text file (CSV and relatives) or a Parquet file; ``FILE@A:B`` reads a window of it in seconds of its own
-        clock, ``FILE@name`` a window the format file names.
+        A text file (CSV and relatives), an Excel workbook, a MATLAB, HDF5 or Parquet file; ``FILE@A:B`` reads a window of it in
+        seconds of its own clock, ``FILE@name`` a window the format file names, ``FILE#SHEET`` one of several sheets, structs or
+        groups.
     format : str, Path or TrialFormat, optional
         A trial format file (`shipid.trials.logs.format`), for records whose headers do not speak for themselves;
         ``"nmea"`` for an NMEA 0183 log, or a format file with ``[nmea]`` (`shipid.trials.logs.nmea.settings`).
@@ -51,7 +52,7 @@ def read_trial(
     TrialError
         One class a cause (`shipid.trials.errors`); the message names file, row and column and says what to do.
     """
-    if window is not None and split_window(path)[1] is not None:
+    if window is not None and split_window(path)[2] is not None:
         raise WindowError(f"'{path}' names a window and so does the argument window. Give one of the two.")
     record = read_record(path, format, window)
     record.refuse()
@@ -89,17 +90,19 @@ def read_record(
         If it cannot be read at all; the message names the line.
     """
     fmt = chosen_format(format)
-    file, tail = split_window(path)
+    file, part, tail = split_window(path)
     wanted = window if tail is None else tail
     span = _span(wanted, fmt, file)
     _check_file(file)
+    if fmt is None and is_nmea(file):
+        fmt = NmeaFormat("nmea", {})
     if isinstance(fmt, NmeaFormat):
         record, comments = read_nmea(file, fmt)
-    elif file.suffix.lower() in (".parquet", ".pq"):
-        record, comments = read_parquet(file, fmt)
     else:
-        record, comments = read_text(file, fmt)
-    source = Source(
+        table = read_table(file, fmt, part)
+        record, comments = record_of(table, fmt), table.comments
+    source = replace(
+        record.source,
         path=str(file),
         sha256=_sha256(file),
         format=fmt.name if fmt else None,
@@ -112,8 +115,8 @@ def read_record(
     return replace(record, source=source, format=fmt, ship=ship, window=span, title=title)
 
 
-def split_window(path: str | Path) -> tuple[Path, str | None]:
-    """Split ``FILE@WINDOW``; a file whose own name has an '@' is taken whole when it is there.
+def split_window(path: str | Path) -> tuple[Path, str | None, str | None]:
+    """Split ``FILE#SHEET@WINDOW``; a file whose own name has a '#' or an '@' is taken whole when it is there.
 
     Parameters
     ----------
@@ -124,15 +127,25 @@ def split_window(path: str | Path) -> tuple[Path, str | None]:
     -------
     file : Path
         The file.
+    part : str or None
+        What stands behind the '#': a sheet, struct or group.
     window : str or None
         What stands behind the '@'.
     """
     whole = Path(path)
-    if whole.exists() or "@" not in whole.name:
-        return whole, None
-    stem, _, tail = str(path).rpartition("@")
-    # Neither is there: a name like a@b.csv is more likely a file that is missing than a window of one.
-    return (Path(stem), tail) if Path(stem).exists() or ":" in tail else (whole, None)
+    if whole.exists():
+        return whole, None, None
+    stem, at, tail = str(path).rpartition("@")
+    file, sharp, part = str(path).rpartition("#")
+    if at and Path(stem).exists():
+        return Path(stem), None, tail
+    if sharp and Path(file).exists():
+        return Path(file), part, None
+    inner, sharp_inside, sheet = stem.rpartition("#")
+    if at and sharp_inside and Path(inner).exists():
+        return Path(inner), sheet, tail
+    # None is there: a name like a@b.csv is more likely a file that is missing than a window of one.
+    return (Path(stem), None, tail) if at and "@" in whole.name and ":" in tail else (whole, None, None)
 
 
 def _span(window: str | Span | None, fmt: TrialFormat | None, file: Path) -> Span | None:

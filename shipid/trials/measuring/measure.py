@@ -2,49 +2,79 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import pi
 
 import numpy as np
 
 from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
+from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
-from shipid.trials.measuring.executes import convention
-from shipid.trials.measuring.measures import Measures
+from shipid.trials.measuring.faults import Faults, faults_of
+from shipid.trials.measuring.instead import instead_of_manoeuvre
+from shipid.trials.measuring.listing import chosen, manoeuvres_in
+from shipid.trials.measuring.pull_out import measure_pull_out
+from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.rudder.steering import Steering, steering_of
+from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
 from shipid.trials.measuring.zigzag import measure_zigzag
+from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
-KINDS = ("zig-zag", "turning circle")
+_MEASURE: dict[str, Callable[[Trial, str | None, float | None, Faults], Measures]] = {
+    "zig-zag": measure_zigzag,
+    "turning circle": measure_turn,
+    "spiral": measure_spiral,
+    "pull-out": measure_pull_out,
+}
+KINDS = tuple(_MEASURE)
 
 
 def measure(
-    trial: Trial, kind: str | None = None, *, execute: str | None = None, length: str | float | None = None
+    trial: Trial,
+    kind: str | None = None,
+    *,
+    execute: str | None = None,
+    length: str | float | None = None,
+    manoeuvre: int | None = None,
+    diagnosis: Diagnosis | None = None,
 ) -> Measures:
-    """Measure a zig-zag or a turning circle.
+    """Measure a zig-zag, a turning circle, a spiral or a pull-out.
+
+    The doctor is asked what bears on the numbers: what lies in a gap or where a sensor stood still is not known, and the
+    result says why.
 
     Parameters
     ----------
     trial : Trial
         The trial, or a window of it, with heading ``psi`` and rudder ``delta`` (or ``delta_order``).
-    kind : {"zig-zag", "turning circle"}, optional
+    kind : {"zig-zag", "turning circle", "spiral", "pull-out"}, optional
         What it is; found out from rudder and heading by default.
-    execute : {"moved", "order"}, optional
-        How the execute is read (`shipid.trials.measuring.executes`): the rudder has left its plate by 15 % (in a turn: 3 deg
-        from midships), or the order. By default the order where it is recorded, else "moved".
+    execute : {"order", "moved"}, optional
+        How the execute is read (`shipid.trials.measuring.rudder.executes`): the order, read back from the ramp of the rudder where
+        it is not logged, by default; or the rudder has left its plate by 15 % (in a turn: 3 deg from midships).
     length : str, optional
         Ship length with its unit, as in "320 m", for the ratios to it.
+    manoeuvre : int, optional
+        Which manoeuvre of a record that holds several, from 1 (`shipid.trials.measuring.listing.manoeuvres_in`).
+    diagnosis : Diagnosis, optional
+        What the doctor says of the trial, where it was asked already.
 
     Returns
     -------
     Measures
-        A `ZigZag` or a `TurningCircle`; None stands for what the manoeuvre did not reach.
+        A `ZigZag`, a `TurningCircle`, a `MeasuredSpiral` or a `PullOut`. None stands for what the manoeuvre did not reach and for
+        what is not known; `reasons` says why.
 
     Raises
     ------
     NotAManoeuvreError
-        If the record is neither.
+        If the record is none of them; the message says what it is instead.
+    SeveralManoeuvresError
+        If it holds several and none is chosen; the message lists them.
     UnknownNameError
         If there is no such kind.
     UnknownColumnError
@@ -57,17 +87,27 @@ def measure(
         raise UnknownNameError("kind of manoeuvre", kind, KINDS)
     if not trial.has("psi"):
         raise UnknownColumnError(f"trial '{trial.name}' has no heading 'psi', and a manoeuvre is measured by it.")
-    kind = kind or detect(trial)
-    return measure_turn(trial, execute, metres) if kind == KINDS[1] else measure_zigzag(trial, execute, metres)
+    steering_of(trial, execute)
+    faults = faults_of(trial, diagnosis)
+    if manoeuvre is None and kind in (None, "spiral") and is_spiral(trial, faults):
+        return measure_spiral(trial, execute, metres, faults)
+    part = trial
+    if manoeuvre is not None or kind not in ("spiral", "pull-out"):
+        part = chosen(trial, manoeuvres_in(trial, faults.diagnosis), manoeuvre, kind)
+    if part is not trial:
+        faults = faults_of(part, faults.diagnosis)
+    return _MEASURE[kind or _detected(part, faults)](part, execute, metres, faults)
 
 
-def detect(trial: Trial) -> str:
-    """Find out whether a trial is a zig-zag or a turning circle.
+def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
+    """Find out whether a trial is a zig-zag, a turning circle, a spiral or a pull-out.
 
     Parameters
     ----------
     trial : Trial
         With heading and rudder.
+    diagnosis : Diagnosis, optional
+        What the doctor says of it, where it was asked already.
 
     Returns
     -------
@@ -77,30 +117,39 @@ def detect(trial: Trial) -> str:
     Raises
     ------
     NotAManoeuvreError
-        If it is neither.
+        If it is none of them.
     """
-    _, rudder = convention(trial, None)
-    found = plates(rudder)
-    psi = trial["psi"]
-    turning = turning_plate(trial, rudder)
-    if turning is not None and turning.side * (psi[turning.last - 1] - psi[turning.first]) > pi:
-        return KINDS[1]
-    held = regular(found)
-    if len(held) >= 2 and _reversed_by_heading(trial, held):
-        return KINDS[0]
+    faults = faults_of(trial, diagnosis)
+    return "spiral" if is_spiral(trial, faults) else _detected(trial, faults)
+
+
+def _detected(trial: Trial, faults: Faults) -> str:
+    steering = steering_of(trial, None, wrong=faults.wrong.get("delta"))
+    psi = channel_of(trial, "psi", faults.wrong.get("psi"))
+    turning = turning_plate(steering, psi)
+    if turning is not None and turning.side * float(np.diff(_heading(steering, psi, turning))[0]) > pi:
+        return "turning circle"
+    held = regular(plates(steering.channel.y))
+    if len(held) >= 2 and _reversed_by_heading(steering, psi, held):
+        return "zig-zag"
     if turning is not None:
-        return KINDS[1]
+        return "turning circle"
     raise NotAManoeuvreError(
         f"trial '{trial.name}' is neither a zig-zag nor a turning circle: the rudder does not go from one held angle to "
         "the opposite one at two regular headings, and the heading does not change by 90 deg on one rudder angle. "
+        f"{instead_of_manoeuvre(trial, steering, psi)} "
         "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
     )
 
 
-def _reversed_by_heading(trial: Trial, held: list[Plate]) -> bool:
+def _heading(steering: Steering, psi: Channel, plate: Plate) -> np.ndarray:
+    """Heading at both ends of a plate [rad]."""
+    return np.asarray(np.interp([steering.channel.t[plate.first], steering.after(plate)], psi.t, psi.y))
+
+
+def _reversed_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:
     """Whether the rudder is reversed at two headings in turn, as in a zig-zag, and not at any heading by a clock."""
-    psi = trial["psi"]
-    at = np.array([psi[min(plate.last, len(psi) - 1)] for plate in held[:-1]]) * held[0].side
+    at = np.array([_heading(steering, psi, plate)[1] for plate in held[:-1]]) * held[0].side
     out, back = at[0::2], at[1::2]
     if not back.size:
         return True

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial
 
 
@@ -51,7 +54,73 @@ def track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
         return None
     sideways = drift(trial)
     along = trial["psi"] - (0.0 if sideways is None else sideways)
+    if not np.isfinite(moving).any() or not np.isfinite(along).any():
+        return None
     t = trial["t"]
+    moving, along = (np.interp(t, t[np.isfinite(y)], y[np.isfinite(y)]) for y in (moving, along))
     north = cumulative_trapezoid(moving * np.cos(along), t, initial=0.0)
     east = cumulative_trapezoid(moving * np.sin(along), t, initial=0.0)
     return north, east, "speeds and heading" if sideways is not None else "speed and heading, without drift"
+
+
+def speed_channel(trial: Trial, wrong: Mapping[str, np.ndarray] | None = None) -> Channel | None:
+    """Return the speed over all by its own samples [m/s], or None where the trial has no speed.
+
+    Parameters
+    ----------
+    trial : Trial
+        As for `speed`.
+    wrong : Mapping of str to ndarray of bool, shape (samples,), optional
+        Samples that count as missing, by column.
+    """
+    names = ("u", "v") if trial.has("u", "v") else ("U",) if trial.has("U") else ("u",)
+    values = speed(trial)
+    if values is None or not np.isfinite(values).any():
+        return None
+    out = np.zeros(len(trial), dtype=bool)
+    for name in names:
+        out |= (wrong or {}).get(name, False)
+    table = trial.table[["t"]].assign(u=values)
+    found = channel_of(Trial(trial.name, table, trial.source), "u", out)
+    return found if len(found.t) > 1 else None
+
+
+def distance_between(moving: Channel, start: float, end: float) -> float:
+    """Return the distance sailed between two moments [m], the speed interpolated at both.
+
+    Parameters
+    ----------
+    moving : Channel
+        Speed over all [m/s].
+    start, end : float
+        The moments [s].
+    """
+    inside = (moving.t > start) & (moving.t < end)
+    t = np.concatenate(([start], moving.t[inside], [end]))
+    return float(np.trapezoid(np.interp(t, moving.t, moving.y), t))
+
+
+def track_channels(trial: Trial, wrong: Mapping[str, np.ndarray]) -> tuple[Channel, Channel, str] | None:
+    """Return north and east by their own samples [m], and where they come from; None where nothing gives them.
+
+    Parameters
+    ----------
+    trial : Trial
+        As for `track`.
+    wrong : Mapping of str to ndarray of bool, shape (samples,)
+        Samples that count as missing, by column.
+    """
+    path = track(trial)
+    if path is None:
+        return None
+    if path[2] == "positions":
+        x, y = (channel_of(trial, name, wrong.get(name)) for name in ("x", "y"))
+        return (x, y, path[2]) if min(len(x.t), len(y.t)) > 1 else None
+    moving, psi = speed_channel(trial, wrong), channel_of(trial, "psi", wrong.get("psi"))
+    if moving is None:
+        return None
+    # Dead reckoning: after a hole in speed or heading the position is not known any more.
+    lost = min((a for a, _ in (*moving.holes, *psi.holes)), default=None)
+    holes = () if lost is None else ((lost, float(trial["t"][-1])),)
+    t = trial["t"]
+    return Channel("x", t, path[0], holes, trial.sampling), Channel("y", t, path[1], holes, trial.sampling), path[2]

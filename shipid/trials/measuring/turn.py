@@ -6,50 +6,75 @@ from math import pi
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle, shown
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.executes import LEFT, convention, first_execute
-from shipid.trials.measuring.measures import TurningCircle
-from shipid.trials.measuring.track import drift, speed, track
+from shipid.trials.measuring.current import CircleDrift, drift_of
+from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.measuring.rudder.executes import LEFT, first_execute
+from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
+from shipid.trials.measuring.track import drift, speed_channel, track_channels
 from shipid.trials.signals import series
-from shipid.trials.signals.plates import Plate, plates
+from shipid.trials.signals.channel import Channel, channel_of
+from shipid.trials.signals.plates import Plate, held_angle, plates
 from shipid.trials.trial import Trial
 
 MOVED = np.radians(3.0)
-"""In a turn the rudder counts as moved when it is this far from midships: the reading of the published circle."""
+"""In the reading "moved" the rudder of a turn counts as moved when it is this far from midships: that of the published circle."""
 
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
+_BRIDGED = 0.05
+"""Holes up to this share of the turn's first 90 deg are bridged."""
+_DRIFTS = 2.0
+"""A drift below this many times the scatter of its readings is none."""
+_LEAST_DRIFT = 0.01
+"""So is one below this share of the ship's speed."""
+_LEFT_THERE = np.radians(1.0)
+"""In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
+_STEADY = 0.05
+"""A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
 
 
-def turning_plate(trial: Trial, rudder: np.ndarray) -> Plate | None:
-    """Return the plate during which the heading changes most, if it changes by 90 deg or more.
+def turning_plate(steering: Steering, psi: Channel) -> Plate | None:
+    """Return the stretch at one rudder angle during which the heading changes most, if it changes by 90 deg or more.
 
     Parameters
     ----------
-    trial : Trial
-        The trial.
-    rudder : ndarray, shape (n,)
-        Rudder angle [rad].
+    steering : Steering
+        The record of the rudder.
+    psi : Channel
+        The heading.
     """
-    psi = trial["psi"]
-    best = max(
-        plates(rudder), key=lambda p: p.side * (psi[p.last - 1] - psi[p.first]), default=None
-    )  # fmt: skip
-    if best is None or best.side * (psi[best.last - 1] - psi[best.first]) < pi / 2:
-        return None
+    best, most = None, pi / 2
+    rudder, t = steering.channel.y, steering.channel.t
+    for plate in plates(rudder):
+        part = plate.side * rudder[plate.first : plate.last]
+        # Hand steering to the same side before the turn is a stretch of its own: the rudder is less than half over between.
+        over = np.concatenate(([False], part >= 0.5 * abs(plate.angle), [False]))
+        edges = np.flatnonzero(np.diff(over))
+        for first, last in zip(edges[0::2], edges[1::2]):
+            begin, end = plate.first + int(first), plate.first + int(last)
+            one, two = np.interp([t[begin], t[end] if end < len(t) else steering.end], psi.t, psi.y)
+            if plate.side * (two - one) > most:
+                most = plate.side * float(two - one)
+                held = held_angle(plate.side * rudder[begin:end])
+                best = Plate(begin, end, plate.side * held, plate.dwell)
     return best
 
 
-def measure_turn(trial: Trial, execute: str | None, length: float | None) -> TurningCircle:
-    """Measure a turning circle (see `shipid.trials.measure`).
+def measure_turn(trial: Trial, execute: str | None, length: float | None, faults: Faults) -> TurningCircle:
+    """Measure a turning circle (see `shipid.trials.measuring.measure.measure`).
 
     Parameters
     ----------
     trial : Trial
         The trial, or a window of it, with heading and rudder.
-    execute : {"moved", "order"} or None
+    execute : {"order", "moved"} or None
         How the execute is read; "moved" is 3 deg of rudder here.
     length : float or None
         Ship length [m].
+    faults : Faults
+        What the doctor found.
 
     Returns
     -------
@@ -60,129 +85,278 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None) -> Tur
     NotAManoeuvreError
         If the heading never changes by 90 deg on one rudder, or the record begins in the turn.
     """
-    execute, rudder = convention(trial, execute)
-    t, psi = trial["t"], trial["psi"]
-    plate = turning_plate(trial, rudder)
+    steering = steering_of(trial, execute, wrong=faults.wrong.get("delta"))
+    psi = channel_of(trial, "psi", faults.wrong.get("psi"))
+    plate = turning_plate(steering, psi)
     if plate is None:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' is no turning circle: the heading does not change by 90 deg on one rudder angle. "
             "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
         )
-    start = first_execute(t, rudder, plate, execute, moved=MOVED)
+    steering = rate_of(steering, [plate])
+    start = first_execute(steering, plate, moved=MOVED)
     if start is None:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' begins with the rudder over already, so the moment of the order is not in it. "
             "Widen the window to hold a stretch before the rudder moves."
         )
-    side, when = plate.side, start[0]
-    released = _released(rudder, plate)
-    calm = max(5 * trial.sampling, 0.01 * (t[released - 1] - when))
+    side, when = plate.side, start[0].time
+    off = _released(steering, plate)
+    calm = max(5 * psi.interval, 0.01 * (off - when))
+    psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
+    reasons: dict[str, str] = {}
     # The course before the order: the ship turns after it, so nothing of that may be averaged in.
-    before = slice(int(np.searchsorted(t, when - 2 * calm)), int(np.searchsorted(t, when, side="right")))
-    course = series.value_at(t[before], psi[before], when, 2.1 * calm, 1)
-    turned = side * (psi - course)
-    running = slice(int(np.searchsorted(t, when)), released)
-    quarters = [series.crossing(t[running], series.smoothed(t, turned, calm)[running], q) for q in _QUARTERS]
-    moving = speed(trial)
+    before = slice(int(np.searchsorted(psi.t, when - 2 * calm)), int(np.searchsorted(psi.t, when, side="right")))
+    course = series.value_at(psi.t[before], psi.y[before], when, 2.1 * calm, 1) if before.stop > before.start else None
+    if course is None or psi.hole(when) is not None:
+        course = float(np.interp(when, psi.t, psi.y))
+        reasons["course"] = faults.hole("psi", psi.hole(when) or (when, when))
+    turned = side * (psi.y - course)
+    running = slice(int(np.searchsorted(psi.t, when)), int(np.searchsorted(psi.t, off, side="right")))
+    smooth = series.smoothed(psi.t, turned, calm)[running]
+    quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
+    for k, quarter in enumerate(quarters, start=1):
+        hole = None if quarter is None else psi.hole(quarter)
+        if hole is not None or (quarter is not None and "course" in reasons):
+            reasons[f"times[{k}]"] = reasons[f"speeds[{k}]"] = faults.hole(
+                "psi", hole or psi.hole(when) or (when, when)
+            )
+            quarters[k - 1] = None
+    moving = speed_channel(trial, faults.wrong)
     found: dict[str, float | None] = {}
-    path = track(trial)
-    if path is not None:
-        found |= _distances(t, path[0], path[1], course, side, when, quarters, calm)
-    found |= _steady(trial, turned, quarters, running, moving, calm)
-    approach = None if moving is None else series.value_at(t, moving, when, calm, 1)
+    track = track_channels(trial, faults.wrong)
+    notes: list[str] = []
+    if track is not None:
+        way = _Track(track[0], track[1], course, side, when, calm, faults)
+        found |= way.distances(quarters, reasons)
+        drifting = drift_of(track[0], track[1], psi.t[running], turned[running]) if track[2] == "positions" else None
+        found |= _still_water(way, found, quarters, drifting, float(turned[running].max()), track[2], reasons, notes)
+    found |= _steady(trial, psi, turned, quarters, running, moving, calm)
+    approach = None if moving is None else series.value_at(moving.t, moving.y, when, calm, 1)
+    if moving is not None and (hole := moving.hole(when)) is not None:
+        approach, reasons["approach_speed"] = None, faults.hole(moving.name, hole)
     steady_speed, rate = found.get("steady_speed"), found.get("steady_rate")
     if steady_speed is not None and approach:
         found["speed_loss"] = 1 - steady_speed / approach
     if steady_speed is not None and rate:
         found["steady_diameter"] = 2 * steady_speed / rate
     if length is not None:
-        names = ("advance", "transfer", "tactical_diameter", "steady_diameter")
+        three = ("advance", "transfer", "tactical_diameter")
+        names = (*three, "steady_diameter", *(f"{n}_still_water" for n in three))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
+    notes += _approach(psi, when, calm, rate)
+    measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
-        execute=execute,
+        execute=steering.reading,
+        read_from=_words(steering),
         side="starboard" if side > 0 else "port",
-        track="" if path is None else path[2],
+        track="" if track is None else track[2],
         rudder=plate.angle,
+        rudder_rate=steering.rate,
         approach_speed=approach,
-        first_execute=when,
-        course=course,
+        first_execute=when if start[0].hole is None else None,
+        execute_within=start[0].within,
+        course=None if "course" in reasons else course,
         times=tuple(None if q is None else q - when for q in quarters),
-        speeds=tuple(None if q is None or moving is None else series.value_at(t, moving, q, calm, 1) for q in quarters),
-        pull_out_rate=_pull_out(trial, rudder, plate, released),
+        speeds=tuple(_speed_at(moving, q, calm) for q in quarters),
+        pull_out_rate=_pull_out(steering, psi, plate, off),
+        reasons=reasons | ({} if start[0].hole is None else {"first_execute": faults.hole("delta", start[0].hole)}),
+        notes=(*notes, *faults.notes(("psi", steering.channel.name, *measured_on))),
         **found,
     )
 
 
-def _released(rudder: np.ndarray, plate: Plate) -> int:
-    """The sample at which the rudder comes off its plate for good, the end of the record at the latest."""
-    on = np.flatnonzero(plate.side * rudder[: plate.last] >= (1 - LEFT) * abs(plate.angle))
-    return int(on[-1]) + 1
+def _words(steering: Steering) -> str:
+    return "the rudder 3 deg from midships" if steering.reading == "moved" else steering.words
 
 
-def _distances(
-    t: np.ndarray,
-    north: np.ndarray,
-    east: np.ndarray,
-    course: float,
-    side: int,
-    when: float,
+def _turned(psi: Channel, start: float, end: float) -> float:
+    one, two = np.interp([start, end], psi.t, psi.y)
+    return abs(float(two - one))
+
+
+def _speed_at(moving: Channel | None, when: float | None, calm: float) -> float | None:
+    if moving is None or when is None or moving.hole(when) is not None:
+        return None
+    return series.value_at(moving.t, moving.y, when, calm, 1)
+
+
+def _approach(psi: Channel, when: float, calm: float, rate: float | None) -> list[str]:
+    """Say so where the ship was on no steady course before the order."""
+    before = (psi.t >= when - 4 * calm) & (psi.t <= when)
+    if before.sum() < 5 or not rate:
+        return []
+    slope, _ = np.polyfit(psi.t[before] - when, psi.y[before], 1)
+    scatter = float(np.std(psi.y[before])) / (4 * calm)
+    if abs(slope) < max(_STEADY * rate, 3 * scatter):
+        return []
+    return [
+        f"the ship turned at {angle(float(slope), 3)}/s at the execute: distances are along and across its heading "
+        "there, not a steady course"
+    ]
+
+
+def _released(steering: Steering, plate: Plate) -> float:
+    """When the rudder comes off its plate for good, the end of the record at the latest [s]."""
+    if plate.last >= len(steering.channel.t):
+        return steering.end
+    on = np.flatnonzero(plate.side * steering.channel.y[: plate.last] >= (1 - LEFT) * abs(plate.angle))
+    return float(steering.channel.t[int(on[-1])])
+
+
+class _Track:
+    """The track along and across the initial course, from the execute on."""
+
+    def __init__(
+        self, x: Channel, y: Channel, course: float, side: int, when: float, calm: float, faults: Faults
+    ) -> None:
+        self.x, self.y, self.side, self.when, self.calm, self.faults = x, y, side, when, calm, faults
+        self.c, self.s = np.cos(course), np.sin(course)
+
+    def moved(self, at: float, drift: CircleDrift | None = None) -> tuple[float, float]:
+        """Distance along and across the course between the execute and a moment [m]."""
+        shift = []
+        for channel in (self.x, self.y):
+            half = max(self.calm, 2.5 * channel.interval)
+            shift.append(
+                series.value_at(channel.t, channel.y, at, half) - series.value_at(channel.t, channel.y, self.when, half)
+            )
+        north, east = shift
+        if drift is not None:
+            north, east = north - drift.north * (at - self.when), east - drift.east * (at - self.when)
+        return self.c * north + self.s * east, self.side * (self.c * east - self.s * north)
+
+    def speed(self, quarters: list[float | None]) -> float:
+        """Mean speed over the ground of the first 90 deg, as the crow flies [m/s]."""
+        if quarters[0] is None:
+            return 0.0
+        return float(np.hypot(*self.moved(quarters[0]))) / (quarters[0] - self.when)
+
+    def missing(self, at: float) -> str | None:
+        """Why the track is not known at a moment, or at the execute."""
+        for channel in (self.x, self.y):
+            for when in (self.when, at):
+                if (hole := channel.hole(when)) is not None:
+                    return self.faults.hole(channel.name, hole)
+        return None
+
+    def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
+        """Advance, transfer and tactical diameter over the ground; writes why one is not known."""
+        result: dict[str, float | None] = {"advance": None, "transfer": None, "tactical_diameter": None}
+        for k, names in ((0, ("advance", "transfer")), (1, ("tactical_diameter",))):
+            quarter = quarters[k]
+            why = reasons.get(f"times[{k + 1}]")
+            if quarter is not None:
+                why = self.missing(quarter)
+            for name in names:
+                if why is not None:
+                    reasons[name] = why
+                elif quarter is not None:
+                    along, across = self.moved(quarter)
+                    result[name] = along if name == "advance" else across
+        return result
+
+
+def _still_water(
+    way: _Track,
+    found: dict[str, float | None],
     quarters: list[float | None],
-    calm: float,
+    drifting: CircleDrift | None,
+    turned: float,
+    source: str,
+    reasons: dict[str, str],
+    notes: list[str],
 ) -> dict[str, float | None]:
-    """Advance, transfer and tactical diameter, along and across the initial course."""
-    c, s = np.cos(course), np.sin(course)
-    along, across = c * north + s * east, side * (c * east - s * north)
-
-    def travelled(y: np.ndarray, at: float | None) -> float | None:
-        return None if at is None else series.value_at(t, y, at, calm) - series.value_at(t, y, when, calm)
-
-    return {
-        "advance": travelled(along, quarters[0]),
-        "transfer": travelled(across, quarters[0]),
-        "tactical_diameter": travelled(across, quarters[1]),
-    }
+    """Advance, transfer and tactical diameter with the drift of the circle taken off, and that drift."""
+    names = ("advance", "transfer", "tactical_diameter")
+    if source != "positions":
+        return {}
+    if drifting is None:
+        for name in names:
+            if found.get(name) is not None:
+                reasons[f"{name}_still_water"] = (
+                    f"the circle turns through {angle(turned, 3)} only, and its drift shows from 465 deg on"
+                    if turned < 2.5 * pi + np.radians(15)
+                    else "positions are missing where the drift is read"
+                )
+        return {}
+    result: dict[str, float | None] = {"drift_speed": drifting.speed, "drift_direction": drifting.direction}
+    if drifting.speed < max(_DRIFTS * drifting.scatter, _LEAST_DRIFT * way.speed(quarters)):
+        for name in names:
+            if found.get(name) is not None:
+                reasons[f"{name}_still_water"] = "the drift of the circle is not beyond its scatter"
+        return result
+    for name, quarter in zip(names, (quarters[0], quarters[0], quarters[1])):
+        if quarter is not None and found.get(name) is not None:
+            along, across = way.moved(quarter, drifting)
+            result[f"{name}_still_water"] = along if name == "advance" else across
+    notes.append(
+        f"over the ground the circle drifts at {shown(drifting.speed, 'U', digits=3)} to "
+        f"{angle(drifting.direction, 3)} (scatter {shown(drifting.scatter, 'U', digits=2)}): current, and what wind and waves "
+        "add; the still-water values have it taken off"
+    )
+    return result
 
 
 def _steady(
     trial: Trial,
+    psi: Channel,
     turned: np.ndarray,
     quarters: list[float | None],
     running: slice,
-    moving: np.ndarray | None,
+    moving: Channel | None,
     calm: float,
 ) -> dict[str, float | None]:
     """Rate, speed and drift angle of the steady turn: its last quarter, where it goes beyond 270 deg."""
-    t = trial["t"]
     if quarters[2] is None:
         return {}
-    end = t[running.stop - 1]
-    begin = max(quarters[2], end - 0.25 * (end - t[running.start]))
-    stretch = slice(int(np.searchsorted(t, begin)), running.stop)
-    if stretch.stop - stretch.start < 5 or t[stretch.stop - 1] - t[stretch.start] < 2 * calm:
+    end = float(psi.t[running.stop - 1])
+    begin = max(quarters[2], end - 0.25 * (end - float(psi.t[running.start])))
+    stretch = slice(int(np.searchsorted(psi.t, begin)), running.stop)
+    if stretch.stop - stretch.start < 5 or psi.t[stretch.stop - 1] - psi.t[stretch.start] < 2 * calm:
         return {}
-    if trial.has("r"):
-        rate = abs(float(np.mean(trial["r"][stretch])))
-    else:
-        rate = float(np.polynomial.polynomial.polyfit(t[stretch] - t[stretch.start], turned[stretch], 1)[1])
-    sideways = drift(trial)
+    t = trial["t"]
+    inside = (t >= begin) & (t <= end)
+
+    def mean(values: np.ndarray | None) -> float | None:
+        there = None if values is None else values[inside & np.isfinite(values)]
+        return None if there is None or not there.size else float(np.mean(there))
+
+    rate = mean(trial["r"]) if trial.has("r") else None
+    if rate is None:
+        x = psi.t[stretch] - psi.t[stretch.start]
+        rate = float(np.polynomial.polynomial.polyfit(x, turned[stretch], 1)[1])
+    fast = None
+    if moving is not None:
+        part = (moving.t >= begin) & (moving.t <= end)
+        fast = float(np.mean(moving.y[part])) if part.any() else None
+    sideways = mean(drift(trial))
     return {
-        "steady_rate": rate,
-        "steady_speed": None if moving is None else float(np.mean(moving[stretch])),
-        "steady_drift": None if sideways is None else abs(float(np.mean(sideways[stretch]))),
+        "steady_rate": abs(rate),
+        "steady_speed": fast,
+        "steady_drift": None if sideways is None else abs(sideways),
     }
 
 
-def _pull_out(trial: Trial, rudder: np.ndarray, plate: Plate, released: int) -> float | None:
+def _pull_out(steering: Steering, psi: Channel, plate: Plate, off: float) -> float | None:
     """Rate of turn left when the rudder has been midships for a while: the last fifth of what is recorded of it."""
-    t = trial["t"]
+    t, rudder = steering.channel.t, steering.channel.y
+    released = int(np.searchsorted(t, off, side="right"))
     after = np.flatnonzero(np.abs(rudder[released:]) < 0.1 * abs(plate.angle))
     if not after.size:
         return None
     begin = released + int(after[0])
+    # As long as the rudder is left where it was put.
+    lies = float(np.median(rudder[begin : begin + max(5, (len(t) - begin) // 10)]))
+    moved = np.flatnonzero(np.abs(rudder[begin:] - lies) > max(0.05 * abs(plate.angle), _LEFT_THERE))
+    end = float(t[begin + int(moved[0])]) if moved.size else steering.end
+    part = (psi.t >= end - 0.2 * (end - t[begin])) & (psi.t <= end)
     # The rate takes about as long to settle as the ship takes to turn by some 60 deg.
-    settled = t[-1] - t[begin] > 0.1 * (t[released - 1] - t[plate.first]) and len(t) - begin >= 10
-    if np.any(np.abs(rudder[begin:]) >= 0.2 * abs(plate.angle)) or not settled:
+    if (
+        end - t[begin] <= 0.1 * (off - t[plate.first])
+        or part.sum() < 3
+        or psi.hole(float(psi.t[part][0]), end) is not None
+    ):
         return None
-    last = t >= t[-1] - 0.2 * (t[-1] - t[begin])
-    return float(np.polynomial.polynomial.polyfit(t[last] - t[-1], trial["psi"][last], 1)[1])
+    return float(np.polynomial.polynomial.polyfit(psi.t[part] - end, psi.y[part], 1)[1])

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.executes import convention, first_execute, leaves
-from shipid.trials.measuring.measures import ZigZag
-from shipid.trials.measuring.track import speed
+from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
+from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
+from shipid.trials.measuring.track import distance_between, speed_channel
+from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series
+from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import plates, regular
 from shipid.trials.trial import Trial
 
 _WIDTH = 0.03
 """Local fits and averages span this share of the time between two reversals, on either side."""
+
+_BRIDGED = 0.1
+"""Holes up to this share of the time between two reversals are bridged: a cubic through the samples on both sides is off by
+less than 0.1 deg there, at the top of a swing and where the rudder is reversed."""
 
 
 def overshoots_of(
@@ -97,17 +107,19 @@ def _first_side(t: np.ndarray, psi: np.ndarray, at: Sequence[float], start: floa
     return 1 if not before.size or at[0] >= before[0] else -1
 
 
-def measure_zigzag(trial: Trial, execute: str | None, length: float | None) -> ZigZag:
-    """Measure a zig-zag (see `shipid.trials.measure`).
+def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faults: Faults) -> ZigZag:
+    """Measure a zig-zag (see `shipid.trials.measuring.measure.measure`).
 
     Parameters
     ----------
     trial : Trial
         The trial, or a window of it, with heading and rudder.
-    execute : {"moved", "order"} or None
+    execute : {"order", "moved"} or None
         How the execute is read.
     length : float or None
         Ship length [m].
+    faults : Faults
+        What the doctor found.
 
     Returns
     -------
@@ -118,74 +130,206 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None) -> Z
     NotAManoeuvreError
         If the rudder never goes from one plate to the opposite one.
     """
-    execute, rudder = convention(trial, execute)
-    t, psi = trial["t"], trial["psi"]
-    held = regular(plates(rudder))
+    steering = steering_of(trial, execute, wrong=_wrong_rudder(trial, faults))
+    held = regular(plates(steering.channel.y))
     if len(held) < 2:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' is no zig-zag: the rudder does not go from one held angle to the opposite one. "
             "Choose the window of the manoeuvre (FILE@start:end), or state its kind."
         )
-    executes = [leaves(t, rudder, plate, execute) for plate in held[:-1]]
+    steering = rate_of(steering, held)
+    executes = [leaves(steering, plate) for plate in held[:-1]]
+    when = [e.time for e in executes]
+    end = steering.after(held[-1])
+    logged = channel_of(trial, "psi", faults.wrong.get("psi"))
+    half_period = _half_period([*when, end])
+    psi = logged.bridged(_BRIDGED * half_period)
     side = held[0].side
-    end = float(t[min(held[-1].last, len(t) - 1)])
-    found = swings(t, psi, executes, side=side, end=end)
-    at = np.array([heading for _, _, heading in found])
-    start = first_execute(t, rudder, held[0], execute)
-    if start is not None and (held[0].first == 0 or start[0] >= executes[0]):
+    found = swings(psi.t, psi.y, when, side=side, end=end)
+    start = first_execute(steering, held[0])
+    if start is not None and (held[0].first == 0 or start[0].time >= when[0]):
         start = None
-    course = _course(t, psi, at, side, start[0] if start else None)
+    at = np.array([heading for _, _, heading in found])
+    course, notes = _course(psi, at, side, None if start is None else start[0].time)
+    reasons: dict[str, str] = {}
+    known = [_unknown(steering, psi, executes, k, end, faults, reasons) for k in range(len(executes))]
     signs = side * (-1.0) ** np.arange(len(at))
-    change = float(np.median(signs * (at - course)))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
-    ordered = [float(np.interp(leaves(t, rudder, plate, "order"), t, psi)) for plate in held[:-1]]
-    switch = float(np.median(signs * (np.array(ordered) - course)))
-    angle = float(np.median([abs(plate.angle) for plate in held]))
-    first = start[0] if start else None
-    moving = speed(trial)
-    distance = None
-    if first is not None and moving is not None:
-        during = (t >= first) & (t <= executes[0])
-        if during.sum() > 1:
-            distance = float(np.trapezoid(moving[during], t[during]))
-    cycles = [b - a for a, b in zip(executes, executes[2:])]
-    half = _WIDTH * _half_period([*executes, end])
+    ordered = at
+    if steering.reading == "moved":
+        by_order = replace(steering, reading="order")
+        ordered = np.array([_at(psi, leaves(by_order, plate).time) for plate in held[:-1]])
+    beyond_moved = None
+    if steering.reading == "order" and not steering.logged and steering.rate is not None:
+        by_rudder = replace(steering, reading="moved")
+        later = [_at(psi, leaves(by_rudder, plate).time) for plate in held[:-1]]
+        beyond_moved = tuple(
+            None if swing[0] is None or not ok else max(0.0, float(swing[0] + s * (h - v)))
+            for swing, s, h, v, ok in zip(found, signs, at, later, known)
+        )
+    overshoots = tuple(swing[0] if ok else None for swing, ok in zip(found, known))
+    tops = tuple(swing[1] if ok else None for swing, ok in zip(found, known))
+    first = start[0] if start is not None else None
+    half = _WIDTH * half_period
+    beginning = _beginning(trial, psi, course, side, first, executes[0], faults, reasons, half)
+    shown = [e.time if e.hole is None else None for e in executes]
+    cycles = [b - a for a, b in zip(shown, shown[2:]) if a is not None and b is not None]
+    distance = beginning["initial_turning_distance"]
+    angle_held = float(np.median([abs(plate.angle) for plate in held]))
+    switch = float(np.median(signs * (ordered - course)))
     return ZigZag(
         trial=trial.name,
-        execute=execute,
+        execute=steering.reading,
+        read_from=steering.words,
         nominal=f"{_nominal(max(abs(plate.angle) for plate in held))}/{_nominal(switch)}",
         first_side="starboard" if side > 0 else "port",
-        rudder=angle,
-        heading=change,
+        rudder=angle_held,
+        rudder_rate=steering.rate,
+        heading=float(np.median(signs * (at - course))),
         course=course,
-        approach_speed=None if moving is None or first is None else series.value_at(t, moving, first, half, 1),
-        first_execute=first,
-        executes=tuple(executes),
-        execute_headings=tuple(float(v) for v in at - course),
-        overshoots=tuple(swing[0] for swing in found),
-        extreme_headings=tuple(
-            None if swing[0] is None else float(swing[2] + s * swing[0] - course) for swing, s in zip(found, signs)
+        executes=tuple(shown),
+        execute_within=max(e.within for e in executes),
+        execute_headings=tuple(
+            float(v) if f"execute_headings[{k}]" not in reasons else None for k, v in enumerate(at - course, start=1)
         ),
-        times_to_check_yaw=tuple(None if w is None else w - e for (_, w, _), e in zip(found, executes)),
+        overshoots=overshoots,
+        overshoot_uncertainties=tuple(
+            None if beyond is None else overshoot_uncertainty(psi, logged, e, top, half)
+            for beyond, top, e in zip(overshoots, tops, executes)
+        ),
+        overshoots_moved=beyond_moved,
+        extreme_headings=tuple(
+            None if beyond is None else float(swing[2] + s * beyond - course)
+            for swing, beyond, s in zip(found, overshoots, signs)
+        ),
+        times_to_check_yaw=tuple(None if top is None else top - e for top, e in zip(tops, when)),
         period=float(np.mean(cycles)) if cycles else None,
-        reach=_reach(t, psi, course, side, first, executes[0]),
-        initial_turning_time=None if first is None else executes[0] - first,
-        initial_turning_distance=distance,
         initial_turning_ratio=None if distance is None or length is None else distance / length,
-    )
+        reasons=reasons,
+        notes=(*notes, *_left_out(logged), *_left_out(steering.channel), *_bridges(logged, psi, when, faults),
+               *faults.notes(("psi", steering.channel.name))),
+        **beginning,
+    )  # fmt: skip
 
 
-def _course(t: np.ndarray, psi: np.ndarray, at: np.ndarray, side: int, first: float | None) -> float:
-    """The initial course: the heading at the first execute if that fits the reversals, else their middle."""
+def _wrong_rudder(trial: Trial, faults: Faults) -> np.ndarray | None:
+    """Samples of the rudder that count as missing, of whichever column is read."""
+    name = "delta_order" if trial.has("delta_order") and not trial.has("delta") else "delta"
+    return faults.wrong.get(name)
+
+
+def _at(psi: Channel, when: float) -> float:
+    return float(np.interp(when, psi.t, psi.y))
+
+
+def _unknown(
+    steering: Steering,
+    psi: Channel,
+    executes: Sequence[Execute],
+    k: int,
+    end: float,
+    faults: Faults,
+    reasons: dict[str, str],
+) -> bool:
+    """Whether the overshoot after reversal `k` is known; writes the reasons where something is not."""
+    one, then = executes[k], executes[k + 1].time if k + 1 < len(executes) else end
+    hole = one.hole
+    place = f"[{k + 1}]"
+    why = None
+    if hole is not None:
+        why = faults.hole(steering.channel.name, hole)
+        reasons["executes" + place] = why
+    elif (hole := psi.hole(one.time)) is not None:
+        why = faults.hole("psi", hole)
+    if why is not None:
+        reasons["execute_headings" + place] = why
+    else:
+        for a, b in psi.holes:
+            if a < then and b > one.time and _turns_back(psi, a, b, end):
+                why = faults.hole("psi", (a, b))
+                break
+    if why is None:
+        return True
+    for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):
+        reasons[name + place] = why
+    return False
+
+
+def _turns_back(psi: Channel, a: float, b: float, end: float) -> bool:
+    """Whether the heading turns back inside a hole, or may: the slopes on both sides differ in sign."""
+    before = np.flatnonzero(psi.t <= a + 1e-9)[-5:]
+    after = np.flatnonzero((psi.t >= b - 1e-9) & (psi.t <= end))[:5]
+    if before.size < 2 or after.size < 2:
+        return True
+    one, two = (float(np.polyfit(psi.t[part] - psi.t[part][0], psi.y[part], 1)[0]) for part in (before, after))
+    return one * two <= 0
+
+
+def _beginning(
+    trial: Trial,
+    psi: Channel,
+    course: float,
+    side: int,
+    first: Execute | None,
+    second: Execute,
+    faults: Faults,
+    reasons: dict[str, str],
+    half: float,
+) -> dict[str, float | None]:
+    """What is measured from the first execute: approach speed, initial turning, reach."""
+    names = ("approach_speed", "first_execute", "initial_turning_time", "initial_turning_distance", "reach")
+    result: dict[str, float | None] = dict.fromkeys(names)
+    if first is None:
+        for name in names:
+            reasons[name] = "the record does not show the rudder setting out for its first plate"
+        return result
+    if first.hole is not None:
+        for name in names:
+            reasons[name] = faults.hole("delta", first.hole)
+        return result
+    result["first_execute"] = first.time
+    if second.hole is None:
+        result["initial_turning_time"] = second.time - first.time
+    else:
+        reasons["initial_turning_time"] = reasons["initial_turning_distance"] = faults.hole("delta", second.hole)
+    moving = speed_channel(trial, faults.wrong)
+    if moving is not None:
+        moving = moving.bridged(0.5 * second.time - 0.5 * first.time if moving.digit is None else 0.0)
+        if (hole := moving.hole(first.time)) is not None:
+            reasons["approach_speed"] = faults.hole(moving.name, hole)
+        else:
+            result["approach_speed"] = series.value_at(moving.t, moving.y, first.time, half, 1)
+        if (hole := moving.hole(first.time, second.time)) is not None:
+            reasons["initial_turning_distance"] = faults.hole(moving.name, hole)
+        elif second.hole is None:
+            result["initial_turning_distance"] = distance_between(moving, first.time, second.time)
+    after = psi.t > second.time
+    back = series.crossing(psi.t[after], -side * (psi.y[after] - course), 0.0)
+    if back is not None and (hole := psi.hole(back)) is not None:
+        reasons["reach"] = faults.hole("psi", hole)
+    elif back is not None:
+        result["reach"] = back - first.time
+    return result
+
+
+def _course(psi: Channel, at: np.ndarray, side: int, first: float | None) -> tuple[float, list[str]]:
+    """The initial course, and what to say of it: the heading at the first execute, or the middle of the reversals."""
     if len(at) < 2:
-        return float(np.interp(first, t, psi)) if first is not None else float(psi[0])
+        if first is not None:
+            return _at(psi, first), []
+        return float(psi.y[0]), ["course: the record does not show the approach; its first heading is taken"]
     middle = 0.5 * float(np.median(at[0::2]) + np.median(at[1::2]))
     if first is None:
-        return middle
-    before = float(np.interp(first, t, psi))
+        return middle, ["course: the record does not show the approach; the middle of the reversals is taken"]
+    before = _at(psi, first)
     # Hand steering before the zig-zag leaves the ship off the course that the reversals are steered about.
     swing = 0.5 * abs(float(np.median(at[0::2]) - np.median(at[1::2])))
-    return before if abs(before - middle) < 0.15 * swing else middle
+    if abs(before - middle) < 0.15 * swing:
+        return before, []
+    return middle, [
+        f"course: the heading at the first execute was {angle(before)}, and the reversals are steered about "
+        f"{angle(middle)}; the latter is taken"
+    ]
 
 
 def _nominal(angle: float) -> int:
@@ -193,11 +337,13 @@ def _nominal(angle: float) -> int:
     return max(5 * round(degrees / 5), 5) if degrees >= 2.5 else round(degrees)
 
 
-def _reach(
-    t: np.ndarray, psi: np.ndarray, course: float, side: int, first: float | None, second: float
-) -> float | None:
-    if first is None:
-        return None
-    after = t > second
-    back = series.crossing(t[after], -side * (psi[after] - course), 0.0)
-    return None if back is None else back - first
+def _left_out(channel: Channel) -> list[str]:
+    if not channel.spikes:
+        return []
+    times = ", ".join(f"{when:.5g}" for when in channel.spikes[:3]) + (", ..." if len(channel.spikes) > 3 else "")
+    return [f"{len(channel.spikes)} single wild samples of {channel.name} are left out (at {times} s)"]
+
+
+def _bridges(logged: Channel, psi: Channel, executes: Sequence[float], faults: Faults) -> list[str]:
+    inside = [h for h in logged.holes if h not in psi.holes and h[1] > executes[0]]
+    return [f"{faults.hole('psi', hole)} is bridged by a cubic through its neighbours" for hole in inside]

@@ -11,6 +11,12 @@ from shipid.trials.checks import STEADY_RUDDER
 _DWELL = 0.15
 """A plate on which the rudder spends less of its stretch than this is hand steering."""
 
+_IDLE = 0.3
+"""A plate with more of its stretch amidships than this is no part of a zig-zag: the rudder was not reversed, but let go."""
+
+_LET_GO = 0.5
+"""A rudder that is less than half over for this share of the usual plate was let go: what follows is another plate."""
+
 
 @dataclass(frozen=True)
 class Plate:
@@ -23,13 +29,16 @@ class Plate:
     angle : float
         The rudder angle held, with its sign [rad].
     dwell : float
-        Share of the stretch that the rudder stays within 20 % of that angle.
+        Share of the stretch, as long as the rudder is over, that it stays within 20 % of that angle.
+    idle : float
+        Share of the stretch that the rudder lies within 15 % of that angle from midships.
     """
 
     first: int
     last: int
     angle: float
     dwell: float
+    idle: float = 0.0
 
     @property
     def side(self) -> int:
@@ -38,7 +47,7 @@ class Plate:
 
 
 def plates(rudder: np.ndarray) -> list[Plate]:
-    """Split a rudder record into plates of alternating sides.
+    """Split a rudder record into plates: at every change of side, and where the rudder was let go for long in between.
 
     Parameters
     ----------
@@ -55,14 +64,19 @@ def plates(rudder: np.ndarray) -> list[Plate]:
         return []
     over = np.where(rudder > size / 2, 1, np.where(rudder < -size / 2, -1, 0))
     held = np.flatnonzero(over)
-    turns = held[1:][np.diff(over[held]) != 0]
-    starts = [int(held[0]), *(int(k) for k in turns)]
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], over, [0]))) != 0)
+    runs = np.diff(edges)[over[edges[:-1]] != 0]
+    let_go = np.diff(held) > max(4.0, _LET_GO * float(np.median(runs)))
+    starts = [int(held[0]), *(int(k) for k in held[1:][(np.diff(over[held]) != 0) | let_go])]
     result = []
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
         angle = held_angle(stretch[stretch >= 0.5 * stretch.max()])
-        dwell = float(np.mean(np.abs(stretch - angle) <= 0.2 * angle))
-        result.append(Plate(first, last, float(over[first]) * angle, dwell))
+        # After the last plate the rudder may lie amidships for long.
+        put = stretch[: int(np.flatnonzero(stretch >= 0.5 * angle)[-1]) + 1]
+        dwell = float(np.mean(np.abs(put - angle) <= 0.2 * angle))
+        idle = float(np.mean(stretch < 0.15 * angle))
+        result.append(Plate(first, last, float(over[first]) * angle, dwell, idle))
     return result
 
 
@@ -84,7 +98,7 @@ def held_angle(values: np.ndarray) -> float:
 
 
 def regular(found: list[Plate]) -> list[Plate]:
-    """Return the longest run of plates of about the same angle, each held: the zig-zag without the hand steering.
+    """Return the longest run of plates of about the same angle, each held and reversed: the zig-zag without hand steering.
 
     Parameters
     ----------
@@ -107,6 +121,7 @@ def regular(found: list[Plate]) -> list[Plate]:
     run: list[Plate] = []
     for plate in found:
         fits = plate.dwell >= _DWELL and abs(abs(plate.angle) - nominal) <= 0.25 * nominal
-        run = [*run, plate] if fits else []
+        reversed_from = bool(run) and run[-1].idle <= _IDLE and run[-1].side != plate.side
+        run = [] if not fits else [*run, plate] if reversed_from else [plate]
         best = run if len(run) > len(best) else best
     return best

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import control
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from shipid.autopilot.design.closed_loop import to_control
 from shipid.autopilot.design.control_law import IntegralCourseController
 from shipid.generation.system import generate
 from shipid.parameters.draws import Drawn, draw_coefficients
+from shipid.parts.wind import Wind
 
 
 def test_a_course_change_equals_python_controls(container):
@@ -149,6 +152,19 @@ def test_the_sea_filter_is_set_to_the_waves_the_ship_meets(container):
         for values in ({}, {"sea_frequency": met})
     )
     assert own.rms_rudder[0] == pytest.approx(told.rms_rudder[0], rel=1e-9)
+
+
+def test_what_a_load_condition_lacks_is_added_to_its_own(sized):
+    """A ship of known length in its first condition; in the second the length is not known, and that of the design is taken."""
+    ship = shipid.find_ship("soesterberg")
+    parts = {n: v for n, v in ship.sections["particulars"].items() if n != "L"}
+    second = dataclasses.replace(ship, sections={**ship.sections, "particulars": parts})
+    pilot = shipid.design_autopilot("nomoto", [ship, second], speeds=[9.5])
+    loop = shipid.join("ship", shipid.find_model("nomoto"), Wind)
+    weather = standard_weather(pilot.length, 9.5)
+    assert weather.values(pilot, loop, 1)["L"] == pilot.length == ship.particular("L", "m")
+    assert "L" not in weather.values(pilot, loop, 0)
+    assert weather.values(pilot, loop) == weather.values(pilot, loop, 0)
 
 
 def test_the_weather_follows_froude():

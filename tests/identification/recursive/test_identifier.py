@@ -136,6 +136,17 @@ def test_record_and_samples_agree_to_the_last_bit(method, trial):
         estimate["gamma"]
 
 
+def test_intervals_of_the_first_samples_are_those_of_the_record(first_order, noisy):
+    """With a noise level three times too small: few innovations do not scale the intervals, enough of them do."""
+    record = noisy(0.1, count=60)
+    made = RecursiveIdentifier(first_order, method="rls", measured={"y": 0.1 / 3}, hold="zero")
+    result, online = made.identify(record), made.start()
+    for k in range(60):
+        estimate = online.update({n: c[k] for n, c in record.items()})
+        assert estimate.std_of("a") == pytest.approx(result.std_of("a")[k], rel=1e-12)
+    assert result.noise_ratio[5] == 1.0 and result.noise_ratio[59] > 2.0
+
+
 def test_a_saved_recursion_goes_on_as_if_nothing_had_happened(trial, tmp_path):
     made, path = on_ship("instrumental-variables", forgetting=0.999), tmp_path / "watch.json"
     samples = [{n: trial[n][k] for n in ("t", "r", "u", "delta")} for k in range(150)]

@@ -62,4 +62,4 @@ def test_text_in_a_parquet_file_is_named(simulated, tmp_path):
     frame.to_parquet(tmp_path / "log.parquet")
     found = next(f for f in check_trial(tmp_path / "log.parquet").findings if f.kind == "text")
     assert found.channel == "r" and found.rows == (40, 40)
-    assert "'broken'" in found.message and np.isclose(found.confidence, 0.99)
+    assert "'broken'" in found.message and "row 40" in found.message and np.isclose(found.confidence, 0.99)

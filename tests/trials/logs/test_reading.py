@@ -151,7 +151,10 @@ class TestParquet:
         pytest.importorskip("pyarrow")
         frame = self.frame().set_axis(["t [s]", "psi [deg]", "delta [deg]"], axis=1).astype({"psi [deg]": str})
         frame.to_parquet(tmp_path / "log.parquet")
-        with pytest.raises(e.TextInColumnError, match="psi"):
+        assert read_trial(tmp_path / "log.parquet").has("psi")  # numbers as text are numbers
+        frame.loc[5, "psi [deg]"] = "north"
+        frame.to_parquet(tmp_path / "log.parquet")
+        with pytest.raises(e.TextInColumnError, match=r"row 5, column 'psi .deg.': 'north'"):
             read_trial(tmp_path / "log.parquet")
         (tmp_path / "bad.parquet").write_bytes(b"PAR1 not really")
         with pytest.raises(e.TrialError, match="not a readable Parquet"):

@@ -21,11 +21,14 @@ def test_sine_in_closed_form(sine, side, interval):
     assert found.execute == "order"
     assert found.nominal == "20/20"
     assert found.first_side == ("starboard" if side > 0 else "port")
-    # The order falls on a sample: up to one interval late, at 1.9 deg/s * cos(asin(2/3)) = 1.4 deg/s.
-    late = interval
+    # The order falls between two samples, half an interval off at most, at 1.9 deg/s * cos(asin(2/3)) = 1.4 deg/s.
+    late = 0.5 * interval
+    assert found.execute_within == pytest.approx(late)
     np.testing.assert_allclose(found.executes, executes[: len(found.executes)], atol=late)
     assert len(found.overshoots) == 4
     np.testing.assert_allclose(np.degrees(found.overshoots), 10.0, atol=0.05 + 1.41 * late)
+    # What is stated as the uncertainty covers it (95 % of a uniform interval is what the margin of 1.1 stands for).
+    assert np.all(np.abs(np.degrees(found.overshoots) - 10.0) <= 1.1 * np.degrees(found.overshoot_uncertainties) + 0.02)
     # The extreme does not depend on when the execute was read.
     np.testing.assert_allclose(np.abs(np.degrees(found.extreme_headings)), 30, atol=0.03)
     np.testing.assert_allclose(found.times_to_check_yaw, check, atol=0.3 + late)
@@ -89,15 +92,20 @@ def ramped(rate=2.5, interval=0.1):
 
 def test_rudder_feedback_gives_the_order_back():
     trial, times = ramped()
-    found = measure(trial, execute="order")
+    found = measure(trial)
+    assert found.execute == "order" and "ramp of the rudder (2.5 deg/s)" in repr(found)
+    assert np.degrees(found.rudder_rate) == pytest.approx(2.5, rel=1e-6)
     assert found.first_execute == pytest.approx(times[0], abs=0.05)
     np.testing.assert_allclose(found.executes, times[1:], atol=0.05)
     np.testing.assert_allclose(np.degrees(found.overshoots[:4]), 10, atol=0.1)
+    # The other reading stands beside it.
+    moved = measure(trial, execute="moved")
+    np.testing.assert_allclose(found.overshoots_moved[:4], moved.overshoots[:4], atol=1e-3)
 
 
-def test_rudder_feedback_by_default_is_read_when_it_has_left_its_plate():
+def test_rudder_that_has_left_its_plate():
     trial, times = ramped()
-    found = measure(trial)
+    found = measure(trial, execute="moved")
     assert found.execute == "moved"
     # 15 % of 20 deg at 2.5 deg/s are 1.2 s, in which the heading runs on by 1.41 deg/s.
     np.testing.assert_allclose(found.executes, times[1:] + 1.2, atol=0.11)
@@ -114,7 +122,7 @@ def test_order_is_preferred_where_it_is_recorded():
     both = Trial.from_frame(frame, name="both")
     assert measure(both).execute == "order"
     np.testing.assert_allclose(measure(both).executes, times[1:], atol=0.11)
-    assert measure(both, execute="moved").executes == measure(trial).executes
+    assert measure(both, execute="moved").executes == measure(trial, execute="moved").executes
 
 
 def test_rudder_noise_does_not_move_the_executes():
@@ -192,7 +200,7 @@ def test_results_are_plain_and_readable(sine):
     )
     assert np.isnan(frame.set_index("quantity").loc["overshoots[2]", "value"])
     text = repr(found)
-    assert "zig-zag 20/20" in text and "not reached deg" in text and "nan" not in text
+    assert "zig-zag 20/20" in text and "not reached" in text and "nan" not in text
     with pytest.raises(AttributeError):
         found.period = 1.0
 

@@ -74,13 +74,15 @@ def ends_summer(before: float) -> bool:
     return moment.weekday() == 6 and moment.month in (3, 4, 9, 10, 11) and moment.hour < 4
 
 
-def spread(seconds: np.ndarray) -> tuple[np.ndarray, float | None]:
+def spread(seconds: np.ndarray, twice: np.ndarray | None = None) -> tuple[np.ndarray, float | None]:
     """Spread samples that share a stamp of low resolution evenly over it.
 
     Parameters
     ----------
     seconds : ndarray, shape (n,)
         The clock, not falling; NaN where there is no stamp.
+    twice : ndarray of bool, shape (n,), optional
+        Rows that stand twice; where most of the stamps that repeat do so for them, nothing is spread.
 
     Returns
     -------
@@ -93,6 +95,8 @@ def spread(seconds: np.ndarray) -> tuple[np.ndarray, float | None]:
     known = seconds[at]
     step = np.diff(known)
     if step.size < 2 or (step < 0).any() or not (step > 0).any() or np.mean(step == 0) < COARSE:
+        return seconds, None
+    if twice is not None and twice[at[1:]][step == 0].mean() > 0.5:
         return seconds, None
     resolution = next((r for r in reversed(_RESOLUTIONS) if _multiples(known, r)), None)
     if resolution is None:

@@ -167,8 +167,8 @@ def _content(column: pd.Series) -> str:
     if not pd.api.types.is_numeric_dtype(column.dtype):
         cells = cells.map(str).str.strip()
         cells = cells[~cells.isin(NOTHING)]
-        if cells.empty:
-            return "nothing"
+    if cells.empty:
+        return "number" if pd.api.types.is_numeric_dtype(column.dtype) else "nothing"
     values = pd.to_numeric(cells, errors="coerce").astype(float)
     if values.notna().mean() > 0.5:
         dates = values.between(19900101, 20401231) & (values % 1 == 0) & (values % 100).between(1, 31)

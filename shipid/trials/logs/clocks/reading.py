@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,6 +81,7 @@ def read_clock(
     where: str,
     stated: ClockFormat | None = None,
     line: Callable[[int], int] = same_row,
+    twice: np.ndarray | None = None,
 ) -> Clock | None:
     """Read a clock.
 
@@ -95,6 +96,8 @@ def read_clock(
         What a format file says of it.
     line : callable
         Gives the row number to name for a sample.
+    twice : ndarray of bool, shape (n,), optional
+        Rows whose samples are those of the row before: written twice, they have a right to the same stamp.
 
     Returns
     -------
@@ -112,18 +115,20 @@ def read_clock(
     if main.dtype.kind == "m":
         return None
     if main.dtype.kind == "M":
-        return _running(of_stamps(main), place)
+        return _running(of_stamps(main), place, twice)
     layout, numeric = stated.layout, is_number(main)
     if layout is not None and "%" in layout:
-        return _running(by_pattern(texts_of(main) if beside is None else joined(beside, main), stated, place), place)
+        return _running(
+            by_pattern(texts_of(main) if beside is None else joined(beside, main), stated, place), place, twice
+        )
     values = pd.to_numeric(main, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
     if layout is None and numeric:
-        layout = _layout(header, values)
+        layout = layout_of(header, values)
         if layout is None and beside is None:
             return None
     if layout is not None and layout not in DATE_ORDERS and layout not in TIMES:
-        return _running(of_numbers(values, layout, beside, stated, place), place)
-    return _running(of_text(texts_of(main) if beside is None else joined(beside, main), stated, place), place)
+        return _running(of_numbers(values, layout, beside, stated, place), place, twice)
+    return _running(of_text(texts_of(main) if beside is None else joined(beside, main), stated, place), place, twice)
 
 
 def with_clock(
@@ -156,8 +161,8 @@ def with_clock(
     rest = {header: column for header, column in table.items() if header not in found + others}
     beside = " and ".join(f"'{name}'" for name in others)
     notes = (f"Not used beside the clock '{found[-1]}': {beside}.",) if others else ()
-    clock = read_clock({header: table[header] for header in found}, where, stated, line)
     main = table[found[-1]]
+    clock = read_clock({header: table[header] for header in found}, where, stated, line, written_twice(rest.values()))
     if clock is not None:
         t = pd.Series(clock.seconds, index=main.index)
         return ClockedTable({"t [s]": t, **rest}, clock.start, (*clock.notes, *notes), clock.faults)
@@ -166,8 +171,28 @@ def with_clock(
     return ClockedTable({headers.header("t", unit_of_time(found[-1]) or ""): main, **rest}, None, notes)
 
 
-def _layout(header: str, values: np.ndarray) -> str | None:
-    """The layout of numbers, by their unit or their size; None for seconds that count from a beginning of their own."""
+def written_twice(columns: Iterable[pd.Series]) -> np.ndarray | None:
+    """Return which rows hold the samples of the row before; None where there are no columns.
+
+    Parameters
+    ----------
+    columns : iterable of pandas.Series
+        Those beside the clock.
+    """
+    same = [(column == column.shift()).to_numpy(dtype=bool, na_value=False) for column in columns]
+    return np.all(same, axis=0) if same else None
+
+
+def layout_of(header: str, values: np.ndarray) -> str | None:
+    """Return the layout of numbers, by their unit or their size; None for seconds that count from a beginning of their own.
+
+    Parameters
+    ----------
+    header : str
+        Of the column.
+    values : ndarray, shape (n,)
+        As printed.
+    """
     unit = unit_of_time(header)
     if unit is None:
         return layout_of_numbers(values, short(header))
@@ -178,7 +203,7 @@ def _layout(header: str, values: np.ndarray) -> str | None:
     return name if name is not None and epoch_in(values * factor) else None
 
 
-def _running(reading: Reading, place: Place) -> Clock:
+def _running(reading: Reading, place: Place, twice: np.ndarray | None) -> Clock:
     """Let a clock run on from its first stamp."""
     seconds, notes, faults = reading.seconds, list(reading.notes), list(reading.faults)
     at = np.flatnonzero(np.isfinite(seconds))
@@ -201,7 +226,7 @@ def _running(reading: Reading, place: Place) -> Clock:
         start = told = reading.zone.moment(origin, int(at[0]))
     seconds, summer, fault = _hour_back(seconds, reading, place)
     faults += fault
-    seconds, resolution = course.spread(np.round(seconds - origin, 6))
+    seconds, resolution = course.spread(np.round(seconds - origin, 6), twice)
     shared = []
     if resolution is not None:
         shared = [

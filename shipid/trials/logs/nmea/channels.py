@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 
 from shipid.declaration import units
-from shipid.trials.logs.nmea.errors import CalibrationError, NoHeadingError, NoRudderError
+from shipid.trials.logs.nmea.errors import CalibrationError, NoRudderError, NoSignalError
 from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.resampling import Signal
@@ -18,11 +18,17 @@ KNOT = 1852 / 3600
 """In m/s."""
 _DEG = pi / 180
 _USUAL_RUDDER = 45.0
+#: A rudder that moves less than this [deg] stands still, one that moves more is alive; twins further apart are not the same.
+_STILL, _MOVES, _APART = 0.5, 5.0, 2.0
 _QUALITIES = {1: "GPS", 2: "differential", 3: "precise", 4: "RTK", 5: "float RTK"}
 
-_TRUE: list[Wanted] = [("THS", ("heading",)), ("HDT", ("heading",))]
-_MAGNETIC: list[Wanted] = [("HDG", ("heading",)), ("HDM", ("heading",))]
+_TRUE: list[Wanted] = [("THS", ("heading",)), ("HDT", ("heading",)), ("127250", ("heading",))]
+_MAGNETIC: list[Wanted] = [("HDG", ("heading",)), ("HDM", ("heading",)), ("127250", ("magnetic",))]
 _LAST: list[Wanted] = [("VHW", ("heading",))]
+# Nothing says which north the yaw of an attitude counts from, and receivers put their course there.
+_ASKED: list[Wanted] = [("127257", ("yaw",))]
+_COURSE: list[Wanted] = [(kind, ("sog", "cog")) for kind in ("VTG", "RMC", "129026")]
+_PLACE: list[Wanted] = [(kind, ("lat", "lon")) for kind in ("GGA", "RMC", "GLL", "129025", "129029")]
 _BOTTOM_TRACK: Wanted = ("VBW", ("u_ground", "v_ground"))
 
 
@@ -41,14 +47,16 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     Returns
     -------
     dict of str to Signal
-        ``psi`` and at least one of ``delta`` and ``delta_order``; further ``r``, ``speeds`` (u, v), ``course`` or
-        ``bottom track`` (speed and course over ground, of a receiver or of a log), ``position`` (x, y of the antenna), ``wind`` and ``true wind``
-        (speed and components), ``depth``.
+        What is there of ``psi``, ``r``, ``delta``, ``delta_order``, ``speeds`` (u, v), ``course`` or ``bottom track`` (speed
+        and course over ground, of a receiver or of a log), ``position`` (x, y of the antenna), ``wind`` and ``true wind``
+        (speed and components), ``depth``, ``phi``, ``n_engine`` [1/s].
 
     Raises
     ------
-    NoHeadingError, NoRudderError
-        If the log lacks what makes a trial.
+    NoSignalError
+        If there is none of them.
+    NoRudderError
+        If the format file asks for a rudder that is not there.
     CalibrationError
         If the rudder cannot be in degrees.
     NoSuchSourceError
@@ -59,11 +67,6 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
     found: list[Signal | None] = [heading]
     found += [_rudder(log, times, fmt, "delta", "RSA", fmt.rudder)]
     found += [_rudder(log, times, fmt, "delta_order", "ROR", fmt.order)]
-    if found[1] is None and found[2] is None:
-        raise NoRudderError(
-            f"{log.where} holds no rudder angle: no RSA and no ROR with two valid values. Seen were {log.seen()}. Log the "
-            "rudder angle sensor (RSA) too; without the rudder there is nothing to identify or to measure."
-        )
     found += [
         _rate(log, times, fmt),
         _along_the_ship(log, times, fmt),
@@ -71,24 +74,32 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
         _position(log, times, fmt),
     ]
     found += _winds(log, times, fmt, heading)
-    if (depth := choose(log, times, fmt, "depth", [[("DPT", ("depth",))]])) is not None:
-        found.append(
-            Signal("depth", depth.t, depth.values, (f"depth: {depth.describe()}; below the transducer, in m.",))
+    for name, source, factor, note in (
+        ("depth", ("DPT", ("depth",)), 1.0, "below the transducer, in m"),
+        ("phi", ("127257", ("roll",)), _DEG, "the roll of an attitude"),
+        ("n_engine", ("127488", ("rpm",)), 1 / 60, "of the engine; a gear may stand between it and the propeller"),
+    ):
+        if (plain := choose(log, times, fmt, name, [[source]])) is not None:
+            found.append(Signal(name, plain.t, plain.values * factor, (f"{name}: {plain.describe()}; {note}.",)))
+    signals = {signal.name: signal for signal in found if signal is not None}
+    if not signals:
+        raise NoSignalError(
+            f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
+            f"course, wind or depth. Seen were {log.seen()}. Check which sentences the logger keeps."
         )
-    return {signal.name: signal for signal in found if signal is not None}
+    return signals
 
 
-def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal:
+def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     tiers = [_TRUE, _MAGNETIC, _LAST] if fmt.reference == "true" else [_MAGNETIC, _TRUE, _LAST]
+    if fmt.sources.get("psi", "").startswith("127257"):
+        tiers = [_ASKED]
     found = choose(log, times, fmt, "psi", tiers)
     if found is None:
-        raise NoHeadingError(
-            f"{log.where} holds no heading: none of THS, HDT, HDG, HDM and VHW has two valid values. Seen were "
-            f"{log.seen()}. Log the gyro compass too; a course over ground is not a heading."
-        )
+        return None
     psi = np.unwrap(found.values[:, 0] * _DEG)
     note, more = f"psi: {found.describe()}; degrees", []
-    if found.kind in ("HDG", "HDM"):
+    if found.origin.kind in ("HDG", "HDM") or found.fields == ("magnetic",):
         added, origin = _variation(log, fmt, found)
         if added is None:
             more.append(
@@ -107,36 +118,34 @@ def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal:
 def _variation(log: NmeaLog, fmt: NmeaFormat, found: SignalSource) -> tuple[float | None, str]:
     if fmt.variation is not None:
         return fmt.variation, f"{fmt.variation / _DEG:+.4g} deg, of the format file"
-    keys = [k for k in log.records if k == (found.kind, found.talker) and k[0] == "HDG"]
-    keys += [k for k in log.records if k[0] == "RMC"]
-    for kind, talker in keys:
-        said = log.records[kind, talker].values[:, {"HDG": 1, "RMC": 4}[kind]]
+    origins = [found.origin] if found.origin.kind in ("HDG", "127250") else []
+    origins += [origin for origin in log.records if origin.kind in ("RMC", "127258")]
+    for origin in origins:
+        said = log.records[origin].column("variation")
         if np.isfinite(said).any():
             value = float(np.nanmedian(said))
-            return value * _DEG, f"{value:+.4g} deg, of {talker}{kind}"
+            return value * _DEG, f"{value:+.4g} deg, of {origin.name}"
     return None, ""
 
 
 def _rudder(
     log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, name: str, kind: str, calibration: Calibration
 ) -> Signal | None:
-    sides: dict[str, tuple[str, ...]] = {"starboard": ("starboard",), "port": ("port",), "mean": ("starboard", "port")}
-    for use in (calibration.use,) if calibration.use else ("starboard", "port"):
-        found = choose(log, times, fmt, name, [[(kind, sides[use])]])
-        if found is not None:
-            break
+    found, use, more = _side(log, times, fmt, name, kind, calibration)
+    table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
+    if found is None and not calibration.use:
+        found = choose(log, times, fmt, name, [[("127245", ("position" if name == "delta" else "order",))]])
     if found is None:
-        if calibration.use and any(k == kind for k, _ in log.records) and name not in fmt.leave_out:
+        if calibration.use and any(origin.kind == kind for origin in log.records) and name not in fmt.leave_out:
             raise NoRudderError(
                 f"{log.where}: the format file asks for {calibration.use} of {kind}, and no {kind} has two valid values "
                 "there. Correct use in the format file."
             )
         return None
+    kind = found.origin.kind
     number = found.values.mean(axis=1)
-    note = f"{name}: {found.describe()}; {use}"
-    table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
-    more = []
-    if not calibration.stated:
+    note = f"{name}: {found.describe()}" + (f"; {use}" if use else "")
+    if not calibration.stated and kind != "127245":
         k = int(np.argmax(np.abs(number)))
         most = float(abs(number[k]))
         if most > 90:
@@ -164,18 +173,50 @@ def _rudder(
     return Signal(name, found.t, angle[:, None], (note + ".", *more))
 
 
+def _side(
+    log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, name: str, kind: str, calibration: Calibration
+) -> tuple[SignalSource | None, str, list[str]]:
+    """The rudder of twins that is taken, which one it is, and what the reader should know of the other."""
+    sides: dict[str, tuple[str, ...]] = {"starboard": ("starboard",), "port": ("port",), "mean": ("starboard", "port")}
+    found = {use: choose(log, times, fmt, name, [[(kind, sides[use])]]) for use in sides}
+    if calibration.use or found["starboard"] is None or found["port"] is None:
+        use = calibration.use or ("port" if found["starboard"] is None else "starboard")
+        return found[use], use, []
+    starboard, port = found["starboard"], found["port"]
+    degrees = calibration.scale / _DEG
+    moves = {use: float(np.ptp(side.values)) * degrees for use, side in (("starboard", starboard), ("port", port))}
+    still, alive = sorted(moves, key=lambda use: moves[use])
+    table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
+    if moves[still] < _STILL and moves[alive] > _MOVES:
+        at = float(np.median((starboard if still == "starboard" else port).values)) * degrees
+        note = (
+            f"WARNING: the {still} rudder of {kind} stands still at {at:.3g} deg while the {alive} one moves over {moves[alive]:.3g} "
+            f"deg: {name} is that of the {alive} rudder, as use = '{alive}' in {table} of a format file says it. Check the "
+            f"{still} sensor."
+        )
+        return found[alive], alive, [note]
+    apart = float(np.mean(np.abs(starboard.values[:, 0] - np.interp(starboard.t, port.t, port.values[:, 0])))) * degrees
+    more = f"{name}: the port rudder is logged too, and differs by {apart:.2g} deg on average; use = 'port' in {table} takes it."
+    return starboard, "starboard", [("WARNING: " if apart > _APART else "") + more]
+
+
 def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
-    found = choose(log, times, fmt, "r", [[("ROT", ("rate",))]])
+    found = choose(log, times, fmt, "r", [[("ROT", ("rate",)), ("127251", ("rate",))]])
     if found is None:
         return None
-    r = found.values * (fmt.rate_sign * units.factor(fmt.rate_unit, "rad/s"))
-    note = f"r: {found.describe()}; {fmt.rate_unit}" + (", sign changed" if fmt.rate_sign < 0 else "")
+    unit = fmt.rate_unit if found.origin.kind == "ROT" else "deg/min"
+    r = found.values * (fmt.rate_sign * units.factor(unit, "rad/s"))
+    note = (
+        f"r: {found.describe()}"
+        + (f"; {unit}" if found.origin.kind == "ROT" else "")
+        + (", sign changed" if fmt.rate_sign < 0 else "")
+    )
     return Signal("r", found.t, r, (note + ".",))
 
 
 def _along_the_ship(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     """Speeds along the ship and across of a log: through the water, over ground only where the format file asks for it."""
-    tiers: list[list[Wanted]] = [[("VBW", ("u", "v"))], [("VBW", ("u",)), ("VHW", ("u",))]]
+    tiers: list[list[Wanted]] = [[("VBW", ("u", "v"))], [("VBW", ("u",)), ("VHW", ("u",)), ("128259", ("u",))]]
     if fmt.speed == "ground":
         tiers = [[_BOTTOM_TRACK], [("VBW", ("u_ground",))]]
     found = choose(log, times, fmt, "u", tiers)
@@ -188,15 +229,17 @@ def _along_the_ship(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal 
     return Signal("speeds", found.t, found.values * KNOT, (f"{axes}: {found.describe()}; {over}, knots.",))
 
 
-def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> Signal | None:
+def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> Signal | None:
     """Speed and course over ground: of a receiver, else of a log that tracks the bottom."""
-    found = choose(log, times, fmt, "course", [[("VTG", ("sog", "cog")), ("RMC", ("sog", "cog"))], [_BOTTOM_TRACK]])
+    found = choose(log, times, fmt, "course", [_COURSE, [_BOTTOM_TRACK]])
     if found is None:
         return None
     note = f"SOG, COG: {found.describe()}; over ground, knots"
-    if found.kind != "VBW":
+    if found.origin.kind != "VBW":
         speed, course = found.values.T * ((KNOT,), (_DEG,))
         return Signal("course", found.t, np.column_stack((speed, np.unwrap(course))), (note + ".",))
+    if psi is None:
+        return None
     inside = (found.t >= psi.t[0]) & (found.t <= psi.t[-1])
     if inside.sum() < 2:
         return None
@@ -206,20 +249,19 @@ def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) 
     return Signal("bottom track", t, np.column_stack((np.hypot(forward, starboard), course)), (note,))
 
 
-def is_magnetic(psi: Signal) -> bool:
+def is_magnetic(psi: Signal | None) -> bool:
     """Return whether a heading is magnetic, with a variation that nothing states.
 
     Parameters
     ----------
-    psi : Signal
+    psi : Signal or None
         The heading.
     """
-    return any(note.startswith("WARNING: psi is the magnetic heading") for note in psi.notes)
+    return psi is not None and any(note.startswith("WARNING: psi is the magnetic heading") for note in psi.notes)
 
 
 def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
-    place = ("lat", "lon")
-    found = choose(log, times, fmt, "position", [[("GGA", place), ("RMC", place), ("GLL", place)]])
+    found = choose(log, times, fmt, "position", [_PLACE])
     if found is None:
         return None
     lat, lon = (found.values * _DEG).T
@@ -229,8 +271,8 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
         f"{lat[0] / _DEG:.7f}, longitude {lon[0] / _DEG:.7f}"
     )
     more = []
-    if found.kind == "GGA":
-        quality = log.records["GGA", found.talker].values[:, 3]
+    if found.origin.kind in ("GGA", "129029"):
+        quality = log.records[found.origin].column("quality")
         kinds, counts = np.unique(quality[np.isfinite(quality)], return_counts=True)
         if len(kinds) > 1:
             said = ", ".join(f"{_QUALITIES[int(k)]} {n}" for k, n in zip(kinds, counts))
@@ -238,20 +280,27 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
     return Signal("position", found.t, np.column_stack((north, east)), (note + ".", *more))
 
 
-def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal) -> list[Signal | None]:
+def _winds(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> list[Signal | None]:
     signals: list[Signal | None] = []
-    for name, fields in (("wind", ("angle", "speed")), ("true wind", ("true_angle", "true_speed"))):
-        found = choose(log, times, fmt, "wind", [[("MWV", fields)]])
-        if found is None:
-            continue
-        blows_to, speed = found.values[:, 0] * _DEG + pi, found.values[:, 1] * KNOT
-        if name == "true wind":
-            # The angle of a true wind, too, counts from the bow.
-            blows_to = blows_to + np.interp(found.t, psi.t, psi.values[:, 0])
-        columns = "wind_speed, wind_direction" + ("_relative" if name == "wind" else "")
-        columns = columns.replace("speed,", "speed_relative,") if name == "wind" else columns
-        note = f"{columns}: {found.describe()}; the direction was turned by 180 deg, to where the wind blows"
-        note += ", and by psi: MWV counts from the bow." if name == "true wind" else "."
-        vector = np.column_stack((speed, speed * np.cos(blows_to), speed * np.sin(blows_to)))
-        signals.append(Signal(name, found.t, vector, (note,)))
+    relative = choose(log, times, fmt, "wind", [[(kind, ("angle", "speed")) for kind in ("MWV", "130306")]])
+    if relative is not None:
+        signals.append(_wind("wind", relative, None))
+    north = choose(log, times, fmt, "wind", [[("130306", ("north_angle", "north_speed"))]])
+    bow = choose(log, times, fmt, "wind", [[(kind, ("true_angle", "true_speed")) for kind in ("MWV", "130306")]])
+    if north is not None:
+        signals.append(_wind("true wind", north, None))
+    elif bow is not None and psi is not None:
+        signals.append(_wind("true wind", bow, psi))
     return signals
+
+
+def _wind(name: str, found: SignalSource, psi: Signal | None) -> Signal:
+    """A wind as speed and components of the direction it blows to; one that counts from the bow is turned by psi."""
+    blows_to, speed = found.values[:, 0] * _DEG + pi, found.values[:, 1] * KNOT
+    if psi is not None:
+        blows_to = blows_to + np.interp(found.t, psi.t, psi.values[:, 0])
+    relative = "_relative" if name == "wind" else ""
+    note = f"wind_speed{relative}, wind_direction{relative}: {found.describe()}; the direction was turned by 180 deg, to where "
+    note += "the wind blows" + (f", and by psi: {found.origin.kind} counts from the bow." if psi is not None else ".")
+    vector = np.column_stack((speed, speed * np.cos(blows_to), speed * np.sin(blows_to)))
+    return Signal(name, found.t, vector, (note,))

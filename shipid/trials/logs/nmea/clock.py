@@ -9,13 +9,14 @@ import numpy as np
 
 from shipid.trials.errors import ClockError
 from shipid.trials.logs.nmea.errors import NoTimeError
-from shipid.trials.logs.nmea.lines import DAY
-from shipid.trials.logs.nmea.log import NmeaLog, Records
-from shipid.trials.logs.nmea.sentences import CARRIED
+from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
+from shipid.trials.logs.nmea.sentences.lines import DAY
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
 DISORDER = 0.5
 """Loggers with a thread a port swap lines; stamps of different sources may run back by this much [s]."""
+LATE = 2.0
+"""Of two receivers with one talker, one may be late by this much [s]; its UTC is not taken for the time of the line."""
 LONGEST = 10.0
 """No sentence is timed between two of UTC further apart than this, or than five of their intervals [s]."""
 
@@ -62,7 +63,7 @@ def read_clock(log: NmeaLog, fmt: NmeaFormat) -> LogClock:
     stamped = np.isfinite(log.stamps)
     utc = _best_utc(log)
     if stamped.mean() < 0.5 and utc is not None:
-        times, dated, notes = _by_utc(log, *utc)
+        times, dated, notes = _by_utc(log, utc)
     elif stamped.any():
         times, dated, notes = _by_stamps(log)
     else:
@@ -129,13 +130,13 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
         raise _jumped(log, before, int(at[k]), float(behind[k]), "logger's stamps")
     times = np.full(len(log.stamps), np.nan)
     times[at] = stamps
-    for (kind, talker), records in log.records.items():
+    for origin, records in log.records.items():
         own = records.order[np.isfinite(times[records.order])]
         back = np.flatnonzero(np.diff(times[own]) < 0)
         if back.size:
             k = int(back[0])
             raise _jumped(
-                log, int(own[k]), int(own[k + 1]), times[own[k]] - times[own[k + 1]], f"stamps of {talker}{kind}"
+                log, int(own[k]), int(own[k + 1]), times[own[k]] - times[own[k + 1]], f"stamps of {origin.name}"
             )
     swapped = int((behind > 0).sum())
     if swapped:
@@ -170,30 +171,29 @@ def _spread(times: np.ndarray) -> tuple[np.ndarray, bool]:
     return result, True
 
 
-def _utc_of(kind: str, records: Records) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+def _utc_of(records: Records) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
     """Sentences, UTC of day [s] and day, where the UTC is valid."""
-    fields = CARRIED[kind][0]
-    utc = records.values[:, fields.index("utc")]
+    utc = records.column("utc")
     has = np.isfinite(utc)
-    days = records.values[has, fields.index("day")] if "day" in fields else None
+    days = records.column("day")[has] if "day" in records.fields else None
     return records.order[has], utc[has], days
 
 
-def _best_utc(log: NmeaLog) -> tuple[str, str] | None:
+def _best_utc(log: NmeaLog) -> Origin | None:
     """The sentence and talker that says UTC most often; one alone, because each lags by its own."""
     counts = {
-        (kind, talker): len(np.unique(_utc_of(kind, records)[1]))
-        for (kind, talker), records in log.records.items()
-        if kind in _WITH_UTC
+        origin: len(np.unique(_utc_of(records)[1]))
+        for origin, records in log.records.items()
+        if origin.kind in _WITH_UTC
     }
-    counts = {key: n for key, n in counts.items() if n > 1}
-    return max(counts, key=lambda key: (counts[key], -_WITH_UTC.index(key[0]))) if counts else None
+    counts = {origin: n for origin, n in counts.items() if n > 1}
+    return max(counts, key=lambda o: (counts[o], -_WITH_UTC.index(o.kind))) if counts else None
 
 
-def _by_utc(log: NmeaLog, kind: str, talker: str) -> tuple[np.ndarray, bool, list[str]]:
-    order, utc, days = _utc_of(kind, log.records[kind, talker])
+def _by_utc(log: NmeaLog, origin: Origin) -> tuple[np.ndarray, bool, list[str]]:
+    order, utc, days = _utc_of(log.records[origin])
     notes = [
-        f"The time of a sentence is the UTC of {talker}{kind}, interpolated over the lines between two of them; how long "
+        f"The time of a sentence is the UTC of {origin.name}, interpolated over the lines between two of them; how long "
         "after a fix its sentence was sent is not known."
     ]
     dated = days is not None and bool(np.isfinite(days).all())
@@ -203,11 +203,14 @@ def _by_utc(log: NmeaLog, kind: str, talker: str) -> tuple[np.ndarray, bool, lis
     else:
         moments, passed = _unrolled(utc)
         notes += _midnights(passed)
-    step = np.diff(moments)
-    if (step < 0).any():
-        k = int(np.argmax(step < 0))
-        raise _jumped(log, int(order[k]), int(order[k + 1]), -step[k], f"UTC of {talker}{kind}")
-    fresh = np.append(True, step > 0)
+    latest = np.maximum.accumulate(moments)
+    behind = latest - moments
+    # A clock that jumps does so once; a second receiver is late all the time.
+    far = np.flatnonzero(behind > (LATE if np.mean(np.diff(moments) < 0) > 0.2 else 0.0))
+    if far.size:
+        k = int(far[0])
+        raise _jumped(log, int(order[k - 1]), int(order[k]), float(behind[k]), f"UTC of {origin.name}")
+    fresh = np.append(True, moments[1:] > latest[:-1])
     order, moments = order[fresh], moments[fresh]
     step = np.diff(moments)
     sentences = np.arange(len(log.numbers))
@@ -225,14 +228,14 @@ def _by_utc(log: NmeaLog, kind: str, talker: str) -> tuple[np.ndarray, bool, lis
 
 def _with_date(log: NmeaLog, times: np.ndarray) -> tuple[np.ndarray, bool, list[str]]:
     """Add the date of another sentence, where one says it."""
-    for (kind, talker), records in log.records.items():
-        if "day" not in CARRIED[kind][0]:
+    for origin, records in log.records.items():
+        if "day" not in records.fields:
             continue
-        order, utc, days = _utc_of(kind, records)
+        order, utc, days = _utc_of(records)
         assert days is not None
         both = np.flatnonzero(np.isfinite(days) & np.isfinite(times[order]))
         if both.size:
             k = int(both[0])
             midnight = round((days[k] * DAY + utc[k] - times[order[k]]) / DAY) * DAY
-            return times + midnight, True, [f"The date is that of {talker}{kind}."]
+            return times + midnight, True, [f"The date is that of {origin.name}."]
     return times, False, []

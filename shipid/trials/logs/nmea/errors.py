@@ -10,7 +10,7 @@ class NmeaError(TrialError):
 
 
 class NotNmeaError(NmeaError):
-    """The file holds no NMEA 0183 sentence, or is not text."""
+    """The file holds neither an NMEA 0183 sentence nor an NMEA 2000 message in canboat's form."""
 
 
 class BrokenLogError(NmeaError):
@@ -21,12 +21,12 @@ class NoTimeError(NmeaError):
     """Nothing in the log says when a line was written."""
 
 
-class NoHeadingError(NmeaError):
-    """No sentence of the log carries a heading."""
+class NoSignalError(NmeaError):
+    """No sentence of the log carries anything that a trial can hold."""
 
 
 class NoRudderError(NmeaError):
-    """No sentence of the log carries a rudder angle or order."""
+    """The format file asks for a rudder that the log does not hold."""
 
 
 class CalibrationError(NmeaError):

@@ -12,9 +12,10 @@ from shipid.trials.errors import LooksLikeDegreesError
 from shipid.trials.logs.nmea.channels import is_magnetic, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
-from shipid.trials.logs.nmea.log import read_log
+from shipid.trials.logs.nmea.opening import read_log
 from shipid.trials.logs.nmea.resampling import Signal, resample
 from shipid.trials.logs.nmea.settings import NmeaFormat
+from shipid.trials.logs.nmea.streams import separated
 from shipid.trials.logs.record import LenientRecord
 
 SHORTEST = 0.1
@@ -24,6 +25,7 @@ _UNITS = {
     "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "SOG": "m/s",
     "COG": "rad",     "x": "m", "y": "m", "wind_speed": "m/s", "wind_direction": "rad", "wind_speed_relative": "m/s",
     "wind_direction_relative": "rad", "depth": "m",
+    "phi": "deg", "n_engine": "rps",
 }  # fmt: skip
 
 
@@ -55,11 +57,11 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     """
     log = read_log(file, fmt)
     clock = read_clock(log, fmt)
+    log = separated(log, clock.times)
     signals = read_signals(log, clock.times, fmt)
-    step = fmt.step or max(SHORTEST, round(signals["psi"].interval, 2))
-    leading: list[str] = [name for name in ("psi", "delta") if name in signals]
-    if "delta" not in signals:
-        leading.append("delta_order")
+    leading = [name for name in signals if name in ("psi", "delta", "delta_order")][:2]
+    leading = leading or [max(signals, key=lambda name: len(signals[name].t))]
+    step = fmt.step or max(SHORTEST, round(signals[leading[0]].interval, 2))
     t, found, left_out = resample(signals, leading, step, fmt.gap)
     if not t.size:
         ends = "; ".join(f"{n} from {signals[n].t[0]:.4g} to {signals[n].t[-1]:.4g} s" for n in leading)
@@ -87,27 +89,29 @@ def _columns(
     t: np.ndarray, found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
 ) -> dict[str, np.ndarray]:
     """Return the trial's columns, of signals that have its clock."""
-    psi = found["psi"][:, 0]
-    plain = ("psi", "r", "delta", "delta_order", "depth")
+    psi = found["psi"][:, 0] if "psi" in found else None
+    plain = ("psi", "r", "delta", "delta_order", "depth", "phi", "n_engine")
     result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
     forward, starboard = fmt.antenna or (0.0, 0.0)
     if "position" in found:
         x, y = found["position"].T
-        result["x"] = x - forward * np.cos(psi) + starboard * np.sin(psi)
-        result["y"] = y - forward * np.sin(psi) - starboard * np.cos(psi)
+        if psi is not None:
+            x = x - forward * np.cos(psi) + starboard * np.sin(psi)
+            y = y - forward * np.sin(psi) - starboard * np.cos(psi)
+        result |= {"x": x, "y": y}
     if "speeds" in found:
         result |= dict(zip(("u", "v"), found["speeds"].T))
     if "course" in found or "bottom track" in found:
         speed, course = found["course" if "course" in found else "bottom track"].T
         north, east = speed * np.cos(course), speed * np.sin(course)
-        c, s = np.cos(psi), np.sin(psi)
-        if "course" in found and (forward or starboard):
+        if "course" in found and psi is not None and (forward or starboard):
             # The antenna goes round midship.
-            r = _turning(t, found, signals["psi"])
+            r, c, s = _turning(t, found, signals["psi"]), np.cos(psi), np.sin(psi)
             north, east = north + r * (forward * s + starboard * c), east + r * (starboard * s - forward * c)
         result["SOG"] = np.hypot(north, east)
         result["COG"] = np.mod(np.arctan2(east, north), 2 * pi)
-        if fmt.speed == "ground" and "speeds" not in found and not is_magnetic(signals["psi"]):
+        if fmt.speed == "ground" and "speeds" not in found and psi is not None and not is_magnetic(signals["psi"]):
+            c, s = np.cos(psi), np.sin(psi)
             result |= {"u": north * c + east * s, "v": east * c - north * s}
     for name, tail in (("wind", "_relative"), ("true wind", "")):
         if name in found:
@@ -141,14 +145,16 @@ def _derived(
             "SOG is a speed over ground, and no sentence gives the speed through the water, u. State speed = 'ground' in "
             "[nmea] of a format file to have u and v of SOG, COG and psi; a current is then in them."
         )
-    if fmt.antenna is not None and {"position", "course"} & set(found):
+    if fmt.antenna is not None and "psi" not in columns:
+        notes.append("WARNING: x, y, SOG, COG are of the antenna: without a heading they cannot be brought to midship.")
+    elif fmt.antenna is not None and {"position", "course"} & set(found):
         notes.append(
             f"x, y, SOG, COG are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
             "of it."
         )
     elif "position" in found:
         notes.append("x, y are of the antenna; state [nmea.antenna] for those of midship.")
-    if "delta" in columns and "r" not in columns:  # with ROT, every trial is checked
+    if {"delta", "psi"} <= set(columns) and "r" not in columns:  # with ROT, every trial is checked
         slope = np.gradient(columns["psi"], columns["t"]) if len(columns["t"]) > 1 else columns["t"]
         if checks.turns_to_port(columns["t"], np.radians(columns["delta"]), np.radians(slope)):
             notes.append(
@@ -159,7 +165,7 @@ def _derived(
 
 def _rate_fault(signals: dict[str, Signal], where: str) -> tuple[CalibrationError, ...]:
     """Return the fault of a ROT that is not in the unit it is said to be in, by comparison with the heading."""
-    if "r" not in signals:
+    if not {"psi", "r"} <= set(signals):
         return ()
     psi, rate = signals["psi"], signals["r"]
     inside = (psi.t >= rate.t[0]) & (psi.t <= rate.t[-1])

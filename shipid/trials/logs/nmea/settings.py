@@ -34,11 +34,13 @@ Everything is optional; ``--format nmea`` alone stands for an empty table::
 
     [nmea.sources]             # which source is taken: sentence, or talker and sentence
     psi = "HEHDT"
-    position = "GGA"
+    position = "GPGGA#2"       # the second of two receivers with one talker
+    r = "127251#27"            # NMEA 2000: PGN and source
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
@@ -50,19 +52,22 @@ from shipid.declaration.tables import Table
 from shipid.foundation.errors import UnitError, nearest
 from shipid.trials.errors import FormatFileError
 from shipid.trials.logs.format import TrialFormat, common_entries, parse_format, read_format_table, sign_of
-from shipid.trials.logs.nmea.lines import stamp_reader
+from shipid.trials.logs.nmea.sentences.lines import stamp_reader
 
-#: What a log may hold, by the names of `NmeaFormat.sources` and `NmeaFormat.leave_out`, and the sentences that carry it.
+#: What a log may hold, by the names of `NmeaFormat.sources` and `NmeaFormat.leave_out`, and the sentences and PGNs that
+#: carry it.
 SIGNALS: dict[str, tuple[str, ...]] = {
-    "psi": ("THS", "HDT", "HDG", "HDM", "VHW"),
-    "r": ("ROT",),
-    "delta": ("RSA",),
-    "delta_order": ("ROR",),
-    "u": ("VBW", "VHW"),
-    "course": ("VTG", "RMC", "VBW"),
-    "position": ("GGA", "RMC", "GLL"),
-    "wind": ("MWV",),
+    "psi": ("THS", "HDT", "HDG", "HDM", "VHW", "127250", "127257"),
+    "r": ("ROT", "127251"),
+    "delta": ("RSA", "127245"),
+    "delta_order": ("ROR", "127245"),
+    "u": ("VBW", "VHW", "128259"),
+    "course": ("VTG", "RMC", "VBW", "129026"),
+    "position": ("GGA", "RMC", "GLL", "129025", "129029"),
+    "wind": ("MWV", "130306"),
     "depth": ("DPT",),
+    "phi": ("127257",),
+    "n_engine": ("127488",),
 }
 
 _TOP = ("title", "source", "ship", "encoding", "comment", "windows", "nmea")
@@ -70,6 +75,7 @@ _NMEA = (
     "stamp", "date", "interval", "gap", "speed", "leave_out",
     "rudder", "order", "heading", "rate", "antenna", "sources",
 )  # fmt: skip
+_ADDRESS = re.compile(r"[A-Z0-9]{3,8}(#[A-Za-z0-9_.-]{1,16})?")
 _RUDDER = ("use", "scale", "offset", "sign")
 
 
@@ -257,10 +263,12 @@ def _sources(table: Table) -> dict[str, str]:
     table.check_keys(SIGNALS)
     sources = {name: str(table.value(name, str)) for name in table}
     for name, address in sources.items():
-        if address[-3:] not in SIGNALS[name] or len(address) not in (3, 5):
+        if _ADDRESS.fullmatch(address) is None or not address.partition("#")[0].endswith(SIGNALS[name]):
             talker = "GP" if name in ("position", "course") else "HE"
+            example = SIGNALS[name][0] if SIGNALS[name][0].isdigit() else talker + SIGNALS[name][0]
             raise table.fail(
                 f"'{name}' is '{address}'. Write one of {', '.join(SIGNALS[name])}, with the talker before it or without, "
-                f"as in '{talker}{SIGNALS[name][0]}'."
+                f"as in '{example}'; behind a # the stream of one of several devices or the source of a PGN, as in "
+                f"'{example}#2'."
             )
     return sources

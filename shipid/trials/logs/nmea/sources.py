@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.trials.logs.nmea.errors import NoSuchSourceError
-from shipid.trials.logs.nmea.log import NmeaLog
-from shipid.trials.logs.nmea.sentences import CARRIED
+from shipid.trials.logs.nmea.log import NmeaLog, Origin
 from shipid.trials.logs.nmea.settings import NmeaFormat
 
 FEWEST = 10
@@ -25,8 +24,8 @@ class SignalSource:
 
     Attributes
     ----------
-    kind, talker : str
-        Sentence and talker.
+    origin : Origin
+        Sentence, talker and stream.
     fields : tuple of str
         The fields that were taken.
     t : ndarray, shape (n,)
@@ -41,8 +40,7 @@ class SignalSource:
         Sources of the same signal that were not taken.
     """
 
-    kind: str
-    talker: str
+    origin: Origin
     fields: tuple[str, ...]
     t: np.ndarray
     values: np.ndarray
@@ -58,7 +56,13 @@ class SignalSource:
 
     def describe(self) -> str:
         """Return sentence, talker, rate and rejections in words."""
-        text = f"{self.kind} of talker {self.talker}, {len(self.t)} values, {1 / self.interval:.3g} a second"
+        kind, talker, stream = self.origin
+        if kind.isdigit():
+            text = f"PGN {kind} of source {stream}"
+        else:
+            text = f"{kind} of talker {talker}" if talker else f"{kind} without a talker"
+            text += f" (stream {stream})" if stream else ""
+        text += f", {len(self.t)} values, {1 / self.interval:.3g} a second"
         if self.rejected:
             text += f", {self.rejected} rejected (empty or not valid)"
         if self.repeated:
@@ -66,8 +70,8 @@ class SignalSource:
         return text + (f"; {', '.join(self.others)} not used" if self.others else "")
 
 
-def take(log: NmeaLog, times: np.ndarray, kind: str, talker: str, fields: tuple[str, ...]) -> SignalSource | None:
-    """Return the values of one sentence and talker; None where fewer than two are valid.
+def take(log: NmeaLog, times: np.ndarray, origin: Origin, fields: tuple[str, ...]) -> SignalSource | None:
+    """Return the values of one origin; None where fewer than two are valid.
 
     Parameters
     ----------
@@ -75,8 +79,8 @@ def take(log: NmeaLog, times: np.ndarray, kind: str, talker: str, fields: tuple[
         The log.
     times : ndarray, shape (n,)
         Time of every sentence [s], NaN where it is not known.
-    kind, talker : str
-        Sentence and talker.
+    origin : Origin
+        Sentence, talker and stream.
     fields : tuple of str
         Its fields; a sentence counts where all of them are valid.
 
@@ -84,10 +88,8 @@ def take(log: NmeaLog, times: np.ndarray, kind: str, talker: str, fields: tuple[
     -------
     SignalSource or None
     """
-    records = log.records.get((kind, talker))
-    if records is None:
-        return None
-    values = records.values[:, [CARRIED[kind][0].index(name) for name in fields]]
+    records = log.records[origin]
+    values = np.column_stack([records.column(name) for name in fields])
     valid = np.isfinite(values).all(axis=1)
     timed = valid & np.isfinite(times[records.order])
     order = records.order[timed]
@@ -96,9 +98,21 @@ def take(log: NmeaLog, times: np.ndarray, kind: str, talker: str, fields: tuple[
     if last.sum() < 2:
         return None
     rejected, repeated = int((~valid).sum()), int((~last).sum())
-    return SignalSource(
-        kind, talker, fields, t[last], values[timed][last], log.numbers[order[last]], rejected, repeated
-    )
+    return SignalSource(origin, fields, t[last], values[timed][last], log.numbers[order[last]], rejected, repeated)
+
+
+def answers(origin: Origin, asked: str) -> bool:
+    """Return whether an origin is the one that is asked for: ``HDT``, ``HEHDT``, ``HEHDT#2``, ``127250``, ``127250#52``.
+
+    Parameters
+    ----------
+    origin : Origin
+        Of the log.
+    asked : str
+        Sentence, with the talker and the stream or without; empty for any.
+    """
+    address, _, stream = asked.partition("#")
+    return (origin.talker + origin.kind).endswith(address) and stream in ("", origin.stream)
 
 
 def check_sources(log: NmeaLog, sources: Mapping[str, str]) -> None:
@@ -117,7 +131,7 @@ def check_sources(log: NmeaLog, sources: Mapping[str, str]) -> None:
         With the sentences that were seen.
     """
     for signal, asked in sources.items():
-        if not any((talker + kind).endswith(asked) for kind, talker in log.records):
+        if not any(answers(origin, asked) for origin in log.records):
             raise NoSuchSourceError(
                 f"{log.where} holds no sentence {asked}, which the format file names as the source of {signal}. Seen were "
                 f"{log.seen()}."
@@ -157,8 +171,8 @@ def choose(
     for tier in tiers:
         level = []
         for kind, fields in tier:
-            talkers = sorted(t for k, t in log.records if k == kind and (t + kind).endswith(asked))
-            level += [f for t in talkers if (f := take(log, times, kind, t, fields)) is not None]
+            origins = sorted(origin for origin in log.records if origin.kind == kind and answers(origin, asked))
+            level += [f for origin in origins if (f := take(log, times, origin, fields)) is not None]
         found.append(level)
     every = [f for level in found for f in level]
     many = [f for f in every if len(f.t) >= FEWEST] or every
@@ -170,7 +184,7 @@ def choose(
         if able:
             most = max(len(f.t) for f in able)
             chosen = next(f for f in able if len(f.t) >= 0.9 * most)
-            names = dict.fromkeys(f"{f.talker}{f.kind}" for f in every if f is not chosen)
-            names.pop(chosen.talker + chosen.kind, None)
+            names = dict.fromkeys(f.origin.name for f in every if f is not chosen)
+            names.pop(chosen.origin.name, None)
             return replace(chosen, others=tuple(names))
     return None

@@ -12,7 +12,7 @@ import numpy as np
 from shipid.foundation.errors import UnknownNameError
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.geodesy import to_geographic
-from shipid.trials.logs.nmea.lines import checksum
+from shipid.trials.logs.nmea.sentences.lines import checksum
 from shipid.trials.logs.writing import text_file
 from shipid.trials.trial import Trial
 

@@ -4,8 +4,6 @@ from datetime import datetime, timedelta
 
 import pytest
 
-pytest.importorskip("pynmeagps")
-
 START = datetime(2026, 5, 4, 9, 0)
 
 
@@ -28,14 +26,16 @@ def sentence():
 
 @pytest.fixture
 def stamped():
-    """Log text: sentences by how often a second, with ISO stamps; ``{t}`` and functions of t are filled in."""
+    """Log text: sentences by how often a second, with ISO stamps; functions of t are filled in, and UTC 090000.00 runs."""
 
     def make(*wanted, seconds=20.0, stamp=iso, comment="# sea trial\n", end="\n") -> str:
         events = []
         for text, rate in wanted:
             for k in range(round(seconds * rate) + 1):
                 t = k / rate
-                events.append((t, text(t) if callable(text) else text))
+                body = text(t) if callable(text) else text
+                utc = START + timedelta(seconds=t)
+                events.append((t, body.replace("090000.00", f"{utc:%H%M%S}.{utc.microsecond // 10000:02d}")))
         lines = [
             stamp(t) + (body if body.startswith(("$", "!")) else summed(body))
             for t, body in sorted(events, key=lambda e: e[0])

@@ -7,7 +7,7 @@ import pytest
 
 from shipid.trials import errors as e
 from shipid.trials.logs.nmea.errors import NoTimeError
-from shipid.trials.logs.nmea.lines import stamp_reader
+from shipid.trials.logs.nmea.sentences.lines import stamp_reader
 from shipid.trials.logs.reading import read_trial
 
 START = datetime(2026, 5, 4, 9, 0)

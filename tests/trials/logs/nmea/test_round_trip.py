@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 import shipid
 from shipid.foundation.errors import MissingFileError, OverwriteError, UnknownNameError
-from shipid.trials.logs.nmea.lines import checksum as shipids_checksum
-from shipid.trials.logs.nmea.lines import split_line
+from shipid.trials.logs.nmea.sentences.lines import checksum as shipids_checksum
+from shipid.trials.logs.nmea.sentences.lines import split_line
 from shipid.trials.logs.nmea.writing import RATES, STAMPS, nmea_lines, sentence, write_nmea
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.trial import Trial

@@ -1,0 +1,242 @@
+"""NMEA 0183 as it is sent: sentences of one time are one sample, each quantity of one source."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import cos, isfinite, nan, pi, sin
+
+from shipid.declaration import units
+from shipid.trials.errors import EmptyFileError
+from shipid.trials.logs.clocks.calendar import DAY
+from shipid.trials.logs.clocks.settings import moment_text
+from shipid.trials.logs.live.table import LiveSample
+from shipid.trials.logs.nmea.channels import KNOT
+from shipid.trials.logs.nmea.errors import NotNmeaError
+from shipid.trials.logs.nmea.geodesy import to_local
+from shipid.trials.logs.nmea.sentences.fields import CARRIED
+from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time
+from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
+
+_DEG = pi / 180
+#: So many lines without a sentence, and no log is sent.
+_PATIENCE = 200
+#: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
+_KINDS = {signal: kinds for signal, kinds in SIGNALS.items() if signal not in ("wind", "depth")}
+
+
+class LiveNmea:
+    """NMEA 0183 as it is sent.
+
+    Of each signal the first source that is heard is taken, and a better one as soon as it is heard; a sample is what has come
+    with one time stamp. Without stamps the time is the UTC of the last fix.
+
+    Parameters
+    ----------
+    fmt : NmeaFormat
+        What the sentences leave open.
+    where : str
+        The log, for messages.
+    tell : callable
+        Takes what there is to say of a line.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The channels that were heard so far, after ``t``.
+    """
+
+    def __init__(self, fmt: NmeaFormat, where: str, tell: Callable[[str], None]) -> None:
+        self.names: tuple[str, ...] = ("t",)
+        self._fmt, self._where, self._tell = fmt, where, tell
+        self._stamp = stamp_reader(fmt.stamp)
+        self._source: dict[str, tuple[int, str]] = {}
+        self._now: float | None = None
+        self._origin: float | None = None
+        self._added = 0.0
+        self._stamped = False
+        self._sample: dict[str, float] = {}
+        self._line = self._sentences = self._lines = 0
+        self._place: tuple[float, float] | None = None
+        self._psi = nan
+        self._variation = fmt.variation
+
+    def take(self, number: int, line: str) -> Iterator[LiveSample]:
+        """Yield the sample that a line completes: the one before the first sentence of a new time.
+
+        Parameters
+        ----------
+        number : int
+            Of the line, counted from 1.
+        line : str
+            The line.
+
+        Yields
+        ------
+        LiveSample
+
+        Raises
+        ------
+        NotNmeaError
+            If none of many lines is a sentence.
+        """
+        text = line.strip()
+        if not text or text.startswith(("#", ";", "//", self._fmt.comment)):
+            return
+        self._lines += 1
+        sentence = split_line(text)
+        if sentence is None:
+            if not self._sentences and self._lines > _PATIENCE:
+                raise NotNmeaError(
+                    f"{self._where} is not an NMEA 0183 log: none of its first {self._lines} lines holds a sentence such as "
+                    "$HEHDT,123.4,T*2D."
+                )
+            self._tell(f"{self._where}, line {number}: no whole sentence; left out.")
+            return
+        tagged, sound = tag_time(sentence.front) if "\\" in sentence.front else (None, True)
+        if not sound or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
+            self._tell(f"{self._where}, line {number}: wrong checksum; left out.")
+            return
+        self._sentences += 1
+        stamp = (
+            None if self._fmt.stamp == "none" else tagged or (self._stamp(sentence.front) if sentence.front else None)
+        )
+        fields = self._fields(number, sentence.text, sentence.address[-3:])
+        if stamp is not None:
+            self._stamped = True
+            yield from self._passes(number, stamp.time, stamp.dated)
+        elif not self._stamped and isfinite(utc := fields.get("utc", nan)):
+            day = fields.get("day", nan)
+            dated = isfinite(day)
+            yield from self._passes(number, utc + (day * DAY if dated else 0.0), dated)
+        if self._now is not None and fields:
+            self._hear(sentence.address[-3:], sentence.address[:-3], fields)
+
+    def end(self) -> Iterator[LiveSample]:
+        """Yield the last sample.
+
+        Yields
+        ------
+        LiveSample
+
+        Raises
+        ------
+        EmptyFileError
+            If no sentence had a time.
+        """
+        if self._now is None:
+            raise EmptyFileError(
+                f"{self._where} ended before a sentence said its time: {self._sentences} sentences came. A logger's stamp "
+                "stands before the sentence; ZDA, RMC, GGA and GLL carry UTC."
+            )
+        yield from self._emit()
+
+    def _fields(self, number: int, text: str, kind: str) -> dict[str, float]:
+        """The fields of a sentence that is read here, by name."""
+        if kind not in CARRIED or text[0] != "$":
+            return {}
+        try:
+            values = CARRIED[kind][1](text.split(","))
+        except ValueError:  # a field that is no number
+            values = ()
+        if not values:
+            self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")
+        return dict(zip(CARRIED[kind][0], values))
+
+    def _passes(self, number: int, time: float, dated: bool) -> Iterator[LiveSample]:
+        """Go on to a time; the sample of the time before is complete."""
+        time += self._added
+        if not dated and self._now is not None and time - self._now < -DAY / 2:
+            self._added += DAY
+            time += DAY
+            self._tell(f"{self._where}, line {number}: The clock passes midnight.")
+        if self._now is not None and time != self._now:
+            yield from self._emit()
+        if self._origin is None:
+            self._origin = time
+            moment = moment_text(time, "") if dated and time > 366 * DAY else f"{time:.3f} s of the clock"
+            self._tell(f"{self._where}, line {number}: t = 0 is {moment}.")
+        self._now, self._line = time, number
+
+    def _emit(self) -> Iterator[LiveSample]:
+        if not self._sample or self._now is None or self._origin is None:
+            return
+        self.names += tuple(name for name in self._sample if name not in self.names)
+        yield LiveSample(self._line, {"t": round(self._now - self._origin, 6), **self._sample})
+        self._sample = {}
+
+    def _hear(self, kind: str, talker: str, fields: dict[str, float]) -> None:
+        """Put what a sentence says into the sample, where it is the source of the signal."""
+        if kind in ("HDG", "RMC") and self._fmt.variation is None and isfinite(fields.get("variation", nan)):
+            self._variation = fields["variation"] * _DEG
+        for signal, kinds in _KINDS.items():
+            if kind not in kinds or signal in self._fmt.leave_out:
+                continue
+            found = self._read(signal, kind, fields)
+            if not found or not self._is_source(signal, kind, talker):
+                continue
+            self._sample |= found
+
+    def _is_source(self, signal: str, kind: str, talker: str) -> bool:
+        wanted = self._fmt.sources.get(signal)
+        if wanted is not None:
+            return (talker + kind).endswith(wanted)
+        order = list(_KINDS[signal])
+        if signal == "psi" and self._fmt.reference == "magnetic":
+            order = ["HDG", "HDM", "THS", "HDT", "VHW"]
+        source = (order.index(kind), talker)
+        best = self._source.get(signal)
+        if best is None or source[0] < best[0]:
+            self._source[signal] = source
+            self._tell(f"{self._where}: {signal} is of {talker}{kind}.")
+            return True
+        return source == best
+
+    def _read(self, signal: str, kind: str, fields: dict[str, float]) -> dict[str, float]:
+        """What a sentence says of a signal, SI; nothing where it is not valid."""
+        fmt = self._fmt
+        if signal == "psi":
+            psi = fields["heading"] * _DEG + fmt.correction
+            if kind in ("HDG", "HDM") and self._variation is not None:
+                psi += self._variation
+            self._psi = psi if isfinite(psi) else self._psi
+            return _there(psi=psi)
+        if signal == "r":
+            return _there(r=fields["rate"] * fmt.rate_sign * units.factor(fmt.rate_unit, "rad/s"))
+        if signal in ("delta", "delta_order"):
+            return _there(**{signal: _angle(fields, fmt.rudder if signal == "delta" else fmt.order)})
+        if signal == "u":
+            ground = "_ground" if fmt.speed == "ground" and kind == "VBW" else ""
+            return _there(u=fields.get("u" + ground, nan) * KNOT, v=fields.get("v" + ground, nan) * KNOT)
+        if signal == "course" and kind != "VBW":
+            return _there(SOG=fields["sog"] * KNOT, COG=fields["cog"] * _DEG)
+        if signal == "position" and isfinite(fields["lat"]) and isfinite(fields["lon"]):
+            return self._metres(fields["lat"] * _DEG, fields["lon"] * _DEG)
+        return {}
+
+    def _metres(self, lat: float, lon: float) -> dict[str, float]:
+        """North and east of the first fix, of midship where the antenna is stated."""
+        if self._place is None:
+            self._place = (lat, lon)
+            self._tell(f"{self._where}: x, y are metres from latitude {lat / _DEG:.7f}, longitude {lon / _DEG:.7f}.")
+        north, east = (float(v) for v in to_local(lat, lon, self._place))
+        if self._fmt.antenna is not None and isfinite(self._psi):
+            from_midship = complex(*self._fmt.antenna)
+            turned = from_midship * complex(cos(self._psi), sin(self._psi))
+            north, east = north - turned.real, east - turned.imag
+        return {"x": north, "y": east}
+
+
+def _there(**values: float) -> dict[str, float]:
+    return {name: value for name, value in values.items() if isfinite(value)}
+
+
+def _angle(fields: dict[str, float], calibration: Calibration) -> float:
+    """Rudder angle of RSA or ROR, of the side that is wanted or there."""
+    starboard, port = fields["starboard"], fields["port"]
+    if calibration.use == "mean":
+        number = 0.5 * (starboard + port)
+    elif calibration.use == "port" or (calibration.use is None and not isfinite(starboard)):
+        number = port
+    else:
+        number = starboard
+    return calibration.sign * (calibration.scale * number + calibration.offset)

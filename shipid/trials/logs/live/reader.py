@@ -1,0 +1,81 @@
+"""A log as it is written, of whatever kind: a table or NMEA 0183, by the format or by its first line."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.live.nmea import LiveNmea
+from shipid.trials.logs.live.table import LiveSample, LiveTable
+from shipid.trials.logs.nmea.sentences.lines import split_line
+from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
+
+
+class LiveLog:
+    """The samples of a log as it is written.
+
+    Parameters
+    ----------
+    lines : iterable of str
+        Its lines as they come.
+    where : str
+        The log, for messages.
+    format : str, Path, TrialFormat or None
+        As for `shipid.read_trial`.
+    tell : callable
+        Takes what there is to say of a line: a line that is no sample is told with its number and left out.
+
+    Raises
+    ------
+    FormatFileError, MissingFileError
+        If the format file cannot be read.
+    """
+
+    def __init__(
+        self,
+        lines: Iterable[str],
+        where: str,
+        format: str | Path | TrialFormat | None,
+        tell: Callable[[str], None],
+    ) -> None:
+        self._lines, self._where, self._tell = lines, where, tell
+        self._format = chosen_format(format)
+        self._reader: LiveTable | LiveNmea | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The channels that are known so far."""
+        return self._reader.names if self._reader is not None else ()
+
+    @property
+    def settled(self) -> bool:
+        """Whether no further channel can come: a table names them all in its header."""
+        return isinstance(self._reader, LiveTable)
+
+    def __iter__(self) -> Iterator[LiveSample]:
+        """Yield the samples.
+
+        Raises
+        ------
+        TrialError
+            If the header cannot be read as that of a log, or nothing comes before the log ends.
+        """
+        before: list[str] = []
+        for number, line in enumerate(self._lines, start=1):
+            if self._reader is not None:
+                yield from self._reader.take(number, line)
+                continue
+            before.append(line)
+            if line.strip() and not line.lstrip().startswith("#"):
+                self._reader = self._choose(line)
+                for k, text in enumerate(before, start=1):
+                    yield from self._reader.take(k, text)
+        yield from (self._reader or LiveTable(self._format, self._where, self._tell)).end()
+
+    def _choose(self, line: str) -> LiveTable | LiveNmea:
+        fmt = self._format
+        if isinstance(fmt, NmeaFormat) or (fmt is None and split_line(line.strip()) is not None):
+            fmt = fmt if isinstance(fmt, NmeaFormat) else NmeaFormat("nmea", {})
+            return LiveNmea(fmt, self._where, self._tell)
+        return LiveTable(fmt, self._where, self._tell)

@@ -1,0 +1,147 @@
+"""Several devices behind one talker: their sentences are told apart, and a sentence that was sent twice counts once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from shipid.trials.logs.nmea.geodesy import to_local
+from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
+
+_FEWEST = 20
+"""Fewer sentences do not show whether they come from one device."""
+_ALTERNATING = 0.8
+"""So many steps have to lead from one device to the other."""
+_MOST = 4
+"""More devices do not share a talker."""
+_APART = 4.0
+"""Devices are told apart where they differ by this many times what the values of one of them scatter by."""
+
+#: Sentences by what tells two devices apart: the fields, and the least difference (m, deg, knots).
+_TELLING: dict[str, tuple[tuple[str, ...], float]] = {
+    **dict.fromkeys(("GGA", "RMC", "GLL"), (("lat", "lon"), 1.0)),
+    **dict.fromkeys(("HDT", "THS", "HDG", "HDM"), (("heading",), 0.3)),
+    **dict.fromkeys(("VHW", "VBW"), (("u",), 0.3)),
+    "RSA": (("starboard",), 1.0),
+}
+
+
+def separated(log: NmeaLog, times: np.ndarray) -> NmeaLog:
+    """Return the log with the streams of devices that share a talker kept apart, ``GPGGA#1`` and ``GPGGA#2``.
+
+    Parameters
+    ----------
+    log : NmeaLog
+        The log.
+    times : ndarray, shape (n,)
+        Time of every sentence [s], NaN where it is not known.
+
+    Returns
+    -------
+    NmeaLog
+        With a note for each talker that stands for two devices, and for each sentence that came twice.
+    """
+    records: dict[Origin, Records] = {}
+    notes = list(log.notes)
+    for origin, found in log.records.items():
+        once, twice = _once(found)
+        if twice:
+            notes.append(f"{twice} sentences {origin.name} repeat the one before with its UTC: they count once.")
+        labels, apart = _labels(origin, once, times) if origin.kind in _TELLING else (None, "")
+        if labels is None:
+            records[origin] = once
+            continue
+        parts = [origin._replace(stream=f"{origin.stream}{k + 1}") for k in range(int(labels.max()) + 1)]
+        for k, part in enumerate(parts):
+            records[part] = once.keep(labels == k)
+        names = ", ".join(part.name for part in parts)
+        notes.append(
+            f"WARNING: {origin.name} comes from {len(parts)} devices that share a talker, {apart} apart. They are kept apart as "
+            f"{names}; [nmea.sources] of a format file says which one is taken, as in '{parts[1].name}'."
+        )
+    return replace(log, records=records, notes=notes)
+
+
+def _once(records: Records) -> tuple[Records, int]:
+    """Leave out a sentence that says the same as the one before, UTC included: a multiplexer sent it twice."""
+    if "utc" not in records.fields or len(records.order) < 2:
+        return records, 0
+    utc = records.column("utc")
+    same = np.all(
+        (records.values[1:] == records.values[:-1]) | np.isnan(records.values[1:] + records.values[:-1]), axis=1
+    )
+    repeats = np.append(False, same & np.isfinite(utc[1:]) & (utc[1:] == utc[:-1]))
+    return records.keep(~repeats), int(repeats.sum())
+
+
+def _labels(origin: Origin, records: Records, times: np.ndarray) -> tuple[np.ndarray | None, str]:
+    """The device of each sentence, counted from 0, and how far they are apart; None where there is one device."""
+    fields, least = _TELLING[origin.kind]
+    values = np.column_stack([records.column(name) for name in fields])
+    t = times[records.order]
+    valid = np.isfinite(values).all(axis=1) & np.isfinite(t)
+    if valid.sum() < _FEWEST:
+        return None, ""
+    t, values, unit = t[valid], values[valid], {"u": "knots", "heading": "deg", "starboard": "deg"}.get(fields[0], "m")
+    if fields[0] == "lat":
+        lat, lon = np.radians(values.T)
+        values = np.column_stack(to_local(lat, lon, (float(lat[0]), float(lon[0]))))
+    elif fields[0] == "heading":
+        values = np.unwrap(values, period=360, axis=0)
+    step = _steps(t, values)
+    found = _alternating(t, values, step, least)
+    if found is None and "utc" in records.fields:
+        found = _within_an_epoch(records.column("utc")[valid])
+    if found is None:
+        return None, ""
+    size = np.linalg.norm(step, axis=1)
+    labels = np.zeros(len(valid), dtype=int)
+    labels[valid] = found
+    return labels, f"{float(np.median(size[np.diff(found) != 0])):.2g} {unit}"
+
+
+def _steps(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """From each value to the next, less what the ship's motion makes of it; shape (n - 1, k)."""
+    span = np.maximum(t[2:] - t[:-2], 1e-3)
+    # Two sentences later the same device speaks again, if there are two.
+    slope = median_filter((values[2:] - values[:-2]) / span[:, None], size=(5, 1), mode="nearest")
+    slope = np.vstack((slope[:1], slope))
+    return np.asarray(np.diff(values, axis=0) - slope * np.diff(t)[:, None])
+
+
+def _alternating(t: np.ndarray, values: np.ndarray, step: np.ndarray, least: float) -> np.ndarray | None:
+    """Labels of two devices that take turns: the values jump there and back. A turn may be missed."""
+    size = np.linalg.norm(step, axis=1)
+    typical = float(np.median(size))
+    if typical < least:
+        return None
+    over = size > 0.5 * typical
+    labels = np.append(0, np.cumsum(over) % 2)
+    back = np.sum(step[1:] * step[:-1], axis=1) < 0
+    if over.mean() < _ALTERNATING or back.mean() < _ALTERNATING:
+        return None
+    scatter = [_scatter(t[labels == k], values[labels == k]) for k in (0, 1)]
+    return labels if typical > _APART * max(scatter) else None
+
+
+def _scatter(t: np.ndarray, values: np.ndarray) -> float:
+    """Median distance of a value from the line through its neighbours."""
+    if len(t) < 5:
+        return np.inf
+    share = ((t[1:-1] - t[:-2]) / np.maximum(t[2:] - t[:-2], 1e-3))[:, None]
+    between = values[:-2] + share * (values[2:] - values[:-2])
+    return float(np.median(np.linalg.norm(values[1:-1] - between, axis=1)))
+
+
+def _within_an_epoch(utc: np.ndarray) -> np.ndarray | None:
+    """Labels by the order within a UTC: one receiver has one position at a time."""
+    fresh = np.append(True, np.diff(utc) != 0)
+    first = np.flatnonzero(fresh)
+    rank = np.arange(len(utc)) - first[np.cumsum(fresh) - 1]
+    count = np.diff(np.append(first, len(utc)))
+    most = int(np.median(count))
+    if not 2 <= most <= _MOST or count.size < _FEWEST // 2 or (count >= 2).mean() < _ALTERNATING:
+        return None
+    return np.asarray(np.minimum(rank, most - 1))

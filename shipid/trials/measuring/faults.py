@@ -1,0 +1,113 @@
+"""What the doctor found that bears on measured numbers: samples that count as missing, and what to say beside the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.findings import SURE, Diagnosis, Finding
+from shipid.trials.trial import Trial
+
+#: Kinds of findings whose samples show nothing of the ship.
+_SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jump")
+#: A finding about single samples that are scattered says where they begin and end, not which they are.
+_TOGETHER = 0.8
+_NAMES = {
+    "psi": "the heading", "delta": "the rudder", "delta_order": "the order", "x": "the position", "y": "the position",
+    "u": "the speed", "v": "the speed", "U": "the speed", "r": "the rate of turn",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Faults:
+    """What is wrong with the channels of a trial.
+
+    Attributes
+    ----------
+    diagnosis : Diagnosis
+        What the doctor says.
+    wrong : Mapping of str to ndarray of bool, shape (samples,)
+        Samples that count as missing, by column.
+    why : Mapping of str to sequence of (float, float, str)
+        From when to when [s] these samples are, and what is wrong with them, by column.
+    """
+
+    diagnosis: Diagnosis
+    wrong: Mapping[str, np.ndarray] = field(default_factory=dict)
+    why: Mapping[str, Sequence[tuple[float, float, str]]] = field(default_factory=dict)
+
+    def hole(self, name: str, hole: tuple[float, float]) -> str:
+        """Return why nothing is known in a hole of a channel, in words.
+
+        Parameters
+        ----------
+        name : str
+            The column.
+        hole : tuple of float
+            From when to when [s].
+        """
+        a, b = hole
+        for start, end, kind in self.why.get(name, ()):
+            if start < b and end > a:
+                return f"{kind} {start:.5g} to {end:.5g} s in {_NAMES.get(name, name)}"
+        return f"gap {a:.5g} to {b:.5g} s in {_NAMES.get(name, name)}"
+
+    def notes(self, names: Sequence[str]) -> list[str]:
+        """Return what the doctor is sure of about these columns and what is not left out already.
+
+        Parameters
+        ----------
+        names : sequence of str
+            The columns that are measured.
+        """
+        said = []
+        for found in self.diagnosis.findings:
+            channels = set(found.channel.split(","))
+            # A gap is told at the numbers it touches.
+            if found.serious and found.kind not in ("gap", "short") and channels & {*names, "t"}:
+                left_out = any(
+                    self.wrong[n][_rows(found, len(self.wrong[n]))].any() for n in channels & set(self.wrong)
+                )
+                said.append(f"{found.kind} ({found.channel}): {found.message}" + ("; left out" if left_out else ""))
+        return said
+
+
+def faults_of(trial: Trial, diagnosis: Diagnosis | None) -> Faults:
+    """Return what is wrong with the channels of a trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    diagnosis : Diagnosis or None
+        What the doctor says of it; the doctor is asked where it is None.
+
+    Returns
+    -------
+    Faults
+    """
+    said = check_trial(trial) if diagnosis is None else diagnosis
+    t = trial["t"]
+    wrong: dict[str, np.ndarray] = {}
+    why: dict[str, list[tuple[float, float, str]]] = {}
+    for found in said.findings:
+        together = found.count >= _TOGETHER * (found.rows[1] - found.rows[0] + 1)
+        if found.kind not in _SHOW_NOTHING or found.confidence < SURE or found.handled or not together:
+            continue
+        if found.kind == "outlier" and found.count < 3:
+            # Single wild samples are found again, one by one.
+            continue
+        start, end = found.seconds
+        mask = (t >= start - 1e-9) & (t <= end + 1e-9)
+        for name in found.channel.split(","):
+            if trial.has(name) and mask.sum() < 0.5 * len(t):
+                wrong[name] = wrong.get(name, np.zeros(len(t), dtype=bool)) | mask
+                why.setdefault(name, []).append((start, end, found.kind.replace("heading-glitch", "glitches")))
+    return Faults(said, wrong, why)
+
+
+def _rows(found: Finding, n: int) -> slice:
+    return slice(min(found.rows[0], n), min(found.rows[1] + 1, n))

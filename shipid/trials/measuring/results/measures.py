@@ -1,0 +1,155 @@
+"""Results of measuring a manoeuvre: frozen, with units, JSON-able."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from math import pi
+from typing import ClassVar
+
+import pandas as pd
+
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_unit, to_display
+from shipid.foundation.aliases import Plain
+
+
+def quantity(unit: str, meaning: str) -> Plain:
+    """Return a field of a dataclass that holds a measured quantity.
+
+    Parameters
+    ----------
+    unit : str
+        The unit inside.
+    meaning : str
+        What it is.
+    """
+    return field(default=None, metadata={"unit": unit, "meaning": meaning})
+
+
+def words() -> Plain:
+    """Return a field of a dataclass that says something about the manoeuvre in words."""
+    return field(default="", metadata={"text": True})
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class Measures:
+    """What a manoeuvre amounts to; SI inside, shown in the units of the field.
+
+    Attributes
+    ----------
+    kind : str
+        What the manoeuvre is.
+    trial : str
+        Name of the trial.
+    execute : {"order", "moved"}
+        How the execute was read (`shipid.trials.measuring.rudder.executes`).
+    read_from : str
+        From what it was read, in words.
+    rudder, rudder_rate, approach_speed, first_execute, execute_within, course : float or None
+        What every manoeuvre has; see the meaning of each in `quantities`.
+    reasons : Mapping of str to str
+        Why a quantity is not known, by its name; entry k of several has the name ``name[k]``, counted from 1.
+    notes : tuple of str
+        What has to be known beside the numbers.
+    """
+
+    kind: ClassVar[str] = "manoeuvre"
+    trial: str
+    execute: str
+    read_from: str = words()
+    rudder: float | None = quantity("rad", "rudder angle held, median")
+    rudder_rate: float | None = quantity("rad/s", "rate of the rudder between its plates, median")
+    approach_speed: float | None = quantity("m/s", "speed at the first execute")
+    first_execute: float | None = quantity("s", "time of the first execute")
+    execute_within: float | None = quantity(
+        "s", "the executes lie within this time on either side of what is stated, largest"
+    )
+    course: float | None = quantity("rad", "initial course")
+    reasons: Mapping[str, str] = field(default_factory=dict, hash=False)
+    notes: tuple[str, ...] = ()
+
+    def quantities(self) -> Iterator[tuple[str, Plain, str, str]]:
+        """Yield name, value in the unit shown (None where not reached), that unit, and meaning."""
+        for entry in fields(self):
+            if "unit" not in entry.metadata:
+                continue
+            inside = entry.metadata["unit"]
+            value = getattr(self, entry.name)
+            if entry.name == "course" and value is not None:
+                # Inside it is continuous with the heading of the trial.
+                value = value % (2 * pi)
+            if isinstance(value, tuple):
+                value = tuple(None if v is None else to_display(v, entry.name, inside) for v in value)
+            elif value is not None:
+                value = to_display(value, entry.name, inside)
+            yield entry.name, value, display_unit(entry.name, inside), entry.metadata["meaning"]
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values: for every quantity its value (or list), unit and meaning; None where not reached."""
+        result: dict[str, Plain] = {"kind": self.kind, "trial": self.trial, "execute": self.execute}
+        result |= {e.name: getattr(self, e.name) for e in fields(self) if "text" in e.metadata}
+        for name, value, unit, meaning in self.quantities():
+            plain = list(value) if isinstance(value, tuple) else value
+            result[name] = {"value": plain, "unit": unit, "meaning": meaning}
+            reason = self.reason(name)
+            if reason is not None:
+                result[name]["reason"] = reason
+        return result | {"notes": list(self.notes)}
+
+    def reason(self, name: str) -> str | None:
+        """Return why a quantity, or entries of it, are not known; None where nothing is missing.
+
+        Parameters
+        ----------
+        name : str
+            Of the quantity.
+        """
+        own = [why for key, why in self.reasons.items() if key == name or key.startswith(f"{name}[")]
+        return "; ".join(dict.fromkeys(own)) or None
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a number: quantity, value, unit, meaning (NaN where not reached)."""
+        rows = []
+        for name, value, unit, meaning in self.quantities():
+            several = value if isinstance(value, tuple) else (value,)
+            for k, single in enumerate(several, start=1):
+                label = f"{name}[{k}]" if isinstance(value, tuple) else name
+                rows.append((label, float("nan") if single is None else single, unit, meaning))
+        return pd.DataFrame(rows, columns=["quantity", "value", "unit", "meaning"])
+
+    def __repr__(self) -> str:
+        lines = [f"{self.title} in trial '{self.trial}'"]
+        if self.read_from:
+            lines.append(f"  executes read from {self.read_from}")
+        lines += self._lines()
+        lines += [f"  note: {note}" for note in self.notes]
+        return "\n".join(lines)
+
+    def _lines(self, without: Collection[str] = ()) -> list[str]:
+        """One line a quantity that has a value, or a reason why it has none."""
+        lines = []
+        for name, value, unit, _ in self.quantities():
+            reason = self.reason(name)
+            if name in without or (reason is None and (value is None or (isinstance(value, tuple) and not value))):
+                continue
+            lines.append(f"  {name.replace('_', ' '):<28s} {self._shown(name, value, unit)}")
+        return lines
+
+    def _shown(self, name: str, value: Plain, unit: str) -> str:
+        tail = "" if unit == "1" else " " + pretty(unit)
+        if value is None:
+            return f"not known: {self.reasons[name]}"
+        if not isinstance(value, tuple):
+            return f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
+        numbers = [
+            f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
+            for k, v in enumerate(value, start=1)
+        ]
+        reason = self.reason(name)
+        return ", ".join(numbers) + tail + (f" ({reason})" if reason else "")
+
+    @property
+    def title(self) -> str:
+        """What the manoeuvre is called."""
+        return self.kind

@@ -1,0 +1,107 @@
+"""What a zig-zag measures."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from itertools import takewhile
+from typing import ClassVar
+
+from shipid.trials.measuring.results.measures import Measures, quantity, words
+
+
+@dataclass(frozen=True, repr=False, kw_only=True)
+class ZigZag(Measures):
+    """A zig-zag, in the terms of ITTC 7.5-04-02-01. `executes` are the reversals: the second execute and on.
+
+    Attributes
+    ----------
+    kind : str
+        ``"zig-zag"``.
+    nominal : str
+        Rudder angle and heading of the zig-zag, such as 20/10, to the nearest 5 deg.
+    first_side : {"starboard", "port"}
+        The side of the first plate measured.
+    heading, period, reach, initial_turning_time, initial_turning_distance, initial_turning_ratio : float or None
+        See the meaning of each in `quantities`.
+    executes : tuple of float or None
+        One a reversal.
+    execute_headings, overshoots, overshoot_uncertainties, overshoots_moved, extreme_headings, times_to_check_yaw : \
+tuple of float or None
+        Entry k belongs to reversal k. Where the order was read back from the ramp of the rudder, `overshoots_moved` are those
+        after the rudder has left its plate by 15 %: the value of the other reading.
+    """
+
+    kind: ClassVar[str] = "zig-zag"
+    nominal: str = words()
+    first_side: str = words()
+    heading: float | None = quantity("rad", "heading change at the executes, median")
+    executes: tuple[float | None, ...] | None = quantity("s", "times of the reversals: second execute and on")
+    execute_headings: tuple[float | None, ...] | None = quantity(
+        "rad", "heading at each reversal, from the initial course"
+    )
+    overshoots: tuple[float | None, ...] | None = quantity("rad", "overshoot angle after each reversal")
+    overshoot_uncertainties: tuple[float | None, ...] | None = quantity(
+        "rad", "95 % uncertainty of each: interval of the execute, scatter and sampling of the heading"
+    )
+    overshoots_moved: tuple[float | None, ...] | None = quantity(
+        "rad", "overshoot angle from where the rudder has left its plate by 15 %"
+    )
+    extreme_headings: tuple[float | None, ...] | None = quantity(
+        "rad", "extreme heading after each reversal, from the initial course"
+    )
+    times_to_check_yaw: tuple[float | None, ...] | None = quantity("s", "from each reversal to the extreme heading")
+    period: float | None = quantity("s", "complete cycle: between reversals to the same side, mean")
+    reach: float | None = quantity("s", "from the first execute to the return to the initial course")
+    initial_turning_time: float | None = quantity("s", "from the first to the second execute")
+    initial_turning_distance: float | None = quantity("m", "track between first and second execute")
+    initial_turning_ratio: float | None = quantity("1", "that track in ship lengths")
+
+    @property
+    def title(self) -> str:
+        """What the manoeuvre is called, such as ``zig-zag 20/10``."""
+        return f"{self.kind} {self.nominal}"
+
+    @property
+    def leading_executes(self) -> tuple[float, ...]:
+        """Times of the reversals up to the first that is not known [s]."""
+        return tuple(e for e in takewhile(lambda e: e is not None, self.executes or ()) if e is not None)
+
+    @property
+    def leading_overshoots(self) -> tuple[float, ...]:
+        """Overshoots up to the first that is not known or not reached [rad]: entry k belongs to leading execute k."""
+        known = tuple(o for o in takewhile(lambda o: o is not None, self.overshoots or ()) if o is not None)
+        return known[: len(self.leading_executes)]
+
+    def _lines(self, without: Collection[str] = ()) -> list[str]:
+        """The quantities of the whole zig-zag, and a table with a row a reversal."""
+        lines = super()._lines({*without, *(name for name, _ in _TABLE)})
+        head = "".join(f"{title:>{len(title) + 3}s}" for _, title in _TABLE)
+        lines.append(f"  {'reversal':<9s}{head}")
+        shown = {name: value for name, value, _, _ in self.quantities()}
+        for k in range(len(self.executes or ())):
+            cells = ""
+            for name, title in _TABLE:
+                column = shown[name] or ()
+                value = column[k] if k < len(column) else None
+                missing = "not known" if f"{name}[{k + 1}]" in self.reasons else "not reached"
+                text = f"{value:.2f}" if value is not None else "-" if name in _BESIDE else missing
+                cells += f"{text:>{len(title) + 3}s}"
+            lines.append(f"  {k + 1:<9d}{cells}")
+        for key, why in self.reasons.items():
+            if key.startswith("overshoots["):
+                lines.append(f"  overshoot {key[11:-1]:<18s} not known: {why}")
+        return lines
+
+
+#: Columns of the table of reversals: quantity and title.
+_TABLE = (
+    ("executes", "execute s"),
+    ("execute_headings", "heading deg"),
+    ("overshoots", "overshoot deg"),
+    ("overshoot_uncertainties", "+- deg"),
+    ("overshoots_moved", "rudder moved deg"),
+    ("extreme_headings", "extreme deg"),
+    ("times_to_check_yaw", "check yaw s"),
+)
+_BESIDE = ("overshoot_uncertainties", "overshoots_moved")

@@ -1,0 +1,227 @@
+"""Executes, read from the record of the rudder: the moments at which it leaves one plate for the next.
+
+The execute is the order, as ITTC 7.5-04-02-01 and IMO MSC.137(76) mean it. Where the order is logged it is the step of the
+order: a sample shows it up to one interval late, so the middle of the interval in which it stepped is taken. Where only the
+rudder's own angle is logged, the order is read back from it: the ramp at constant rate is extended back to the plate that the
+rudder leaves; a rudder that steps is read as an order.
+
+The other reading, ``"moved"``, is the last sample at which the rudder is still within 15 % of its plate (in a turn: within
+3 deg of midships). It assumes nothing of the steering gear, and its overshoots are smaller, by the rate of turn times the
+time the rudder needs for these 15 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.trials.measuring.rudder.steering import Steering
+from shipid.trials.signals.channel import Channel
+from shipid.trials.signals.plates import Plate, held_angle
+
+LEFT = 0.15
+"""Share of the plate's angle by which the rudder has left it."""
+
+_OFF = 0.08
+"""Share of the way at which a rudder is certainly on its ramp."""
+
+
+@dataclass(frozen=True)
+class Execute:
+    """The moment of an execute.
+
+    Attributes
+    ----------
+    time : float
+        When [s].
+    within : float
+        Half the width of the interval in which it lies [s].
+    hole : tuple of float or None
+        The hole of the rudder's record in which it lies [s]; the execute is not known then.
+    """
+
+    time: float
+    within: float
+    hole: tuple[float, float] | None = None
+
+
+def leaves(steering: Steering, plate: Plate) -> Execute:
+    """Return the execute at which the rudder leaves a plate for the other side.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        The plate that is left; it must not be the last.
+
+    Returns
+    -------
+    Execute
+    """
+    # The plate and the ramp after it; a long record has hundreds of plates.
+    near = slice(plate.first, min(len(steering.channel.t), 2 * plate.last - plate.first + 1))
+    y = plate.side * steering.channel.y[near]
+    found = _put_over(steering, near, y, plate.last - plate.first, abs(plate.angle), 0.0, 1.8)
+    return _refined(steering, found, plate, first=False)
+
+
+def first_execute(steering: Steering, plate: Plate, moved: float | None = None) -> tuple[Execute, float] | None:
+    """Return the execute at which the rudder sets out for its first plate, and the angle it leaves [rad].
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        The plate it goes to.
+    moved : float, optional
+        Rudder angle from midships that counts as moved [rad], instead of 15 % of the way.
+
+    Returns
+    -------
+    tuple of Execute and float, or None
+        None where the record begins with the rudder over already.
+    """
+    t, rudder = steering.channel.t, steering.channel.y
+    before = plate.side * rudder[: plate.first]
+    way = abs(plate.angle)
+    calm = np.flatnonzero(np.abs(before) < 0.3 * way)
+    if not calm.size or _comes_from_opposite(steering, before, calm, way):
+        return None
+    # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
+    recent = calm[-max(5, plate.last - plate.first) :]
+    neutral = held_angle(before[recent])
+    y = -plate.side * rudder
+    share = plate.first + 1
+    if moved is None or steering.reading == "order":
+        near = slice(max(0, int(recent[0])), min(len(t), plate.last))
+        found = _put_over(steering, near, y[near], share - near.start, -neutral, -way, 0.9)
+        return _refined(steering, found, plate, first=True), plate.side * neutral
+    # From midships, unless the helm carried more than that before.
+    still = np.flatnonzero(y[:share] > -(moved if neutral < moved else neutral + moved))
+    k = int(still[-1])
+    return _moved(steering.channel, k), plate.side * neutral
+
+
+def _comes_from_opposite(steering: Steering, before: np.ndarray, calm: np.ndarray, way: float) -> bool:
+    """Whether the rudder only passes midships on its way from the other side."""
+    opposite = np.flatnonzero(before < -0.5 * way)
+    if not opposite.size:
+        return False
+    passing = 1.0 if steering.rate is None else 0.6 * way / (steering.rate * steering.channel.interval)
+    return int(np.sum(calm > opposite[-1])) <= 1.5 * passing + 1
+
+
+def _refined(steering: Steering, found: Execute, plate: Plate, *, first: bool) -> Execute:
+    """The execute within the interval of a logged step, by the ramp of the rudder that answers it, if it begins in there."""
+    feedback = steering.feedback
+    if feedback is None or feedback.rate is None or found.hole is not None or steering.reading != "order":
+        return found
+    slack = 1.5 * found.within + abs(plate.angle) / feedback.rate
+    for answer in steering.answers:
+        begins, ends = float(feedback.channel.t[answer.first]), feedback.after(answer)
+        if answer.side != plate.side or not (begins if first else ends) >= found.time - found.within:
+            continue
+        if (begins if first else ends) > found.time + 2 * slack:
+            break
+        if first:
+            start = first_execute(feedback, answer)
+            read = None if start is None else start[0]
+        else:
+            read = leaves(feedback, answer) if answer.last < len(feedback.channel.t) else None
+        if read is not None and read.hole is None and abs(read.time - found.time) <= found.within + read.within + 1e-9:
+            return Execute(read.time, min(read.within, found.within))
+    return found
+
+
+def _moved(channel: Channel, k: int) -> Execute:
+    after = float(channel.t[min(k + 1, len(channel.t) - 1)])
+    when = float(channel.t[k])
+    return Execute(when, 0.5 * (after - when), channel.hole(0.5 * (when + after)))
+
+
+def _put_over(
+    steering: Steering, near: slice, y: np.ndarray, end: int, held: float, towards: float, reach: float
+) -> Execute:
+    """Execute at which `y`, held until somewhere before sample `end`, sets out for `towards` (downwards)."""
+    t = steering.channel.t[near]
+    size = held - towards
+    on = np.flatnonzero(y[:end] >= held - LEFT * size)
+    k = int(on[-1]) if on.size else 0
+    if k + 1 >= len(y):
+        return Execute(float(t[k]), 0.0)
+    if steering.reading == "moved":
+        return _moved(steering.channel, near.start + k)
+    while k > 0 and y[k] < held - _OFF * size and y[k - 1] > y[k] + 0.02 * size:
+        k -= 1
+    if steering.on_change:
+        return Execute(float(t[k + 1]), 0.0)
+    if not steering.logged:
+        k = _foot(t, y, k, held, size, steering)
+    ramp = _ramp(y[k + 1 :], held, size, reach) + k + 1
+    hole = steering.channel.hole(0.5 * float(t[k] + t[k + 1]))
+    if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
+        return Execute(0.5 * float(t[k] + t[k + 1]), 0.5 * float(t[k + 1] - t[k]), hole)
+    left, inaccuracy = _extended(t, y, ramp, held, steering.rate, k)
+    slack = 0.0 if steering.channel.digit is None else 0.5 * steering.channel.digit / (steering.rate or np.inf)
+    # A ramp that is seen from the hole on gives the order all the same.
+    known = hole is None or (ramp.size >= 2 and steering.rate is not None)
+    return Execute(max(left, float(t[0])), inaccuracy + slack, None if known else hole)
+
+
+def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, steering: Steering) -> int:
+    """The last sample before the ramp, or before the step; a helm that wandered before it is passed over."""
+    rate = steering.rate
+    half = k + 1 + np.flatnonzero(y[k + 1 :] <= held - 0.5 * size)
+    if not half.size:
+        return k
+    j = int(half[0])
+    if steering.channel.hole(0.5 * float(t[j - 1] + t[j])) is not None:
+        return k
+    if rate is None:
+        # The rudder steps: over within one interval, or two.
+        k = j - 1 if y[j - 1] - y[j] > 0.3 * size else max(k, j - 2)
+        return k - 1 if k > 0 and y[k] < held - _OFF * size and y[k - 1] > y[k] + 0.02 * size else k
+    middle = float(np.interp(-(held - 0.5 * size), -y[[j - 1, j]], t[[j - 1, j]]))
+    earlier = np.flatnonzero(t < middle - 0.8 * size / rate)
+    return max(k, int(earlier[-1])) if earlier.size else k
+
+
+def _ramp(y: np.ndarray, held: float, size: float, reach: float) -> np.ndarray:
+    """Samples of the ramp that falls from the plate: those on the first half of the way, more where these are few."""
+    inside = y < held - _OFF * size
+    ends = np.flatnonzero(y <= held - reach * size)
+    last = int(ends[0]) if ends.size else len(y)
+    noise = 1.4826 * float(np.median(np.abs(np.diff(y)))) / np.sqrt(2) if len(y) > 2 else 0.0
+    rising = np.flatnonzero(np.diff(y[:last]) > max(0.02 * size, 6 * noise))
+    last = min(last, int(rising[0]) + 1) if rising.size else last
+    all_of_it = np.flatnonzero(inside[:last])
+    first_half = all_of_it[y[all_of_it] >= held - 0.6 * size]
+    return first_half if first_half.size >= 4 else all_of_it[:4]
+
+
+def _extended(
+    t: np.ndarray, y: np.ndarray, ramp: np.ndarray, held: float, rate: float | None, k: int
+) -> tuple[float, float]:
+    """When the ramp left the plate [s], and how far off that may be [s]."""
+    if ramp.size >= 3 or (ramp.size == 2 and rate is None):
+        x = t[ramp] - t[ramp[0]]
+        offset, slope = np.polynomial.polynomial.polyfit(x, y[ramp], 1)
+        if slope < 0:
+            scatter = float(np.std(y[ramp] - offset - slope * x))
+            # A gear does not start at once: some hundredths of the interval, where the samples lie on the line.
+            inaccuracy = max(2 * scatter / -float(slope) / np.sqrt(ramp.size), 0.02 * float(t[k + 1] - t[k]))
+            return float(t[ramp[0]] + (held - offset) / slope), float(inaccuracy)
+    if rate is not None:
+        back = t[ramp] - (held - y[ramp]) / rate
+        # The rate is that of the other ramps, and not exactly this one's.
+        return float(np.mean(back)), max(float(np.ptp(back)), 0.25 * float(t[k + 1] - t[k]))
+    # One sample on the way: the rate is at least that to the next one.
+    first, then = int(ramp[0]), min(int(ramp[0]) + 1, len(y) - 1)
+    drop = float(y[first] - y[then])
+    earliest = float(t[k])
+    if drop > 0:
+        earliest = max(earliest, float(t[first] - (held - y[first]) * (t[then] - t[first]) / drop))
+    return 0.5 * (earliest + float(t[first])), 0.5 * (float(t[first]) - earliest)

@@ -1,0 +1,219 @@
+"""The record of the rudder a manoeuvre is steered by: the order or the angle, the rate of its ramps, how executes are read."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from shipid.declaration.vocabulary import angle
+from shipid.foundation.errors import UsageError
+from shipid.trials.errors import UnknownColumnError
+from shipid.trials.signals.channel import Channel, channel_of
+from shipid.trials.signals.plates import Plate, plates, regular
+from shipid.trials.trial import Trial
+
+READINGS = ("order", "moved")
+
+
+@dataclass(frozen=True, eq=False)
+class Steering:
+    """The record of the rudder, and how executes are read from it.
+
+    Attributes
+    ----------
+    channel : Channel
+        Rudder angle or order, by its own samples [rad].
+    reading : {"order", "moved"}
+        The reading.
+    logged : bool
+        Whether the channel is the order itself.
+    on_change : bool
+        Whether it is written only when it changes: its stamps are the executes.
+    rate : float or None
+        Rate of the rudder on its ramps, median [rad/s]; None where it steps or is not logged.
+    end : float
+        End of the record [s].
+    feedback : Steering or None
+        The rudder angle beside the logged order: its ramp tells when, within the interval in which the order stepped.
+    answers : tuple of Plate
+        The plates of that rudder.
+    """
+
+    channel: Channel
+    reading: str
+    logged: bool
+    on_change: bool
+    rate: float | None
+    end: float
+    feedback: Steering | None = None
+    answers: tuple[Plate, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """How the executes are read."""
+        if self.reading == "moved":
+            return "the rudder leaving its plate by 15 %"
+        if self.logged and self.on_change:
+            return "the order, as logged, written when it changes"
+        if self.logged:
+            where = (
+                "the middle of the interval of its step" if self.rate is None else "within it by the ramp of the rudder"
+            )
+            return f"the order, as logged every {self.channel.interval:.3g} s ({where})"
+        if self.rate is None:
+            return (
+                f"the step of the rudder, recorded every {self.channel.interval:.3g} s (the middle of the interval of "
+                "the step); the order is not logged"
+            )
+        return (
+            f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the plate it leaves; "
+            "the order is not logged"
+        )
+
+    def after(self, plate: Plate) -> float:
+        """Return when a plate ends: the rudder is half over to the other side, or the record ends [s].
+
+        Parameters
+        ----------
+        plate : Plate
+            The plate.
+        """
+        t = self.channel.t
+        return float(t[plate.last]) if plate.last < len(t) else self.end
+
+
+def steering_of(
+    trial: Trial, execute: str | None, column: str | None = None, wrong: np.ndarray | None = None
+) -> Steering:
+    """Choose the record of the rudder and the reading of the execute.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    execute : {"order", "moved"} or None
+        None is "order".
+    column : {"delta", "delta_order"}, optional
+        The record; the order where it is logged and asked for, by default.
+    wrong : ndarray of bool, shape (samples,), optional
+        Samples that count as missing.
+
+    Returns
+    -------
+    Steering
+
+    Raises
+    ------
+    UsageError
+        If there is no such reading.
+    UnknownColumnError
+        If the trial has no rudder.
+    """
+    if execute not in (None, *READINGS):
+        raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
+    moved = execute == "moved"
+    if column is None:
+        ordered = trial.has("delta_order") and (not trial.has("delta") or _moves(trial["delta_order"]))
+        if not ordered and not trial.has("delta"):
+            raise UnknownColumnError(
+                f"trial '{trial.name}' has no rudder angle, neither 'delta' nor 'delta_order': a manoeuvre cannot "
+                "be measured without the moment of the order."
+            )
+        column = "delta_order" if ordered and not (moved and trial.has("delta")) else "delta"
+    logged = column == "delta_order"
+    channel = _without_blips(channel_of(trial, column, wrong, spikes=False))
+    steps = np.diff(channel.y)
+    on_change = logged and len(channel.y) < 0.5 * len(trial) and bool(np.mean(steps != 0) > 0.9)
+    if on_change:
+        channel = replace(channel, holes=())
+    end = float(trial["t"][-1])
+    feedback, answers = None, []
+    if logged and not on_change and trial.has("delta"):
+        feedback = steering_of(trial, "order", "delta", wrong)
+        answers = plates(feedback.channel.y)
+        feedback = rate_of(feedback, regular(answers) or answers)
+    rate = (
+        ramp_rate(channel.t, channel.y, plates(channel.y))
+        if not logged
+        else None
+        if feedback is None
+        else feedback.rate
+    )
+    return Steering(channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers))
+
+
+def _moves(order: np.ndarray) -> bool:
+    there = order[np.isfinite(order)]
+    return bool(there.size and np.ptp(there) > 0)
+
+
+def _without_blips(channel: Channel) -> Channel:
+    """Leave out single samples far off both neighbours, which agree: no rudder goes over and back in one interval."""
+    y = channel.y
+    if len(y) < 15:
+        return channel
+    size = float(np.quantile(np.abs(y), 0.9))
+    before, after = y[1:-1] - y[:-2], y[1:-1] - y[2:]
+    blip = np.r_[False, (before * after > 0) & (np.minimum(abs(before), abs(after)) > max(0.3 * size, 1e-6)), False]
+    blip[1:-1] &= np.abs(y[2:] - y[:-2]) < 0.1 * size
+    # The last sample and the first have one neighbour: beyond any other is beyond the rudder's stops.
+    limit = 1.5 * float(np.quantile(np.abs(y), 0.98)) + 1e-6
+    blip[[0, -1]] = np.abs(y[[0, -1]]) > limit
+    if not blip.any() or blip.sum() > 0.05 * len(y):
+        return channel
+    spikes = tuple(float(when) for when in channel.t[blip])
+    return replace(channel, t=channel.t[~blip], y=y[~blip], spikes=spikes)
+
+
+def ramp_rate(t: np.ndarray, y: np.ndarray, held: Sequence[Plate]) -> float | None:
+    """Return the median rate of the rudder on its ramps to plates; None where it steps from one sample to the next.
+
+    Parameters
+    ----------
+    t, y : ndarray, shape (n,)
+        Time [s] and rudder angle [rad].
+    held : sequence of Plate
+        The plates.
+
+    Returns
+    -------
+    float or None
+        In rad/s.
+    """
+    found = []
+    for k, plate in enumerate(held):
+        before = held[k - 1] if k and held[k - 1].last == plate.first and held[k - 1].idle < 0.3 else None
+        size = abs(plate.angle)
+        low = 0.15 * size if before is None else -0.85 * abs(before.angle)
+        share = plate.side * y[: plate.last]
+        begins = np.flatnonzero(share[: plate.first + 1] <= low)
+        ends = plate.first + np.flatnonzero(share[plate.first :] >= 0.85 * size)
+        if not begins.size or not ends.size:
+            continue
+        inside = slice(int(begins[-1]) + 1, int(ends[0]))
+        if inside.stop - inside.start < 2:
+            continue
+        x = t[inside] - t[inside][0]
+        offset, slope = np.polynomial.polynomial.polyfit(x, share[inside], 1)
+        # A helm that wanders towards the plate by hand is no ramp, and the line does not lead there.
+        leads = offset + slope * (t[ends[0]] - t[inside][0]) > 0.75 * size
+        if slope > 0 and leads and float(np.std(share[inside] - offset - slope * x)) < 0.08 * (0.85 * size - low):
+            found.append(float(slope))
+    return float(np.median(found)) if found else None
+
+
+def rate_of(steering: Steering, held: Sequence[Plate]) -> Steering:
+    """Return the record of the rudder with the rate of its ramps to these plates: hand steering elsewhere says nothing of it.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    held : sequence of Plate
+        The plates of the manoeuvre.
+    """
+    if steering.logged:
+        return steering
+    return replace(steering, rate=ramp_rate(steering.channel.t, steering.channel.y, held))

@@ -1,0 +1,220 @@
+"""A log read line by line gives what the whole log gives."""
+
+import datetime as dt
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from shipid.trials import errors as e
+from shipid.trials.logs.live.lines import lines_of
+from shipid.trials.logs.live.reader import LiveLog
+from shipid.trials.logs.nmea.writing import nmea_lines
+from shipid.trials.logs.reading import read_trial
+from shipid.trials.trial import Trial
+
+N = 60
+SECONDS = np.arange(N) * 0.5
+STAMPS = pd.Series(pd.Timestamp("2026-05-04 23:59:50") + pd.to_timedelta(SECONDS, unit="s"))
+EPOCH = (STAMPS - pd.Timestamp(0)).dt.total_seconds()
+
+
+def frame(**columns):
+    psi = np.round(10 + 5 * np.sin(0.2 * SECONDS), 4)
+    r = np.round(60 * np.cos(0.2 * SECONDS), 4)
+    return pd.DataFrame(
+        {**columns, "psi [deg]": psi, "r [deg/min]": r, "delta [deg]": np.where(SECONDS < 5, 0.0, 5.25)}
+    )
+
+
+def live(text, fmt=None):
+    """The samples of a log, and what was told."""
+    told = []
+    log = LiveLog(text.splitlines(keepends=True), "log", fmt, told.append)
+    return [sample.values for sample in log], told
+
+
+def same_as_the_record(text, path, fmt=None, atol=1e-9):
+    path.write_text(text)
+    trial = read_trial(path, fmt)
+    samples, told = live(text, fmt)
+    found = pd.DataFrame(samples)
+    assert len(found) == len(trial) and set(found) == set(trial.table)
+    for name in trial.table:
+        np.testing.assert_allclose(found[name], trial[name], atol=atol, err_msg=name)
+    return trial, told
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"t [s]": SECONDS},
+        {"t [min]": SECONDS / 60},
+        {"t [cs]": SECONDS * 100},
+        {"timestamp": STAMPS.dt.strftime("%Y-%m-%dT%H:%M:%S.%f")},
+        {"UTC": STAMPS.dt.strftime("%Y-%m-%d %H:%M:%S.%fZ")},
+        {"Date": STAMPS.dt.strftime("%d/%m/%Y"), "Time": STAMPS.dt.strftime("%H:%M:%S.%f")},
+        {"Zeit": STAMPS.dt.strftime("%H:%M:%S.%f")},
+        {"time": STAMPS.dt.strftime("%I:%M:%S %p")},
+        {"timestamp": EPOCH},
+        {"timestamp": (EPOCH * 1e3).astype("int64")},
+        {"time": EPOCH / 86400 + 25569},
+        {"tow": (EPOCH - 315964800) % 604800},
+    ],
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_tables(tmp_path, columns, separator):
+    text = frame(**columns).to_csv(index=False, sep=separator)
+    same_as_the_record(text, tmp_path / "log.csv", atol=2e-5)
+    same_as_the_record("# head\n\n" + text, tmp_path / "log.csv", atol=2e-5)
+
+
+def test_decimal_commas(tmp_path):
+    same_as_the_record(frame(**{"t [s]": SECONDS}).to_csv(index=False, sep=";", decimal=","), tmp_path / "log.csv")
+
+
+def test_headers_and_numbers_as_people_write_them(tmp_path):
+    rows = "".join(f'{0.5 * k},"1,0{k:02d}.25",{k}\n' for k in range(N))
+    same_as_the_record("t,x,delta\ns,m,deg\n" + rows, tmp_path / "log.csv")
+    rows = "".join(f"{0.5 * k}D+00 {k}.5D-01 {k}\n" for k in range(N))
+    same_as_the_record("t[s] psi[deg] delta[deg]\n" + rows, tmp_path / "log.dat")
+    same_as_the_record("# t[s] psi[deg] delta[deg]\n" + rows, tmp_path / "log.dat")
+
+
+@pytest.mark.parametrize(
+    "clock, cells, text",
+    [
+        ("[columns.t]\ncolumn = 'when'\nunit = 's'", SECONDS, ""),
+        ("[columns.t]\ncolumn = 'when'", STAMPS.dt.strftime("%d.%m.%Y %H:%M:%S.%f"), "[clock]\nzone = 'Europe/Oslo'"),
+        ("[columns.t]\nindex = 0", STAMPS.dt.strftime("%Hh%M %S.%f"), "[clock]\nlayout = '%Hh%M %S.%f'"),
+        ("[columns.t]\nindex = 0", EPOCH / 86400 + 25569, "[clock]\nlayout = 'excel'"),
+        ("", SECONDS, "[clock]\ninterval = '0.5 s'"),
+    ],
+)  # fmt: skip
+def test_format_files(tmp_path, clock, cells, text):
+    fmt = tmp_path / "format.toml"
+    fmt.write_text(
+        f"header_lines = 2\n{clock}\n[columns.psi]\ncolumn = 'HDG'\nunit = 'deg'\n[columns.delta]\nindex = 2\nunit = 'deg'\n"
+        f"sign = -1\n[columns.r]\nindex = 3\nunit = 'deg/min'\nscale = 2.0\n{text}\n"
+    )
+    table = pd.DataFrame({"when": cells, "HDG": SECONDS, "RUD": 5.0, "ROT": 30.0})
+    same_as_the_record("a title\n" + table.to_csv(index=False), tmp_path / "log.csv", fmt, atol=2e-5)
+
+
+def test_frames_of_a_format_file(tmp_path):
+    fmt = tmp_path / "format.toml"
+    fmt.write_text(
+        "header_lines = 1\n[columns.t]\nindex = 0\nunit = 's'\n[columns.psi]\nindex = 1\nunit = 'deg'\n"
+        "[columns.u]\nindex = 2\nunit = 'm/s'\nframe = 'earth'\n[columns.v]\nindex = 3\nunit = 'm/s'\nframe = 'earth'\n"
+        "[columns.wind_direction]\nindex = 4\nunit = 'deg'\nframe = 'from'\n"
+    )
+    table = pd.DataFrame({"t": SECONDS, "a": SECONDS, "b": 3.0, "c": 4.0, "d": 200.0})
+    same_as_the_record(table.to_csv(index=False), tmp_path / "log.csv", fmt)
+
+
+def test_nmea(tmp_path):
+    trial = Trial.from_frame(
+        frame(**{"t [s]": SECONDS}).assign(**{"x [m]": 3 * SECONDS, "y [m]": SECONDS, "u [m/s]": 3.0, "v [m/s]": 0.0})
+    )
+    start = dt.datetime(2026, 5, 4, 23, 59, 50)
+    lines = list(nmea_lines(trial))
+    assert start.year == 2026 and len(lines) > N
+    text = "\r\n".join(lines) + "\r\n"
+    (tmp_path / "log.nmea").write_text(text)
+    record = read_trial(tmp_path / "log.nmea", "nmea")
+    samples, told = live(text)
+    found = pd.DataFrame(samples)
+    assert {"psi", "r", "delta", "x", "y"} <= set(found)
+    at = np.searchsorted(found["t"], record["t"][5])
+    for name in ("psi", "r", "delta"):
+        shown = found[name].dropna().to_numpy()
+        np.testing.assert_allclose([shown.min(), shown.max()], [trial[name].min(), trial[name].max()], atol=2e-3)
+    assert 0 < at < len(found)
+    assert any("psi is of" in words for words in told) and any("t = 0 is" in words for words in told)
+
+
+def test_nmea_that_is_broken():
+    lines = [
+        "10:00:00 $HEHDT,10.0,T",
+        "10:00:00 $HEHDT,10",
+        "rubbish",
+        "10:00:01 $HEHDT,11.0,T*00",
+        "10:00:01 $HEHDT,12.0,T",
+        "",
+    ]
+    samples, told = live("\n".join(lines))
+    assert [round(np.degrees(s["psi"])) for s in samples] == [10, 12]
+    assert any("line 3: no whole sentence" in words for words in told)
+    assert any("line 4: wrong checksum" in words for words in told)
+    with pytest.raises(e.EmptyFileError, match="before a sentence said its time"):
+        live("$HEHDT,10.0,T\n")
+
+
+def test_what_is_told_and_left_out():
+    rows = [
+        "t [s],psi [deg],delta [deg]",
+        "0,1,2",
+        "1,1,2",
+        "1,1,2",
+        "2,1",
+        "x,1,2",
+        "3,north,2",
+        "4,inf,1e31",
+        "5,,2",
+        "6,1,2",
+    ]
+    samples, told = live("\n".join(rows))
+    assert [s["t"] for s in samples] == [0, 1, 3, 4, 5, 6]
+    assert [k for k, s in enumerate(samples) if np.isnan(s["psi"])] == [2, 3, 4]
+    assert np.isnan(samples[3]["delta"])
+    assert [words.partition(": ")[0] for words in told] == [f"log, line {k}" for k in (4, 5, 6, 7, 8, 8)]
+
+
+def test_midnight_and_the_end_of_summer_time_are_told():
+    text = frame(time=STAMPS.dt.strftime("%H:%M:%S.%f")).to_csv(index=False)
+    assert any("line 22: The clock passes midnight" in words for words in live(text)[1])
+    moments = pd.Series(pd.date_range("2026-10-25 00:59:50Z", periods=N, freq="500ms"))
+    wall = moments.dt.tz_convert("Europe/Oslo").dt.strftime("%Y-%m-%d %H:%M:%S.%f")
+    samples, told = live(frame(time=wall).to_csv(index=False))
+    np.testing.assert_allclose([s["t"] for s in samples], SECONDS)
+    assert any("summer time ends" in words for words in told)
+
+
+@pytest.mark.parametrize(
+    "text, error, words",
+    [
+        ("", e.EmptyFileError, "log holds no header"),
+        ("t [s],psi\n0,1\n1,1\n", e.NoUnitError, "log, line 1, column 'psi' says no unit"),
+        ("time,psi [deg]\n0,1\n1,1\n2,1\n", e.NoUnitError, "column 'time' says no unit"),
+        ("t [kg],psi [deg]\n0,1\n1,1\n2,1\n", e.ColumnUnitError, "kg"),
+        ("t [s],psi [m]\n0,1\n1,1\n2,1\n", e.ColumnUnitError, "psi"),
+        ("t [s]\n0\n1\n", e.SeparatorError, "'log', line"),
+    ],
+)
+def test_headers_that_cannot_be_read(text, error, words):
+    with pytest.raises(error, match=words):
+        live(text)
+
+
+@pytest.mark.parametrize("encoding, mark", [("utf-8", b"\xef\xbb\xbf"), ("utf-16", b""), ("cp1252", b"")])
+def test_encodings(tmp_path, encoding, mark):
+    text = frame(**{"t [s]": SECONDS}).rename(columns={"psi [deg]": "psi [°]"}).to_csv(index=False)
+    path = tmp_path / "log.csv"
+    path.write_bytes(mark + text.encode(encoding))
+    samples = [s.values for s in LiveLog(lines_of(str(path), 0.01), "log", None, print)]
+    assert len(samples) == N and samples[0]["psi"] == pytest.approx(np.radians(10))
+
+
+def test_what_is_no_text(tmp_path):
+    for head, what in (
+        (b"PAR1", "a Parquet file"),
+        (b"\x1f\x8b", "compressed by gzip"),
+        (b"PK\x03\x04", "a zip archive"),
+    ):
+        path = tmp_path / "log"
+        path.write_bytes(head + bytes(range(256)))
+        with pytest.raises(e.NotALiveLogError, match=what):
+            list(lines_of(str(path), 0.01))
+    path.write_text("x" * 1_000_001)
+    with pytest.raises(e.NotALiveLogError, match="has no end"):
+        list(lines_of(str(path), 0.01))
