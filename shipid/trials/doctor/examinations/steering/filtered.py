@@ -119,8 +119,8 @@ def settled(signals: Signals, constant: float) -> np.ndarray:
     return result
 
 
-def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Return what a linear model leaves of the target.
+def squares(design: np.ndarray, target: np.ndarray) -> float:
+    """Return the sum of squares of what a linear model leaves of the target.
 
     Parameters
     ----------
@@ -130,17 +130,5 @@ def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
         What they explain.
     """
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
-    rest: np.ndarray = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
-    return rest
-
-
-def squares(design: np.ndarray, target: np.ndarray) -> float:
-    """Return the sum of squares of what a linear model leaves of the target.
-
-    Parameters
-    ----------
-    design, target
-        As for `residuals`.
-    """
-    rest = residuals(design, target)
+    rest = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
     return float(rest @ rest)
