@@ -22,7 +22,7 @@ import numpy as np
 from _table import Row, below, close, show
 
 import shipid
-from shipid.trials.logs.nmea.geodesy import to_geographic, to_local
+from shipid.trials.logs.geodesy import to_geographic, to_local
 from shipid.trials.logs.nmea.writing import ORIGIN, RATES, START, nmea_lines
 
 HERE = Path(__file__).parent

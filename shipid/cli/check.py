@@ -54,7 +54,11 @@ def check(
         texts.append(repr(found))
         code = ExitCode.BAD_DATA if found.serious else code
     if output is not None:
-        written, repaired = fix_trial(trials[0], output, known, format_)
+        try:
+            written, repaired = fix_trial(trials[0], output, known, format_)
+        except OSError:
+            delivery.hand_over_parts(answers[0], texts[0])
+            raise
         answers[0]["fixed"] = {"path": str(written), "repaired": [f.kind for f in repaired]}
         texts.append(f"written: {written}, {len(repaired)} repairs")
         code = ExitCode.DONE

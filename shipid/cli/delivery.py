@@ -9,7 +9,6 @@ from __future__ import annotations
 import functools
 import json
 import os
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -68,12 +67,15 @@ class Delivery:
         Names of the files that are written into the folder.
     open_report : bool
         Whether the report is opened in the browser.
+    overwrite : bool
+        Whether files that exist are replaced.
     """
 
     as_json: bool
     folder: Path | None = None
     files: tuple[str, ...] = ()
     open_report: bool = False
+    overwrite: bool = False
 
     def progress(self) -> AbstractContextManager[Callable[[str], None]]:
         """Return a context manager that shows what is being done; silent where JSON is asked for."""
@@ -102,19 +104,30 @@ class Delivery:
             What is printed otherwise.
         writers : mapping of str to callable, optional
             See `hand_over`.
+
+        Raises
+        ------
+        Exception
+            Whatever kept the files from being written; the result is printed before.
         """
+        failed: Exception | None = None
         if self.folder is not None:
             all_writers = {RESULT: _json_writer(data), **(writers or {})}
             assert set(all_writers) == set(self.files), "the files written are those that were looked for"
-            with self.progress() as tell:
-                tell("writing the report")
-                _fill(self.folder, {name: all_writers[name] for name in self.files})
+            try:
+                with self.progress() as tell:
+                    tell("writing the report")
+                    _fill(self.folder, {name: all_writers[name] for name in self.files}, self.overwrite)
+            except Exception as error:  # a full disk must not cost the result of an hour: it is printed first
+                failed = error
         if self.as_json:
             click.echo(json_text(data))
         else:
             click.echo(printable(text))
-            if self.folder is not None:
+            if self.folder is not None and failed is None:
                 click.echo(f"written: {', '.join(str(self.folder / n) for n in self.files)}")
+        if failed is not None:
+            raise failed
         if self.open_report and self.folder is not None:
             _open(self.folder / REPORT)
 
@@ -154,7 +167,8 @@ def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -
             expected = next((f for option, f in (instead or {}).items() if values.get(option)), files)
             if open_report and out is None:
                 raise click.UsageError("--open opens the report of --out DIR, which is not given.")
-            delivery = Delivery(as_json, _result_folder(out, expected, overwrite), tuple(expected), open_report)
+            folder = _result_folder(out, expected, overwrite)
+            delivery = Delivery(as_json, folder, tuple(expected), open_report, overwrite)
             return function(*arguments, delivery=delivery, **values)
 
         decorated: Command = functools.reduce(lambda made, option: option(made), options, command)  # type: ignore[assignment]
@@ -192,6 +206,8 @@ def output_file(path: str, overwrite: bool) -> Path:
         If it exists and may not be replaced.
     MissingFileError
         If it is a folder, or its folder does not exist.
+    OverwriteError
+        If it is a device, a pipe, or a link that leads nowhere.
     """
     from shipid.foundation.errors import UsageError
     from shipid.foundation.replacing import check_place
@@ -204,10 +220,13 @@ def output_file(path: str, overwrite: bool) -> Path:
 
 def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Path | None:
     from shipid.foundation.errors import UsageError
+    from shipid.foundation.replacing import check_kind
 
     if out is None:
         return None
     folder = Path(out)
+    for name in files:
+        check_kind(folder / name)
     there = [n for n in files if (folder / n).exists()]
     if there and not overwrite:
         raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
@@ -219,14 +238,16 @@ def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Pa
     return folder
 
 
-def _fill(folder: Path, writers: Mapping[str, Writer]) -> None:
+def _fill(folder: Path, writers: Mapping[str, Writer], overwrite: bool) -> None:
     """Write files beside their places first, so that an interruption leaves no half of them."""
+    from shipid.foundation.replacing import put_in_place
+    from shipid.foundation.scratch import scratch_folder
+
     folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder, prefix=".shipid-") as scratch:
+    with scratch_folder(folder) as scratch:
         for name, write in writers.items():
-            write(Path(scratch) / name)
-        for name in writers:
-            (Path(scratch) / name).replace(folder / name)
+            write(scratch / name)
+        put_in_place({scratch / name: folder / name for name in writers}, overwrite)
 
 
 def _json_writer(data: Plain) -> Writer:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 import click
 
 from shipid.foundation.printable import printable
+from shipid.foundation.stopping import stop_if_asked
 
 
 def watched() -> bool:
@@ -37,7 +38,7 @@ def say(message: str) -> None:
 
 @contextmanager
 def progress(quiet: bool) -> Iterator[Callable[[str], None]]:
-    """Show what is being done, on standard error, where it is a terminal.
+    """Show what is being done, on standard error, where it is a terminal; and stop where the command was asked to.
 
     Parameters
     ----------
@@ -50,10 +51,15 @@ def progress(quiet: bool) -> Iterator[Callable[[str], None]]:
         Called with what is being done.
     """
     if quiet or not watched():
-        yield lambda _: None
+        yield lambda _: stop_if_asked()
         return
     from rich.console import Console
 
     console = Console(stderr=True)
     with console.status("reading") as status:
-        yield lambda text: status.update(text)
+
+        def tell(text: str) -> None:
+            stop_if_asked()
+            status.update(text)
+
+        yield tell

@@ -8,6 +8,7 @@ COMMANDS = {
     "show": ("shipid.cli.catalogue:show", "Show a model: quantities, units, equations, sources."),
     "ship": ("shipid.cli.ship:ship", "Show a ship: values, units, sources; or draft the file of a new one."),
     "simulate": ("shipid.cli.simulate:simulate", "Simulate a manoeuvre and write it as a trial."),
+    "format": ("shipid.cli.format:format_log", "Draft a format file for a log, with a reason for each column."),
     "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),
     "compare": ("shipid.cli.compare:compare", "Rank models by how they predict what they were not fitted to."),

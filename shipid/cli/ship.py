@@ -40,7 +40,7 @@ def _particulars(function: F) -> F:
 @_particulars
 @click.option("--source", metavar="TEXT", help="With --new: where these values come from.")
 @click.option("--title", default="", metavar="TEXT", help="With --new: one line about the ship.")
-@click.option("--model", metavar="MODEL", help="With --new: list the coefficients of a model, too.")
+@click.option("--coefficients", "model", metavar="MODEL", help="With --new: list the coefficients of a model, too.")
 @click.option("-o", "--output", metavar="FILE", help="With --new: file to write; stdout by default.")
 @overwrite_option
 @json_option
@@ -72,7 +72,7 @@ def ship(
     given = [f"--{name.replace('_', '-')}" for name, value in stated.items() if value is not None]
     given += [
         f"--{name}"
-        for name, value in (("source", source), ("title", title), ("model", model), ("output", output))
+        for name, value in (("source", source), ("title", title), ("coefficients", model), ("output", output))
         if value
     ]
     if (ship is None) == (new is None):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 import click
 
@@ -17,6 +18,9 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+
+if TYPE_CHECKING:
+    from shipid.trials.trial import Trial
 
 
 @click.command()
@@ -81,11 +85,19 @@ def simulate(
         values=values,
     )
     if place is None:
-        click.echo(f"# {trial.source.comment}")
-        click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
+        _print(trial)
         return
-    write_trial(trial, place, overwrite=overwrite, comment=trial.source.comment)
+    try:
+        write_trial(trial, place, overwrite=overwrite, comment=trial.source.comment)
+    except OSError:
+        _print(trial)
+        raise
     say(f"{place}: {len(trial)} samples. {trial.source.comment}")
+
+
+def _print(trial: Trial) -> None:
+    click.echo(f"# {trial.source.comment}")
+    click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
 def _flow(text: str | None, what: str) -> tuple[float, float] | None:

@@ -215,7 +215,10 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
 def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
     """Where the criteria go beyond the trials of a fit, and the coefficients that the trials do not determine."""
     notes = []
-    largest = max((float(np.abs(c.trial["delta"]).max()) for c in fit.fitted if c.trial.has("delta")), default=0.0)
+    largest = max(
+        (float(np.nanmax(np.abs(c.trial["delta"]), initial=0.0)) for c in fit.fitted if c.trial.has("delta")),
+        default=0.0,
+    )
     beyond = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
     if beyond:
         notes.append(

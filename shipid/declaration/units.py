@@ -11,7 +11,6 @@ import functools
 import re
 
 from shipid.foundation.aliases import PintUnit
-from shipid.foundation.cache import cache_folder
 from shipid.foundation.errors import UnitError
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
@@ -34,13 +33,8 @@ def registry() -> PintUnit:
     """Return the one pint registry of the toolbox (built on first use: it costs 0.1-0.3 s)."""
     import pint
 
-    try:
-        # Parsing pint's definitions takes a tenth of a second, reading them parsed a hundredth.
-        folder = cache_folder() / "units"
-        folder.mkdir(parents=True, exist_ok=True)
-        ureg: PintUnit = pint.UnitRegistry(cache_folder=folder)
-    except Exception:  # a damaged cache must not stop the toolbox: the definitions are parsed again
-        ureg = pint.UnitRegistry()
+    # Pint could keep its definitions parsed, but as pickled objects, which run code when they are read.
+    ureg: PintUnit = pint.UnitRegistry(cache_folder=None)
     # A shaft is counted, not turned through an angle: pint's revolution is 2 pi rad, and 2 rps would be 12.57 1/s.
     ureg.define("revolution = [] = rev")
     ureg.define("shaft_revolutions_per_second = revolution / second = rps")

@@ -18,6 +18,7 @@ from shipid.estimation.records.controls import controls_of
 from shipid.estimation.records.first_estimate import first_carried
 from shipid.estimation.records.likelihood import Likelihood, make_likelihood
 from shipid.estimation.records.observability import Observability, observability
+from shipid.estimation.records.restart import restarted, run_stretches
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.smoother import Smoothed, smooth
 from shipid.estimation.recursion.layout import Form
@@ -192,7 +193,8 @@ class ExtendedKalmanFilter:
         Parameters
         ----------
         record : Trial or mapping of str to ndarray
-            SI columns with ``t``; a mapping may hold NaN where a sample is missing.
+            SI columns with ``t``; NaN where a sample is missing. An input is filled between its samples; behind a hole that is
+            too long for that, what it drives starts anew.
         adapt : bool or ndarray of bool, shape (samples,)
             Where parameters adapt (needs ``switchable=True``).
         scale : mapping of str to float or ndarray, optional
@@ -215,10 +217,16 @@ class ExtendedKalmanFilter:
         arranged = arrange(design.instruments, record)
         control = controls_of(design, arranged, adapt, scale)
         start = first_carried(design, record, arranged.inputs)
-        _, out = design.loop(full=True)(start, control, design.constants)
-        out = np.asarray(out, dtype=float)
+        _, out, starts = run_stretches(
+            design.loop(full=True),
+            start,
+            control,
+            design.constants,
+            arranged,
+            lambda carried, hole: restarted(design, arranged, carried, hole),
+        )
         check_finite(design, arranged, out)
-        return FilterRun(design, columns_of(record)[1], arranged, control, start, out)
+        return FilterRun(design, columns_of(record)[1], arranged, control, starts, out)
 
     def smooth(self, run: FilterRun) -> Smoothed:
         """Return the estimate at each sample from all samples of a filtered record.
@@ -256,7 +264,7 @@ class ExtendedKalmanFilter:
         if run.design is not self.design and run.design.fingerprint != self.design.fingerprint:
             raise UsageError(f"the run of record {run.record} is of another filter, {run.design!r}; use that filter.")
 
-    def likelihood(self, record: FilterRecord, unknowns: Sequence[str]) -> Likelihood:
+    def likelihood(self, record: FilterRecord, unknowns: Sequence[str], *, filled: bool = False) -> Likelihood:
         """Return the likelihood of a record as a function of unknowns, with its exact gradient.
 
         Parameters
@@ -265,8 +273,10 @@ class ExtendedKalmanFilter:
             What was measured.
         unknowns : sequence of str
             Coefficients by name, ``noise:NAME`` and ``sensor:NAME`` (logarithms of levels), ``x0:STATE``, ``bias:INPUT``.
+        filled : bool
+            Whether the inputs of the record are known to be whole.
         """
-        return make_likelihood(self.design, record, unknowns)
+        return make_likelihood(self.design, record, unknowns, filled=filled)
 
     def start(self, lag: Amount | None = None) -> OnlineFilter:
         """Return the filter for samples that arrive one by one.

@@ -11,16 +11,18 @@ import hashlib
 import os
 import shutil
 import subprocess
-import tempfile
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 
 from shipid.foundation.aliases import CasadiFunction
-from shipid.foundation.cache import cache_folder
+from shipid.foundation.cache import digest, safe_cache_folder, workshop
+from shipid.foundation.errors import ShipidError
+from shipid.foundation.replacing import put_in_place
 
 FLAGS = ("-O3", "-fPIC", "-shared")
 #: Characters of long code: above -O1 its compilation takes a minute, and the compiled code is slower.
@@ -118,24 +120,42 @@ def _compiled(
     flags = FLAGS if len(source) < LONG else FLAGS_OF_LONG
     key = hashlib.sha256("\0".join((source, *compiler, *flags)).encode()).hexdigest()[:32]
     try:
-        return load(_build(source, key, compiler[0], flags))
-    except (OSError, RuntimeError, subprocess.SubprocessError) as error:
+        return _kept(key, load) or _built(source, key, compiler[0], flags, load)
+    except (OSError, RuntimeError, ShipidError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", "") or str(error)
         notice_once(f"compiling failed: {detail.strip()[:200]}")
         return None
 
 
-def _build(source: str, key: str, compiler: str, flags: tuple[str, ...]) -> Path:
-    """Compile into the cache under a temporary name and rename: other processes never read half a file."""
-    folder = cache_folder()
-    library = folder / f"{key}.so"
-    if library.exists():
-        return library
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        (Path(scratch) / "code.c").write_text(source)
+def _kept(key: str, load: Callable[[Path], Any]) -> CasadiFunction:
+    """Load what was compiled before; None where there is nothing, or nothing whole.
+
+    The name of a library ends with the checksum of its content: a damaged one would be executed as it is.
+    """
+    folder = safe_cache_folder()
+    for library in sorted(folder.glob(f"{key}-*.so")) if folder is not None else ():
+        if library.is_file() and library.name == _name(key, library.read_bytes()):
+            return load(library)
+        with suppress(OSError):
+            library.unlink()
+    return None
+
+
+def _built(source: str, key: str, compiler: str, flags: tuple[str, ...], load: Callable[[Path], Any]) -> CasadiFunction:
+    """Compile under a temporary name, put the library into the cache, and load it: other processes never read half a file."""
+    folder = safe_cache_folder()
+    with workshop(folder) as scratch:
+        (scratch / "code.c").write_text(source)
         # Relative names: a compiler that fails says the same each time, and is reported once.
         command = [compiler, *flags, "-o", "code.so", "code.c", "-lm"]
         subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, cwd=scratch)
-        (Path(scratch) / "code.so").replace(library)
-    return library
+        made = scratch / "code.so"
+        if folder is None:
+            return load(made)  # what is loaded stays, also where its file is removed
+        library = folder / _name(key, made.read_bytes())
+        put_in_place({made: library}, overwrite=True)
+    return load(library)
+
+
+def _name(key: str, content: bytes) -> str:
+    return f"{key}-{digest(content)[:32]}.so"

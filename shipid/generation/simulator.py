@@ -211,10 +211,19 @@ class Simulator:
             If an input that has an influence on the outputs is not named and declares no default.
         DeclarationError
             If a coefficient has no value.
+        UsageError
+            If an input has a hole.
         """
         system = self.record.system
         needed = system.inputs_behind(self.record.outputs)
         rows = input_rows(self.model, inputs or {}, t.size, where, needed)
+        for name, row in zip(self.model.inputs, rows):
+            if name in needed and not np.isfinite(row).all():
+                raise UsageError(
+                    f"the input '{name}' of model {self.model.name} has no value at {np.count_nonzero(~np.isfinite(row))} of "
+                    f"{t.size} times, and the model cannot be run past them. Fill it, or run the stretches between "
+                    "(shipid.trials.stretches)."
+                )
         shift = None if not biases else np.array([float(biases.get(n, 0.0)) for n in self.model.inputs])
         y, slopes = self.record(
             initial_state(self.model, start),

@@ -78,7 +78,7 @@ def compare_models(
         for left_out, rest in folds:
             tell(f"{model.name}: predicting {left_out.name}")
             fit, trouble = _attempt(model, rest, [left_out], ship, starts, seed)
-            compared.append(fit.validation[0] if fit else None)
+            compared.append(fit.validation if fit else None)
         kept: Fit | None = None
         if validate:
             tell(f"{model.name}: fitting all trials")
@@ -113,15 +113,19 @@ def _attempt(
     return fit, "" if fit.converged else "a search did not converge."
 
 
-def _rank(model: Model, compared: Sequence[Comparison | None], kept: Fit | None, trouble: str) -> Rank:
-    folds = [_measures(model, c) for c in compared if c is not None]
-    together = {n: _together([m[n] for m, _ in folds]) for n in MEASURES}
+def _rank(model: Model, compared: Sequence[Sequence[Comparison] | None], kept: Fit | None, trouble: str) -> Rank:
+    """Rank one model; what was left out is a trial, or the stretches of one that has holes in its inputs."""
+    folds = [[_measures(model, c) for c in fold] for fold in compared if fold is not None]
+    together = {n: _together([m[n] for fold in folds for m, _ in fold]) for n in MEASURES}
     # A fold that could not be fitted counts as a prediction that is worth nothing.
-    scores = [float(np.log(_WORTHLESS)) if c is None else _score(*_measures(model, c)) for c in compared]
+    scores = [
+        float(np.log(_WORTHLESS)) if fold is None else float(np.mean([_score(*_measures(model, c)) for c in fold]))
+        for fold in compared
+    ]
     score = float(np.exp(np.mean(scores))) if folds else None
     std = score * float(np.std(scores, ddof=1)) / len(scores) ** 0.5 if score is not None and len(scores) > 1 else None
     validation = {c.trial.name: _measures(model, c)[0] for c in kept.validation} if kept else {}
-    trials = [c.trial for c in compared if c is not None]
+    trials = [c.trial for fold in compared if fold is not None for c in fold]
     recorded = [n for n in model.inputs if n not in _MOTION and all(t.has(n) for t in trials)]
     estimated = [model[n].quantity for n in model.parameters if model[n].quantity.estimated]
     return Rank(
@@ -140,7 +144,7 @@ def _rank(model: Model, compared: Sequence[Comparison | None], kept: Fit | None,
 
 def _measures(model: Model, c: Comparison) -> tuple[dict[str, float | None], dict[str, float]]:
     """Measures of one prediction, and the size of what was measured, by measure."""
-    size = {n: float(np.std(c.trial[n])) if c.trial.has(n) else 1.0 for n in SIGNALS}
+    size = {n: float(np.nanstd(c.trial[n])) if _is_there(c, n) else 1.0 for n in SIGNALS}
     pairs = [(m, p) for m, p in zip(c.overshoots[:2], c.predicted_overshoots[:2]) if p is not None]
     overshoot = float(np.sqrt(np.mean([(m - p) ** 2 for m, p in pairs]))) if pairs else None
     found = {
@@ -163,16 +167,21 @@ def _measures(model: Model, c: Comparison) -> tuple[dict[str, float | None], dic
     return {n: plain(v) for n, v in found.items()}, sizes
 
 
+def _is_there(c: Comparison, name: str) -> bool:
+    return c.trial.has(name) and bool(np.isfinite(c.trial[name]).any())
+
+
 def _missed(model: Model, c: Comparison, name: str) -> float | None:
     """Error of a speed; a model that says nothing of it has the speed of the approach, and no sway."""
-    if not c.trial.has(name):
+    if not _is_there(c, name):
         return None
     if name in c.predicted and is_predicted(model, name):
         predicted = c.predicted[name]
     else:
         predicted = c.predicted["u"][:1] if name == "u" and "u" in c.predicted else np.zeros(1)
     with np.errstate(over="ignore", invalid="ignore"):
-        return float(np.sqrt(np.mean((c.trial[name] - predicted) ** 2)))
+        errors = (c.trial[name] - predicted)[np.isfinite(c.trial[name])]
+        return float(np.sqrt(np.mean(errors**2)))
 
 
 def _score(measures: Mapping[str, float | None], size: Mapping[str, float]) -> float:

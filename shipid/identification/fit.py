@@ -126,11 +126,11 @@ class Fit:
 
         Raises
         ------
-        ClockGapError
-            If the clock of a trial has a gap.
+        NoStretchError
+            If what drives the model has so many holes that no stretch of a trial is long enough.
         """
         compared = predictions(self.identified, trials)
-        records = {t.name: {**t.source.to_dict(), "samples": len(t)} for t in trials}
+        records = {c.trial.name: {**c.trial.source.to_dict(), "samples": len(c.trial)} for c in compared}
         provenance = {**self.provenance, "trials": {**self.provenance["trials"], **records}}
         return replace(self, validation=self.validation + compared, provenance=provenance, assessment=None)
 
@@ -216,6 +216,13 @@ class Fit:
                     for s, v in c.rmse.items()
                 }
                 for c in self.validation
+            },
+            "samples": {
+                c.trial.name: {
+                    "signals": {s: {"there": n, "possible": most} for s, (n, most) in c.samples.items()},
+                    "notes": list(c.notes),
+                }
+                for c in compared
             },
             "manoeuvre": {
                 c.trial.name: {

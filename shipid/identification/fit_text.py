@@ -54,7 +54,12 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
             lines.append(
                 f"             overshoots measured / predicted: {', '.join(pairs)} {display_unit('psi', 'rad')}"
             )
-    return lines
+        if any(there < possible for there, possible in c.samples.values()):
+            counts = ", ".join(f"{s} {there} of {possible}" for s, (there, possible) in c.samples.items())
+            lines.append(f"             samples there: {counts}")
+    # The stretches of one record have its notes in common.
+    notes = dict.fromkeys(note for c in comparisons for note in c.notes)
+    return lines + [f"             {note}" for note in notes]
 
 
 def ladder_lines(ladder: Sequence[Rung]) -> list[str]:

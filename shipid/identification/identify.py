@@ -26,7 +26,7 @@ from shipid.identification.problem.output_error import make_problem
 from shipid.identification.problem.prior import INDEPENDENT, prior_of, structural_errors
 from shipid.identification.problem.setting import Setting, check_length, search_box, settle
 from shipid.identification.problem.signals import check_answer, fitted_signals, unknown_biases
-from shipid.identification.problem.trial_data import prepare
+from shipid.identification.problem.trial_data import prepare, with_whole_inputs
 from shipid.identification.search.ladder import SearchSettings, climb
 from shipid.identification.search.least_squares import Progress
 from shipid.identification.search.prediction_weights import independent_samples, on_every_sample, weigh_again
@@ -37,7 +37,7 @@ from shipid.identification.uncertainty.estimates import estimates_of
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.trials.fitness import check_identifiable_input, check_regular
+from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.trial import Trial
 
 
@@ -122,17 +122,21 @@ def identify(
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
     setting = settle(model, trials, ship, estimate, fixed or {})
-    for trial in (*trials, *validate):
-        check_regular(trial)
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
     for trial in trials:
         check_identifiable_input(trial)
         check_answer(trial, shown)
-    own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
-    # The trials to predict are checked as well, so that missing columns are found before the search.
-    everything = [prepare(setting.model, t, shown, own_speed, unit_time) for t in (*trials, *validate)]
-    data = everything[: len(trials)]
     check_length(setting, trials)
+    own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
+    # Holes in what drives the model split a trial; each stretch is a trial of its own from here on.
+    pairs, predicted = (
+        [(s, t) for t in group for s in with_whole_inputs(setting.model, t, shown, unit_time)]
+        for group in (trials, validate)
+    )
+    trials = [stretch for stretch, _ in pairs]
+    # The trials to predict are checked as well, so that missing columns are found before the search.
+    everything = [prepare(setting.model, s, shown, own_speed, unit_time, t) for s, t in (*pairs, *predicted)]
+    data = everything[: len(trials)]
     # For prediction, residuals are weighted by what a low-order model can reach, and the trials share their biases.
     structural = purpose == "prediction" and noise is None
     if noise is not None:
@@ -199,7 +203,7 @@ def _result(
         noise=dict(zip(problem.signals, problem.sigma.tolist())),
         fitted=fitted_comparisons(problem, solution.q, ship.particular("L", "m")),
         validation=(),
-        chi_square=2 * solution.cost / max(1, solution.residual.size - problem.size),
+        chi_square=2 * solution.cost / max(1, solution.residual.size - problem.missing - problem.size),
         evaluations=solution.evaluations,
         provenance=_provenance(setting.model, trials),
         identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method),

@@ -11,7 +11,7 @@ from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import shown
 from shipid.trials.errors import ClockError, LooksLikeDegreesError, NonFiniteError, TooShortError
-from shipid.trials.filling import GAP, interpolated
+from shipid.trials.filling import GAP, interpolated, usual_interval
 
 FEWEST_SAMPLES = 10
 
@@ -197,15 +197,14 @@ def gaps(t: np.ndarray, usual: float | None = None) -> np.ndarray:
     t : ndarray, shape (n,)
         Time [s].
     usual : float, optional
-        The usual interval [s], for a clock on which several signals keep their own; the median one by default.
+        The usual interval [s], for a clock on which several signals keep their own; that of `t` by default.
 
     Returns
     -------
     ndarray of int
         Samples followed by an interval longer than `GAP` times the usual one.
     """
-    step = np.diff(t)
-    return np.flatnonzero(step > GAP * (np.median(step) if usual is None else usual))
+    return np.flatnonzero(np.diff(t) > GAP * (usual_interval(t) if usual is None else usual))
 
 
 def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:

@@ -17,6 +17,8 @@ _SPELLINGS = (
     (re.compile(r"\b(RPM|Rpm)\b"), "rpm"),
     (re.compile(r"\b(DEG|Deg)\b"), "deg"),
 )
+#: A longer header is a name without a unit.
+_LONGEST_HEADER = 300
 _BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^)]*)\))\s*$")
 
 
@@ -50,7 +52,7 @@ def split_header(text: str) -> tuple[str, str | None]:
         The unit, or None where the header says none.
     """
     text = text.strip().strip("\"'").strip()
-    match = _BRACKETED.match(text)
+    match = _BRACKETED.match(text) if len(text) <= _LONGEST_HEADER else None
     if not match or not match["name"]:
         return text, None
     unit = match["square"] if match["square"] is not None else match["round"]

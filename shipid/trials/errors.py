@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from shipid.foundation.errors import ShipidError, UsageError
 
 
@@ -54,7 +56,19 @@ class ColumnUnitError(TrialError):
 
 
 class TextInColumnError(TrialError):
-    """A numeric column contains text."""
+    """A numeric column contains text.
+
+    Parameters
+    ----------
+    message : str
+        The whole message.
+    cells : Mapping of int or str to Mapping of int to str, optional
+        By column, as the reader counts or names them, and by row the text of the cells.
+    """
+
+    def __init__(self, message: str, cells: Mapping[int | str, Mapping[int, str]] | None = None) -> None:
+        super().__init__(message)
+        self.cells: Mapping[int | str, Mapping[int, str]] = cells or {}
 
 
 class AmbiguousNumberError(TrialError):
@@ -73,12 +87,16 @@ class NotALiveLogError(TrialError):
     """What is to be followed line by line is no text, or a line of it has no end."""
 
 
+class NoTableError(TrialError):
+    """A log that is no table, where one is needed."""
+
+
 class DateOrderError(TrialError):
     """Which number of a date is the day and which the month is not decided, and the clock depends on it."""
 
 
-class ClockGapError(TrialError):
-    """The clock has a gap."""
+class NoStretchError(TrialError):
+    """What drives a model has so many holes that no stretch of the record is long enough."""
 
 
 class LooksLikeDegreesError(TrialError):

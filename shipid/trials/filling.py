@@ -6,10 +6,17 @@ import numpy as np
 
 #: An interval this many times the usual one of its channel is a hole (of a clock: a gap).
 GAP = 5.0
+#: Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts.
+_LIVE, _BURSTS = 0.2, 10
+#: Share of the intervals, longer than the median one, beyond which samples are irregular.
+_IRREGULAR = 1 / 3
 
 
 def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
-    """Return the median interval between the samples of a channel.
+    """Return the usual interval between the samples of a channel: the median one where they are regular.
+
+    Where many samples are left out at random it is the mean of the intervals that are no holes. Samples that come in bursts (several
+    sensors that write at nearly the same time) count as one for each burst.
 
     Parameters
     ----------
@@ -24,7 +31,41 @@ def usual_interval(t: np.ndarray, values: np.ndarray | None = None) -> float:
         In s; NaN where there are fewer than two samples.
     """
     times = t if values is None else t[np.isfinite(values)]
-    return float(np.median(np.diff(times))) if times.size > 1 else float("nan")
+    if times.size < 2:
+        return float("nan")
+    step = np.diff(times)
+    median = float(np.median(step))
+    short = step <= GAP * median
+    if np.count_nonzero(~short) > _BURSTS and step[short].sum() < _LIVE * step.sum():
+        return usual_interval(times[np.concatenate([[True], ~short])])
+    # Where every other sample is missing the median lies between two intervals, and changes by chance.
+    irregular = np.mean(step[short] > 1.5 * median) > _IRREGULAR
+    return float(step[short].mean()) if irregular else median
+
+
+def samples_of(t: np.ndarray, values: np.ndarray) -> tuple[int, int]:
+    """Return how many samples of a channel are there, and how many there might be.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    values : ndarray, shape (n,)
+        The channel, NaN where a sample is missing.
+
+    Returns
+    -------
+    there, possible : int
+        Of a channel that keeps a regular clock there might be one at each of its intervals, of any other one in each row.
+    """
+    there = np.isfinite(values)
+    count = int(there.sum())
+    if count < 3 or count == t.size:
+        return count, int(t.size)
+    step = np.diff(t[there])
+    own = float(np.median(step))
+    regular = np.mean(np.abs(step - own) < 0.2 * own) > 0.9
+    return count, max(count, round((t[there][-1] - t[there][0]) / own) + 1) if regular else int(t.size)
 
 
 def interpolated(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.ndarray:

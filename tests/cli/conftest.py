@@ -63,6 +63,11 @@ class Answer:
     err: str
 
     @property
+    def said_out(self) -> str:
+        """stdout as one line."""
+        return " ".join(self.out.split())
+
+    @property
     def said(self) -> str:
         """stderr as one line."""
         return " ".join(self.err.split())

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 import json
+import os
+import pkgutil
 import sys
 import types
 from pathlib import Path
@@ -10,10 +13,12 @@ from pathlib import Path
 import click
 import pytest
 
+import shipid
 from shipid.cli import main
 from shipid.cli.delivery import Delivery, delivered, json_text
 from shipid.cli.registry import COMMANDS
-from shipid.foundation.exit_codes import ExitCode, table
+from shipid.foundation.errors import ShipidError
+from shipid.foundation.exit_codes import ExitCode, markdown
 
 #: Options that mean the same in every command that has them.
 SHARED = (
@@ -47,10 +52,31 @@ def test_an_option_says_the_same_in_every_command():
 
 
 def test_one_table_of_exit_codes():
-    assert table() == "0 done, 2 usage, 3 bad data, 4 no convergence, 70 a fault of shipid itself, 130 interrupted"
-    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text()
-    assert f"Exit codes: {table()}." in readme
-    assert [int(c) for c in ExitCode] == [0, 2, 3, 4, 70, 130]
+    assert [(int(c), c.meaning) for c in ExitCode] == [
+        (0, "done"),
+        (2, "usage"),
+        (3, "bad data"),
+        (4, "no convergence"),
+        (70, "a fault of shipid itself"),
+        (130, "interrupted"),
+        (143, "terminated"),
+    ]
+    readme = (Path(__file__).resolve().parents[2] / "README.md").read_text(encoding="utf-8")
+    assert readme.count(markdown()) == 1
+    assert readme.count("exit code |") == 1, "one table only"
+
+
+def test_every_error_has_a_code_of_the_table():
+    """Whatever class of error a room declares, the command ends with a code that the README explains."""
+    for name in pkgutil.walk_packages(shipid.__path__, "shipid."):
+        if name.name.rpartition(".")[2] == "errors":
+            importlib.import_module(name.name)
+    kinds, todo = set(), [ShipidError]
+    while todo:
+        kinds.add(kind := todo.pop())
+        todo += kind.__subclasses__()
+    assert len(kinds) > 20
+    assert {k.exit_code for k in kinds} <= {ExitCode.USAGE, ExitCode.BAD_DATA, ExitCode.NO_CONVERGENCE}
 
 
 class Answer:
@@ -130,3 +156,75 @@ def test_opening_needs_a_folder(own_command, monkeypatch, tmp_path):
     assert opened == [(tmp_path / "report.html").as_uri()]
     monkeypatch.setattr("webbrowser.open", lambda _: False)
     assert "no browser" in own_command("--open", "--out", tmp_path, "--overwrite").said
+
+
+@pytest.fixture
+def failing_command(own_command, monkeypatch, tmp_path):
+    """The command, whose files cannot be written because of an error."""
+
+    def run(error: Exception, *arguments):
+        def fail(*_, **__):
+            raise error
+
+        monkeypatch.setattr("shipid.foundation.replacing.os.replace", fail)
+        answer = own_command("--out", tmp_path / "out", *arguments)
+        assert list((tmp_path / "out").iterdir()) == []
+        return answer
+
+    return run
+
+
+def test_a_result_that_cannot_be_written_is_printed(failing_command):
+    answer = failing_command(OSError(28, "No space left on device"))
+    assert (answer.code, answer.out) == (ExitCode.BAD_DATA, "the answer is 1.5\n")
+    assert answer.said == "shipid: the output: No space left on device."
+    answer = failing_command(OSError(30, "Read-only file system"), "--json")
+    assert (answer.code, json.loads(answer.out)) == (ExitCode.BAD_DATA, {"answer": 1.5})
+    answer = failing_command(RuntimeError("a report that fails"))
+    assert (answer.code, answer.out) == (ExitCode.FAULT, "the answer is 1.5\n")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with a name")
+@pytest.mark.parametrize("kind", ["pipe", "link to a device", "link that leads nowhere", "folder"])
+def test_only_files_are_replaced(own_command, tmp_path, kind):
+    """Looked at before the work is done, and nothing is touched."""
+    place = tmp_path / "notes.txt"
+    if kind == "pipe":
+        os.mkfifo(place)
+    elif kind == "folder":
+        place.mkdir()
+    else:
+        place.symlink_to("/dev/null" if kind == "link to a device" else tmp_path / "none")
+    before = place.lstat()
+    words = {"link to a device": "a device", "pipe": "a pipe"}.get(kind, kind)
+    for more in ((), ("--overwrite",)):
+        answer = own_command("--out", tmp_path, *more)
+        assert (answer.code, answer.out) == (ExitCode.BAD_DATA, "")
+        assert f"notes.txt' is {'a ' if kind == words else ''}{words}" in answer.said
+    assert place.lstat() == before and [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_a_link_to_a_file_is_replaced_by_the_file(own_command, tmp_path):
+    (tmp_path / "kept").write_text("kept")
+    (tmp_path / "notes.txt").symlink_to(tmp_path / "kept")
+    assert own_command("--out", tmp_path).code == ExitCode.USAGE
+    assert own_command("--out", tmp_path, "--overwrite").code == 0
+    assert (tmp_path / "notes.txt").read_text() == "notes" and (tmp_path / "kept").read_text() == "kept"
+
+
+def test_a_file_that_comes_while_the_work_is_done_is_not_lost(own_command, monkeypatch, tmp_path):
+    """Another run writes to the same folder, and neither was allowed to overwrite."""
+    import shipid.foundation.replacing as replacing
+
+    put = replacing.put_in_place
+
+    def late(files, overwrite):
+        (tmp_path / "notes.txt").write_text("of the other run")
+        put(files, overwrite)
+
+    monkeypatch.setattr(replacing, "put_in_place", late)
+    answer = own_command("--out", tmp_path)
+    assert (answer.code, answer.out) == (ExitCode.BAD_DATA, "the answer is 1.5\n")
+    assert "notes.txt' exists already" in answer.said
+    assert [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
+    assert (tmp_path / "notes.txt").read_text() == "of the other run"

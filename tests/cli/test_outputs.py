@@ -70,7 +70,8 @@ def test_nothing_half_written(call, zigzag, fitted, tmp_path, monkeypatch, faili
         monkeypatch.setattr(shipid.report.write_report, "write_report", fail)
     answer = call(*arguments)
     assert answer.code == (130 if failing == "interrupted" else 3)
-    assert answer.out == ""
+    # What was computed is printed where it could not be written.
+    assert ("K" in answer.out and "tau" in answer.out) if failing == "writing" else answer.out == ""
     assert answer.err.strip().startswith("shipid: ")
     assert not out.exists() or list(out.iterdir()) == []
 

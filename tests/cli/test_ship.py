@@ -34,7 +34,7 @@ def test_a_draft_becomes_a_ship_when_its_sources_are_filled_in(call, tmp_path):
         "12 kn",
         "--rudder",
         "35 deg",
-        "--model",
+        "--coefficients",
         "nomoto",
         "-o",
         path,
@@ -79,7 +79,7 @@ def test_a_draft_with_a_source_is_read_by_other_commands(call, tmp_path):
         (3, ["--new", "x", "--beam", "-3 m"], ("'B' (beam)", "greater than zero")),
         (3, ["--new", " "], ("needs a name",)),
         (2, ["nosuch"], ("there is no ship 'nosuch'",)),
-        (2, ["--new", "x", "--model", "nosuch"], ("there is no model 'nosuch'",)),
+        (2, ["--new", "x", "--coefficients", "nosuch"], ("there is no model 'nosuch'",)),
     ],
 )
 def test_refusals(refused, code, arguments, words):

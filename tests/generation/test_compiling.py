@@ -12,6 +12,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from shipid.foundation import cache
+from shipid.foundation.cache import CacheNotice
 from shipid.generation import compiling
 from shipid.generation.compiling import CompilerNotice, compile_function
 from shipid.generation.record import make_record
@@ -150,13 +152,80 @@ def test_a_compiler_that_does_not_say_its_version_is_passed_over(
     assert compiling.find_compiler() is None
 
 
-def test_a_cache_that_cannot_be_made_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("compiler")
+def test_without_a_cache_it_is_compiled_all_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("SHIPID_CACHE", str(tmp_path / "file" / "cache"))
-    monkeypatch.setenv("CC", fake_compiler(tmp_path / "cc", "echo any 1.0"))
-    with pytest.warns(CompilerNotice, match="Not a directory"):
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "tmp"))
+    (tmp_path / "tmp").mkdir()
+    monkeypatch.setattr("tempfile.tempdir", None)
+    cache._notice_once.cache_clear()  # noqa: SLF001 - so that it is said here
+    with pytest.warns(CacheNotice, match="Not a directory. Nothing is kept between runs"):
         function = compile_function(make_function())
-    assert function.class_name() == "SXFunction"
+    assert function.class_name() == "External"
+    np.testing.assert_allclose(function([1, 2, 3]).full(), make_function()([1, 2, 3]).full(), rtol=1e-15)
+    assert list((tmp_path / "tmp").iterdir()) == []
+
+
+@pytest.mark.usefixtures("compiler")
+@pytest.mark.parametrize(
+    "harm", ["cut to nothing", "cut in half", "a bit", "one more byte", "another library", "a folder"]
+)
+def test_a_damaged_library_is_not_executed(fresh: Path, harm: str) -> None:
+    """It is compiled anew. The system would execute a library that is cut, and end the process by SIGBUS."""
+    compile_function(make_function(3.0))
+    (other,) = fresh.iterdir()
+    harmful = other.read_bytes()
+    other.unlink()
+    run_alone(1.0)
+    (library,) = fresh.iterdir()
+    whole = library.read_bytes()
+    if harm == "a folder":
+        library.unlink()
+        library.mkdir()
+    else:
+        middle = len(whole) // 2
+        library.write_bytes(
+            {
+                "cut to nothing": b"",
+                "cut in half": whole[:middle],
+                "a bit": whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :],
+                "one more byte": whole + b"\0",
+                "another library": harmful,
+            }[harm]
+        )
+    printed = run_alone(1.0)
+    assert float(printed[1]) == pytest.approx(np.sin(3) + 1, rel=1e-15)
+    if harm != "a folder":
+        assert printed[0] == "External"
+        assert [p.read_bytes() for p in fresh.iterdir()] == [whole]
+
+
+def run_alone(number: float) -> list[str]:
+    """Compile and call in a process of its own, which may be killed by what it loads."""
+    code = (
+        "import sys, casadi as ca\nfrom shipid.generation.compiling import compile_function\n"
+        "x = ca.SX.sym('x', 3)\n"
+        "made = compile_function(ca.Function('step', [x], [float(sys.argv[1]) * ca.sin(x) + x[0] ** 2]))\n"
+        "print(made.class_name(), float(made([1, 2, 3])[2]))"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(number)], capture_output=True, text=True, env=os.environ)
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="no users of POSIX")
+@pytest.mark.usefixtures("compiler")
+def test_a_library_that_another_user_may_have_put_there_is_not_executed(fresh: Path) -> None:
+    function = make_function(2.0)
+    compile_function(function)
+    (library,) = fresh.iterdir()
+    before = library.read_bytes()
+    fresh.chmod(0o777)
+    cache._notice_once.cache_clear()  # noqa: SLF001 - so that it is said here
+    with pytest.warns(CacheNotice, match="other users can write to it"):
+        assert compile_function(function).class_name() == "External"
+    assert [p.read_bytes() for p in fresh.iterdir()] == [before]
 
 
 def test_compiling_can_be_switched_off(fresh: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from shipid import Component, find_model, find_ship, given, join, parameter, state
-from shipid.foundation.errors import DeclarationError
+from shipid.foundation.errors import DeclarationError, UsageError
 from shipid.generation.ensemble import make_ensemble
 from shipid.generation.simulator import (
     UnstatedInputError,
@@ -92,3 +92,14 @@ def test_an_ensemble_is_as_many_runs() -> None:
         alone = run(t, {"K": float(gain), "tau": 12.0}, flow)
         assert ends["r"][i] == pytest.approx(alone["r"][-1], rel=1e-12)
         assert ends["psi"][i] == pytest.approx(alone["psi"][-1], rel=1e-12)
+
+
+def test_an_input_with_a_hole_is_refused() -> None:
+    """NaN would run through every later sample without a word."""
+    t = np.arange(10.0)
+    delta = np.where((t > 3) & (t < 6), np.nan, 0.1)
+    run = make_simulator(NOMOTO, ("r",))
+    values = {"K": 0.1, "tau": 10.0}
+    with pytest.raises(UsageError, match="'delta' of model nomoto has no value at 2 of 10 times"):
+        run(t, values, {"delta": delta, "u": 5.0, "cruise": 5.0})
+    assert run(t, values, {"delta": np.nan_to_num(delta), "u": 5.0, "cruise": 5.0}).finite.all()

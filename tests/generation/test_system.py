@@ -186,3 +186,12 @@ def test_the_digest_is_the_same_in_another_process() -> None:
     code = "from shipid import *\nprint(generate(find_model('pershitz-discrete')).digest)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == generate(find_model("pershitz-discrete")).digest
+
+
+def test_states_that_an_input_drives() -> None:
+    system = generate(find_model("nomoto"))
+    assert system.states_driven_by(["delta"]) == system.states
+    assert system.states_driven_by([]) == ()
+    position = generate(find_model("position-filter"))
+    driven = position.states_driven_by(["psi"])
+    assert {"x", "y"} <= set(driven) and not {"current_north", "current_east"} & set(driven)

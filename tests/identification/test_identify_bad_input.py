@@ -11,7 +11,7 @@ from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameEr
 from shipid.generation.simulator import UnstatedInputError
 from shipid.identification import identify as module
 from shipid.identification.errors import NoAnswerError, NothingToFitError, TrialTooShortError
-from shipid.trials.errors import ClockGapError, NoRudderMovementError, UnknownColumnError
+from shipid.trials.errors import NoRudderMovementError, NoStretchError, UnknownColumnError
 
 
 def make_trial(name: str = "made", seconds: float = 200.0, interval: float = 0.5, **columns) -> shipid.Trial:
@@ -48,9 +48,12 @@ def refused(monkeypatch):
     return check
 
 
-def with_gap(trial: shipid.Trial) -> shipid.Trial:
-    frame = trial.to_frame()
-    return shipid.Trial.from_frame(frame.drop(index=range(100, 140)).reset_index(drop=True), name="holed")
+def in_pieces(trial: shipid.Trial) -> shipid.Trial:
+    """Nine seconds with a rudder, nine without, and so on."""
+    frame = trial.to_frame().iloc[:144]
+    pieces = (np.arange(len(frame)) // 9) % 2 == 0
+    frame["delta [deg]"] = frame["delta [deg]"].where(pieces)
+    return shipid.Trial.from_frame(frame, name="pieces")
 
 
 def test_the_trial_itself_is_sound():
@@ -109,15 +112,16 @@ def test_sensor_that_stands_still_may_be_left_out():
     assert shipid.identify("nomoto", [stuck], signals=["r"], starts=1).converged
 
 
-def test_gap(refused):
-    refused(ClockGapError, [with_gap(make_trial())], "'holed'", "@0:49.5")
-    refused(ClockGapError, [make_trial()], "'holed'", validate=[with_gap(make_trial())])
+def test_a_rudder_in_pieces(refused):
+    words = ("'pieces'", "The longest stretch without one lasts 4 s", "Samples there in 144 rows: delta 72")
+    refused(NoStretchError, [in_pieces(make_trial())], *words)
+    refused(NoStretchError, [make_trial()], *words, validate=[in_pieces(make_trial())])
 
 
-def test_gap_in_a_trial_predicted_later():
+def test_a_rudder_in_pieces_in_a_trial_predicted_later():
     fit = shipid.identify("nomoto", [make_trial()], starts=1)
-    with pytest.raises(ClockGapError, match="holed"):
-        fit.validate([with_gap(make_trial())])
+    with pytest.raises(NoStretchError, match="pieces"):
+        fit.validate([in_pieces(make_trial())])
 
 
 def test_too_short(refused):

@@ -13,6 +13,7 @@ from shipid import Component, find_model, find_ship, join
 from shipid.declaration import units
 from shipid.declaration.component import declared_equations, declared_quantities, slug
 from shipid.declaration.scale import Scale, prime_exponents
+from shipid.declaration.unit_check import check_units
 from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values
@@ -53,14 +54,17 @@ def test_every_equation_cites_its_source(component: type[Component]) -> None:
 @pytest.mark.parametrize("component", [c for c in COMPONENTS if {"x", "y"} <= declared_quantities(c).keys()])
 def test_north_and_east_are_of_one_size(component: type[Component]) -> None:
     """No direction is preferred: unit and nominal size of both coordinates are the same."""
-    x, y = (declared_quantities(component)[n] for n in ("x", "y"))
-    assert (x.unit, x.nominal) == (y.unit, y.nominal)
+    model = join("alone", component)
+    x, y = model["x"], model["y"]
+    assert (x.unit, x.number("nominal")) == (y.unit, y.number("nominal"))
 
 
 @pytest.mark.parametrize("model", [m for m in SHIP_MODELS if {"r", "r_star", "omega"} & set(find_model(m).states)])
 def test_the_track_follows_the_motions_that_make_it(model: str) -> None:
-    """The order of the states, in tables and files: what turns the ship first, then where that takes it."""
-    states = list(find_model(model).states)
+    """The order of the states, in tables and files: what turns the ship first, then where that takes it; units agree."""
+    found = find_model(model)
+    check_units(found)
+    states = list(found.states)
     turning = next(n for n in ("r", "r_star", "omega") if n in states)
     assert states.index(turning) < states.index("x") < states.index("y")
 

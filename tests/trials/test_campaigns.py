@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.fitness import check_identifiable_input, check_regular
+from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import read_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.signals.series import smoothed
+from shipid.trials.stretches import stretches_of
 
 FORMATS = Path(__file__).resolve().parents[2] / "studies" / "formats"
 MARIN = [f"MARIN_FREE_KVLCC2_{run}_m.dat" for run in ("zz_20", "zz_-20", "zz_10", "tc_35")]
@@ -57,7 +58,7 @@ def test_positive_rudder_turns_to_starboard(campaign, name, file):
 @every
 def test_records_are_fit_for_identification(campaign, name, file):
     trial = campaign(name, file)
-    check_regular(trial)
+    assert stretches_of(trial, ["delta"]) == (trial,)
     check_identifiable_input(trial)
 
 
@@ -218,5 +219,5 @@ def test_turn_after_hand_steering(campaign, run, side, execute, advance, diamete
 
 
 def test_a_berthing_is_no_zigzag(campaign):
-    with pytest.raises(NotAManoeuvreError, match="no zig-zag"):
+    with pytest.raises(NotAManoeuvreError, match=r"neither a zig-zag nor a turning circle.*propeller is reversed"):
         measure(campaign("esso-osaka", "berthing_12-Nov-2020_11_07_23.csv"))

@@ -287,7 +287,7 @@ class OnlineFilter:
         if not window or now - window[0].t < 0.999 * self.lag:
             return None
         control, out = np.array([w.control for w in window]), np.array([w.out for w in window])
-        x, packed = run_back(self.design, control, out, window[0].before)
+        x, packed, _ = run_back(self.design, control, out, window[0].before)
         return window[0].t - self._reader.clock.shift, x[0], deviations_of(packed[0], self.design.layout.n)
 
     def save(self, path: str | Path) -> None:

@@ -1,26 +1,49 @@
 """From a record to the rows of a filter: inputs, intervals, what each sensor shows and when it is there.
 
 A gap is bridged in steps no longer than a few samples, so that the integration stays accurate; the treatment of time stamps that
-cannot be right is explained in `shipid.estimation.records.clock`.
+cannot be right is explained in `shipid.estimation.records.clock`. Inputs are filled between their samples by the rule of
+`shipid.trials.stretches`; samples in a hole that is too long for it are left out, and the filter starts anew behind it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
 from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, filter_time, steps
+from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_table, names_of, never_known, ruled
 from shipid.estimation.settings.instruments import Instruments
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.generation.simulator import input_rows
-from shipid.trials.speed import speed_before
+from shipid.trials.stretches import is_order
 from shipid.trials.trial import Trial
 
 #: What can be filtered: a trial, or SI columns with ``t`` in which NaN stands for a sample that is missing.
 FilterRecord = Trial | Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Hole:
+    """A hole of an input, in which there are no estimates.
+
+    Attributes
+    ----------
+    begin, end : float
+        Times in s of the last sample before it and the first behind it.
+    row : int
+        The row of that first sample.
+    inputs : tuple of str
+        What is not known in it.
+    """
+
+    begin: float
+    end: float
+    row: int
+    inputs: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +63,19 @@ class Arrangement:
     there : ndarray of bool, shape (N, sensors)
         Where they show something.
     lost : ndarray of bool, shape (N, inputs)
-        Where an input is missing and its last value stands in.
+        Where an input is missing and its last value stands in, as its uncertainty was given.
     shown : ndarray of bool, shape (N,)
         Which rows are samples of the record.
     limited : ndarray of int, shape (sensors,)
         Samples left out because they are outside the sensor's range.
     forward : ndarray of bool, shape (samples,)
-        Which samples of the record are used; the others have a time stamp that cannot be right.
+        Which samples of the record are used; the others have a time stamp that cannot be right, or lie in a hole of an input.
+    unknown : ndarray of bool, shape (samples,)
+        Which samples lie in a hole of an input.
+    holes : tuple of Hole
+        Where the filter starts anew, behind the hole.
+    filled : mapping of str to int
+        Samples between those of an input, by input.
     """
 
     t: np.ndarray
@@ -58,6 +87,42 @@ class Arrangement:
     shown: np.ndarray
     limited: np.ndarray
     forward: np.ndarray
+    unknown: np.ndarray
+    holes: tuple[Hole, ...] = ()
+    filled: Mapping[str, int] = field(default_factory=dict)
+
+    @property
+    def pieces(self) -> list[slice]:
+        """The rows of each stretch between holes."""
+        edges = [0, *(hole.row for hole in self.holes), self.t.size]
+        return [slice(a, b) for a, b in pairwise(edges)]
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What was filled and left out, one sentence each."""
+        rows = self.forward.size
+        said = [
+            f"{name} is {'held' if is_order(name) else 'interpolated'} between its samples at {count} of {rows} times."
+            for name, count in self.filled.items()
+        ]
+        if self.unknown.any():
+            count = int(self.unknown.sum())
+            said.append(
+                f"{count} of {rows} samples lie in holes of an input that are too long to fill, and are left out."
+            )
+        said += [
+            f"No {', '.join(hole.inputs)} from {hole.begin:.5g} to {hole.end:.5g} s: no estimates there; what it drives starts anew."
+            for hole in self.holes
+        ]
+        return tuple(said)
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return what was filled and left out as plain values."""
+        return {
+            "filled": dict(self.filled),
+            "samples_left_out": int(self.unknown.sum()),
+            "holes": [{"begin": h.begin, "end": h.end, "inputs": list(h.inputs)} for h in self.holes],
+        }
 
     @property
     def sample(self) -> np.ndarray:
@@ -68,7 +133,7 @@ class Arrangement:
     @property
     def back(self) -> int:
         """How many samples were left out because their time stamp cannot be right."""
-        return int(np.count_nonzero(~self.forward))
+        return int(np.count_nonzero(~self.forward & ~self.unknown))
 
 
 def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:
@@ -98,7 +163,7 @@ def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:
     return columns, "record"
 
 
-def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
+def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = False) -> Arrangement:
     """Arrange a record for a filter.
 
     Parameters
@@ -107,6 +172,8 @@ def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
         Sensors and inputs of the filter.
     record : Trial or mapping of str to ndarray
         What is filtered.
+    filled : bool
+        Whether its inputs are known to be whole.
 
     Returns
     -------
@@ -122,6 +189,8 @@ def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
         If a sensor is to be read more often than the record is sampled.
     UsageError
         If its time stamps cannot be used.
+    NoStretchError
+        If no sample lies between samples of every input.
     """
     columns, name = columns_of(record)
     forward, t = filter_time(columns["t"])
@@ -133,17 +202,38 @@ def arrange(instruments: Instruments, record: FilterRecord) -> Arrangement:
     columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
     z, there, limited = _sensor_table(instruments, columns, name)
     table = input_table(instruments, columns, name)
+    whole = table if filled or np.isfinite(table).all() else filled_inputs(instruments, t, table)
+    known = np.isfinite(whole[:, ruled(instruments)]).all(axis=1)
+    if not known.any():
+        raise never_known(instruments, table, name)
+    unknown = np.zeros(forward.size, dtype=bool)
+    unknown[forward] = ~known
+    counts = (np.isfinite(whole) & ~np.isfinite(table)).sum(axis=0)
+    counted = {n: int(c) for n, c in zip(instruments.model.inputs, counts) if c}
+    used = np.flatnonzero(known)
+    behind = used[1:][np.diff(used) > 1]
+    before = used[:-1][np.diff(used) > 1]
+    gone = [names_of(instruments, ~np.isfinite(whole[a + 1 : b]).all(axis=0)) for a, b in zip(before, behind)]
+    ends = list(zip(t[before], t[behind], gone))
+    t, z, there, table, whole = t[known], z[known], there[known], table[known], whole[known]
     rows = _bridged(t)
     at = np.searchsorted(rows, t)
     shown = np.zeros(rows.size, dtype=bool)
     shown[at] = True
     full_z, full_there = np.zeros((rows.size, z.shape[1])), np.zeros((rows.size, z.shape[1]), dtype=bool)
     full_z[at], full_there[at] = np.where(there, z, 0.0), there
-    held = hold_last(table)
+    held = hold_last(whole)
     inputs = np.column_stack([np.interp(rows, t, c) for c in held.T]) if held.shape[1] else np.empty((rows.size, 0))
     # Rows that bridge a gap belong to the sample that ends it.
     lost = ~np.isfinite(table)[np.searchsorted(t, rows)]
-    return Arrangement(rows, _intervals(rows, t, at), inputs, full_z, full_there, lost, shown, limited, forward)
+    holes = tuple(Hole(float(a), float(b), int(np.searchsorted(rows, b)), names) for a, b, names in ends)
+    intervals = _intervals(rows, t, at)
+    # The first sample behind a hole is the first of a new stretch: nothing is predicted to it.
+    intervals[[hole.row for hole in holes]] = 0.0
+    forward = forward & ~unknown
+    return Arrangement(
+        rows, intervals, inputs, full_z, full_there, lost, shown, limited, forward, unknown, holes, counted
+    )
 
 
 def _sensor_table(
@@ -221,61 +311,6 @@ def read_every(t: np.ndarray, there: np.ndarray, seconds: float, name: str, tria
     read = np.zeros(t.size, dtype=bool)
     read[shows[np.diff(number, prepend=-1) > 0]] = True
     return read
-
-
-def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], record: str) -> np.ndarray:
-    """Return the inputs of a model along a record, SI, shape (N, inputs); NaN where one is missing.
-
-    Parameters
-    ----------
-    instruments : Instruments
-        Constant inputs, and those that are needed.
-    columns : mapping of str to ndarray, shape (N,)
-        The record, SI.
-    record : str
-        Its name, for messages.
-
-    Raises
-    ------
-    UnstatedInputError
-        If the record lacks an input that is needed and declares no default.
-    """
-    given: dict[str, float | np.ndarray] = {}
-    speed = instruments.scale.speed
-    if speed is not None:
-        given |= {"cruise": speed, "u": speed}
-    if "u" in columns:
-        before = speed_before(columns["t"], columns["u"], columns.get("delta"), instruments.scale.unit_time)
-        if before is not None:
-            given["cruise"] = before.value
-    # A column without a number counts as absent, unless the user gave the standard deviation of the missing input.
-    given |= {n: c for n, c in columns.items() if n in instruments.lost or np.isfinite(c).any()}
-    given |= instruments.inputs
-    return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
-
-
-def hold_last(table: np.ndarray) -> np.ndarray:
-    """Return a table in which the last value stands in where one is missing.
-
-    Parameters
-    ----------
-    table : ndarray, shape (N, columns)
-        NaN where a value is missing.
-
-    Returns
-    -------
-    ndarray, shape (N, columns)
-        Before the first value of a column that value; zero where it has none.
-    """
-    finite = np.isfinite(table)
-    if finite.all():
-        return table
-    index = np.where(finite, np.arange(len(table))[:, None], -1)
-    index = np.maximum.accumulate(index, axis=0)
-    first = np.argmax(finite, axis=0)
-    index = np.where(index < 0, first[None, :], index)
-    held = np.take_along_axis(table, index, axis=0)
-    return np.where(np.isfinite(held), held, 0.0)
 
 
 def _bridged(t: np.ndarray) -> np.ndarray:

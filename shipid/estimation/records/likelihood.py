@@ -15,7 +15,8 @@ import numpy as np
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.arrangement import FilterRecord, arrange
 from shipid.estimation.records.controls import controls_of
-from shipid.estimation.records.first_estimate import first_carried
+from shipid.estimation.records.first_estimate import carried_vector, first_carried
+from shipid.estimation.records.restart import first_behind
 from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion import covariance_form
 from shipid.estimation.recursion.layout import StepLayout, total
@@ -40,8 +41,8 @@ class Likelihood:
     unknowns: tuple[str, ...]
     start: np.ndarray
     _loop: Loop = field(repr=False)
-    _carried: np.ndarray = field(repr=False)
-    _control: np.ndarray = field(repr=False)
+    _carried: tuple[np.ndarray, ...] = field(repr=False)
+    _controls: tuple[np.ndarray, ...] = field(repr=False)
     _constants: np.ndarray = field(repr=False)
     _places: tuple[Unknown, ...] = field(repr=False)
     _inputs: int = field(repr=False)
@@ -63,7 +64,7 @@ class Likelihood:
             Fisher's, summed over the record.
         """
         size = len(self.unknowns)
-        z0, control, constants = self._carried.copy(), self._control, self._constants.copy()
+        first, constants = self._carried[0].copy(), self._constants.copy()
         shift = np.zeros(self._inputs)
         for value, place in zip(q, self._places):
             if place.kind == "constant":
@@ -71,22 +72,29 @@ class Likelihood:
             elif place.kind == "level":
                 constants[place.at] = np.exp(value)
             elif place.kind == "state":
-                z0[place.at] = value
+                first[place.at] = value
             else:
                 shift[place.at] += value
-        if shift.any():
-            control = control.copy()
-            control[:, : self._inputs] += shift
-        end, out = self._loop(z0, control, constants)
-        value, gradient = float(out[:, 0].sum()), out[:, 1:].sum(axis=0)
-        information = unpacked(end[None, z0.size - covariance_form.size(size) :], size)[0]
+        value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
+        # Behind a hole of an input everything starts anew.
+        for z0, control in zip((first, *self._carried[1:]), self._controls):
+            if shift.any():
+                control = control.copy()
+                control[:, : self._inputs] += shift
+            end, out = self._loop(z0, control, constants)
+            value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
+            information = information + unpacked(end[None, z0.size - covariance_form.size(size) :], size)[0]
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
             return -np.inf, np.zeros(size), np.zeros((size, size))
         return value, gradient, information
 
 
-def make_likelihood(design: FilterDesign, record: FilterRecord, unknowns: Sequence[str]) -> Likelihood:
+def make_likelihood(
+    design: FilterDesign, record: FilterRecord, unknowns: Sequence[str], *, filled: bool = False
+) -> Likelihood:
     """Generate the likelihood of a record; samples are not gated, since a gate has no derivative.
+
+    The stretches between holes of an input count as independent records; an unknown first state is that of the first one.
 
     Parameters
     ----------
@@ -96,6 +104,8 @@ def make_likelihood(design: FilterDesign, record: FilterRecord, unknowns: Sequen
         What was measured.
     unknowns : sequence of str
         See `Likelihood`.
+    filled : bool
+        Whether the inputs of the record are known to be whole.
 
     Returns
     -------
@@ -108,21 +118,25 @@ def make_likelihood(design: FilterDesign, record: FilterRecord, unknowns: Sequen
     """
     layout = StepLayout(design.equations, bare(design.step_settings))
     places = tuple(_place(design, layout, n) for n in unknowns)
-    arranged = arrange(design.instruments, record)
-    first = first_carried(design, record, arranged.inputs)[: total(layout.carried)]
-    seed = np.zeros((first.size, len(unknowns)))
-    for j, place in enumerate(places):
-        if place.kind == "state":
-            seed[place.at, j] = 1.0
-        elif place.kind == "input":
-            seed[layout.carried["u"].start + place.at, j] = 1.0
+    arranged = arrange(design.instruments, record, filled=filled)
+    first = first_carried(design, record, arranged.inputs)
+    behind = (carried_vector(design, first_behind(design, arranged, h), arranged.inputs[h.row]) for h in arranged.holes)
+    starts = [z[: total(layout.carried)] for z in (first, *behind)]
+    seeds = [np.zeros((z.size, len(unknowns))) for z in starts]
+    for k, seed in enumerate(seeds):
+        for j, place in enumerate(places):
+            if place.kind == "state" and k == 0:
+                seed[place.at, j] = 1.0
+            elif place.kind == "input":
+                seed[layout.carried["u"].start + place.at, j] = 1.0
     information = np.zeros(covariance_form.size(len(unknowns)))
+    control = controls_of(design, arranged)
     return Likelihood(
         tuple(unknowns),
-        np.array([_value(design.constants, first, p) for p in places]),
+        np.array([_value(design.constants, starts[0], p) for p in places]),
         design.score(places),
-        np.concatenate([first, seed.ravel(order="F"), information]),
-        controls_of(design, arranged),
+        tuple(np.concatenate([z, seed.ravel(order="F"), information]) for z, seed in zip(starts, seeds)),
+        tuple(control[piece] for piece in arranged.pieces),
         design.constants,
         places,
         layout.inputs,

@@ -101,7 +101,7 @@ class Observability:
 
 
 def observability(run: FilterRun) -> Observability:
-    """Return what a filtered record shows of the state.
+    """Return what a filtered record shows of the state, in its longest stretch between holes of an input.
 
     Parameters
     ----------
@@ -112,9 +112,12 @@ def observability(run: FilterRun) -> Observability:
     -------
     Observability
     """
-    design, out, control = run.design, run.out[:_ENOUGH], run.control[:_ENOUGH]
+    design, pieces = run.design, run.arranged.pieces
+    longest = int(np.argmax([piece.stop - piece.start for piece in pieces]))
+    piece = pieces[longest]
+    out, control = run.out[piece][:_ENOUGH], run.control[piece][:_ENOUGH]
     full, places, n = design.layout.full, design.layout.control, design.layout.n
-    before, inputs_before = rows_before(design, control, out, run.start)
+    before, inputs_before = rows_before(design, control, out, run.starts[longest])
     rows = [
         before,
         out[:, full["ahead"]],

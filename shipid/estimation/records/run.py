@@ -79,8 +79,8 @@ class FilterRun:
         The record as the filter took it.
     control : ndarray, shape (rows, controls)
         What the step took of each row; `StepLayout.control` says what stands where.
-    start : ndarray, shape (carried,)
-        What it carried into the first row (`StepLayout.carried`).
+    starts : tuple of ndarray, shape (carried,)
+        What it carried into the first row of each stretch between holes of an input (`StepLayout.carried`).
     out : ndarray, shape (rows, outputs)
         What it returned for each row (`StepLayout.full`).
     smoothable : bool
@@ -91,7 +91,7 @@ class FilterRun:
     record: str
     arranged: Arrangement
     control: np.ndarray
-    start: np.ndarray
+    starts: tuple[np.ndarray, ...]
     out: np.ndarray
     smoothable: ClassVar[bool] = True
 
@@ -106,8 +106,13 @@ class FilterRun:
         return np.asarray(self.out[self.arranged.shown][:, self.design.layout.full[name]])
 
     @property
+    def start(self) -> np.ndarray:
+        """What it carried into the first row of all, shape (carried,)."""
+        return self.starts[0]
+
+    @property
     def t(self) -> np.ndarray:
-        """Times of the samples in s, shape (N,)."""
+        """Times of the samples that are used in s, shape (N,)."""
         return np.asarray(self.arranged.t[self.arranged.shown])
 
     @property
@@ -248,6 +253,7 @@ class FilterRun:
                 for n, i in self.innovations.items()
             },
             "clock_went_back": self.arranged.back,
+            "holes": self.arranged.to_dict(),
             "log_likelihood": self.log_likelihood,
         }
 
@@ -259,7 +265,9 @@ class FilterRun:
             white = "-" if i.white_p is None else f"{i.white_p:.2g}"
             lines.append(
                 f"  innovations of {name:<10s} NIS {mean} (1 is right), whiteness p {white}, rejected {i.rejected}"
+                + ("" if i.t.size == self.t.size else f", {i.t.size} samples at {self.t.size} times")
             )
+        lines += [f"  {sentence}" for sentence in self.arranged.words]
         return "\n".join(lines)
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.derived import named
+from shipid.estimation.records.restart import kept_states
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import deviations_of, unpacked
 from shipid.estimation.recursion.gate import TAKEN
@@ -73,9 +74,27 @@ class Smoothed:
         return unpacked(self.packed, len(self.states))
 
 
+def _over_holes(run: FilterRun) -> tuple[np.ndarray, np.ndarray]:
+    """Smoothed states along all rows, from the last stretch to the first.
+
+    What starts anew behind a hole knows nothing of what was before it: back over the hole goes only what went on over it.
+    """
+    design, n = run.design, run.design.layout.joint
+    later, parts = None, []
+    for k, piece in reversed(list(enumerate(run.arranged.pieces))):
+        x, packed, later = run_back(design, run.control[piece], run.out[piece], run.starts[k], later)
+        parts.append((x, packed))
+        if k:
+            kept = np.pad(kept_states(design, run.arranged.holes[k - 1]), (0, n - design.layout.n))
+            spread = unpacked(later[None, n:], n)[0] * np.outer(kept, kept)
+            later = np.concatenate([later[:n] * kept, spread.T[np.tril_indices(n)]])
+    x, packed = (np.concatenate(part[::-1]) for part in zip(*parts))
+    return x, packed
+
+
 def run_back(
-    design: FilterDesign, control: np.ndarray, out: np.ndarray, start: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    design: FilterDesign, control: np.ndarray, out: np.ndarray, start: np.ndarray, later: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return smoothed states along forward rows, and the packed triangles of their covariance.
 
     Parameters
@@ -86,17 +105,22 @@ def run_back(
         Controls and full outputs of its forward rows.
     start : ndarray
         Carried vector before the first of them.
+    later : ndarray, optional
+        What later rows say, carried back to the last of these; nothing by default.
 
     Returns
     -------
     x : ndarray, shape (rows, states)
     packed : ndarray, shape (rows, states (states + 1) / 2)
+    earlier : ndarray
+        What these rows and later ones say of the time before them.
     """
     if design.switchable and not control[:, design.layout.control["adapting"]].all():
         control, out = _adapting_throughout(design, control, out, start)
     rows = _backward_rows(design, control, out, start)[::-1]
-    _, shown = design.backward(np.zeros(design.backward.sizes[0]), rows, design.constants)
-    return shown[::-1, : design.layout.n], shown[::-1, design.layout.n :]
+    last = np.zeros(design.backward.sizes[0]) if later is None else later
+    earlier, shown = design.backward(last, rows, design.constants)
+    return shown[::-1, : design.layout.n], shown[::-1, design.layout.n :], np.asarray(earlier, dtype=float)
 
 
 def _backward_rows(design: FilterDesign, control: np.ndarray, out: np.ndarray, start: np.ndarray) -> np.ndarray:
@@ -173,5 +197,5 @@ def smooth(run: FilterRun) -> Smoothed:
     """
     if not run.smoothable:
         raise UsageError("an adaptive filter has no smoother; smooth the run of the filter it is based on.")
-    x, packed = run_back(run.design, run.control, run.out, run.start)
+    x, packed = _over_holes(run)
     return Smoothed(run.design, run.t, x[run.arranged.shown], packed[run.arranged.shown])

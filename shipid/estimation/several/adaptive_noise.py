@@ -22,9 +22,10 @@ import numpy as np
 from shipid.declaration.units import to_si
 from shipid.estimation.kalman import ExtendedKalmanFilter, check_finite
 from shipid.estimation.online.online_filter import OnlineFilter
-from shipid.estimation.records.arrangement import FilterRecord, arrange, columns_of
+from shipid.estimation.records.arrangement import FilterRecord, Hole, arrange, columns_of
 from shipid.estimation.records.controls import controls_of
 from shipid.estimation.records.first_estimate import first_carried
+from shipid.estimation.records.restart import restarted, run_stretches
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion import covariance_form
 from shipid.estimation.recursion.layout import Places
@@ -244,11 +245,18 @@ class AdaptiveFilter:
         arranged = arrange(design.instruments, record)
         control = controls_of(design, arranged, adapt, scale)
         start = first_carried(design, record, arranged.inputs)
-        _, out = self.loop(full=True)(self.mixed_start(start), control, design.constants)
-        out = np.asarray(out, dtype=float)
+
+        def anew(carried: np.ndarray, hole: Hole) -> np.ndarray:
+            """Each filter for itself, with the probability it had."""
+            own = np.split(carried[:-count], count)
+            return np.concatenate([*(restarted(design, arranged, z, hole) for z in own), carried[-count:]])
+
+        _, out, _ = run_stretches(
+            self.loop(full=True), self.mixed_start(start), control, design.constants, arranged, anew
+        )
         check_finite(design, arranged, out)
         mixture, probabilities = out[:, :-count], out[arranged.shown, -count:]
-        return AdaptiveRun(design, columns_of(record)[1], arranged, control, start, mixture, probabilities)
+        return AdaptiveRun(design, columns_of(record)[1], arranged, control, (start,), mixture, probabilities)
 
     def start(self) -> OnlineAdaptive:
         """Return the filter for samples that arrive one by one."""

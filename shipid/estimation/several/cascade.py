@@ -23,6 +23,7 @@ from shipid.estimation.recursion import covariance_form
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.estimation.several.cascade_run import CascadeRun
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.trials.filling import GAP, usual_interval
 
 
 class Cascade:
@@ -137,9 +138,13 @@ class Cascade:
             taken = {n: c[rows] for n, c in columns.items()}
             factors = dict((scale or {}).get(name, {}))
             for i, source in self.passed[name].items():
-                latest = np.searchsorted(runs[source].t, taken["t"], side="right") - 1
+                known = runs[source].t
+                latest = np.searchsorted(known, taken["t"], side="right") - 1
                 values, spread = runs[source].quantity(i)
-                taken[i] = values[latest]
+                # Where the earlier filter has no estimates for long, this one has no input.
+                longest = GAP * usual_interval(known) if known.size > 1 else np.inf
+                there = (latest >= 0) & (taken["t"] - known[latest] <= longest)
+                taken[i] = np.where(there, values[latest], np.nan)
                 if i in self.uncertain:
                     factors[i] = spread[latest] / _level(self.designs[name], i) * factors.get(i, 1.0)
             runs[name] = kalman.filter(taken, scale=factors)

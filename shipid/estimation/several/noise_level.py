@@ -12,7 +12,8 @@ from shipid.declaration.component import Component, slug
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.estimation.kalman import ExtendedKalmanFilter
-from shipid.estimation.records.arrangement import FilterRecord, columns_of, hold_last, input_table
+from shipid.estimation.records.arrangement import FilterRecord, columns_of
+from shipid.estimation.settings.inputs import hold_last, input_table
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import CasadiFunction, Plain
 from shipid.foundation.errors import UnknownNameError, UsageError

@@ -57,9 +57,9 @@ def robust_scale(residual: np.ndarray) -> float:
     Parameters
     ----------
     residual : ndarray
-        Residuals about zero.
+        Residuals about zero; NaN where a sample is missing.
     """
-    return float(np.median(np.abs(residual))) / _MEDIAN
+    return float(np.nanmedian(np.abs(residual))) / _MEDIAN
 
 
 def unweighted(problem: Problem, residual: np.ndarray) -> list[list[np.ndarray]]:
@@ -94,7 +94,9 @@ def reweighted(problem: Problem, residual: np.ndarray) -> Problem:
     scales = [robust_scale(np.concatenate([trial[j] for trial in split])) for j in range(len(problem.signals))]
     if not min(scales) > 0 or max(scales) >= RUNAWAY:
         return replace(problem, weights=None)
-    weights = tuple(np.array([weights_of(problem.loss, r, s) for r, s in zip(trial, scales)]) for trial in split)
+    weights = tuple(
+        np.nan_to_num([weights_of(problem.loss, r, s) for r, s in zip(trial, scales)], nan=1.0) for trial in split
+    )
     return replace(problem, weights=weights)
 
 
@@ -123,5 +125,8 @@ def bends(problem: Problem) -> list[float]:
     """
     if problem.weights is None:
         return [1.0] * len(problem.signals)
-    together = [np.concatenate([w[j] for w in problem.weights]) for j in range(len(problem.signals))]
+    together = [
+        np.concatenate([w[j][data.there[j]] for w, data in zip(problem.weights, problem.trials)])
+        for j in range(len(problem.signals))
+    ]
     return [float(np.sqrt(curvature_of(problem.loss, w).mean())) for w in together]

@@ -82,6 +82,11 @@ class Problem:
         return len(self.initial) + len(self.biases)
 
     @property
+    def missing(self) -> int:
+        """Number of samples that are missing: residuals that do not count."""
+        return sum(int(np.count_nonzero(~data.there)) for data in self.trials)
+
+    @property
     def size(self) -> int:
         """Number of unknowns."""
         return len(self.estimated) + len(self.trials) * self.per_trial
@@ -188,7 +193,8 @@ class Problem:
     def residuals(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return weighted residuals, shape (M,), and their Jacobian, shape (M, unknowns).
 
-        Where the model runs away the residual is a large constant with no slope: the search steps back.
+        Where the model runs away the residual is a large constant with no slope: the search steps back. Where a sample is
+        missing both are zero.
 
         Parameters
         ----------
@@ -207,8 +213,9 @@ class Problem:
                     residual, slope = residual * root, slope * root[:, None, :]
                 # NaN compares as false, so values that are not finite are excluded as well.
                 good = (np.abs(residual) < RUNAWAY) & (np.abs(slope) < _STEEP).all(axis=1)
-            residual = np.where(good, residual, RUNAWAY)
-            slope = np.where(good[:, None, :], slope, 0.0)
+            # A sample that is missing has no residual.
+            residual = np.where(data.there, np.where(good, residual, RUNAWAY), 0.0)
+            slope = np.where((good & data.there)[:, None, :], slope, 0.0)
             flat = slope.transpose(0, 2, 1).reshape(-1, slope.shape[1])
             block = np.zeros((flat.shape[0], self.size))
             block[:, :shared] = flat[:, :shared]
@@ -265,7 +272,7 @@ class Problem:
             if name in prior.initial:
                 for i, data in enumerate(self.trials):
                     # In the middle of a manoeuvre a state that is not measured is unknown.
-                    known = data.settled or data.trial.has(name)
+                    known = data.settled or data.shows(name)
                     deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
                     deviation = float(np.hypot(deviation, noise * data.start_std[name]))
                     add({self.own(i).start + k: 1.0}, data.start[name], deviation)
@@ -281,6 +288,8 @@ class Problem:
     def by_signal(self, residual: np.ndarray) -> list[list[np.ndarray]]:
         """Return a residual vector split: for each trial, for each signal; those of the prior at its end are left out.
 
+        Residuals of samples that are missing are NaN.
+
         Parameters
         ----------
         residual : ndarray, shape (M,)
@@ -289,7 +298,8 @@ class Problem:
         out, at = [], 0
         for data in self.trials:
             n = data.intervals.size
-            out.append([residual[at + j * n : at + (j + 1) * n] for j in range(len(self.signals))])
+            rows = residual[at : at + n * len(self.signals)].reshape(len(self.signals), n)
+            out.append(list(rows if data.there.all() else np.where(data.there, rows, np.nan)))
             at += n * len(self.signals)
         return out
 

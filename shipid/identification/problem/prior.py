@@ -152,5 +152,4 @@ def strength_of(data: TrialData, unit_time: float) -> float:
     unit_time : float
         L/U in s.
     """
-    interval = float(np.median(data.intervals[:-1])) if data.intervals.size > 1 else unit_time
-    return max(1.0, INDEPENDENT * unit_time / interval)
+    return max(1.0, INDEPENDENT * unit_time / (data.step or unit_time))

@@ -22,9 +22,9 @@ def recorded_speed(trial: Trial) -> np.ndarray | None:
     Returns
     -------
     ndarray or None
-        None where the trial records no speed.
+        None where the trial records no speed; NaN where a sample is missing.
     """
-    return next((trial[n] for n in ("u", "U") if trial.has(n)), None)
+    return next((trial[n] for n in ("u", "U") if trial.has(n) and np.isfinite(trial[n]).any()), None)
 
 
 def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
@@ -35,7 +35,7 @@ def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
     trials : sequence of Trial
         The trials.
     """
-    return [float(np.median(t[n])) for t in trials for n in ("u", "U") if t.has(n)]
+    return [float(np.nanmedian(t[n])) for t in trials for n in ("u", "U") if t.has(n) and np.isfinite(t[n]).any()]
 
 
 def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
@@ -64,7 +64,8 @@ def guessed_unit_time(trials: Sequence[Trial]) -> float:
     guesses = []
     for trial in trials:
         # The middle of its range: a rudder that lies to one side for more than half of the time has its median there.
-        delta = trial["delta"] - np.mean(np.quantile(trial["delta"], [0.05, 0.95]))
+        delta = trial["delta"][np.isfinite(trial["delta"])]
+        delta = delta - np.mean(np.quantile(delta, [0.05, 0.95]))
         changes = np.flatnonzero(np.diff(np.sign(delta[np.abs(delta) > 0.3 * np.abs(delta).max()])))
         guesses.append(trial.duration / max(1.0, (changes.size + 1) / 2) / 9)
     return float(np.median(guesses))

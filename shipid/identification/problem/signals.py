@@ -17,6 +17,8 @@ SIGNALS = ("psi", "r", "u", "v")
 TRACK = ("x", "y")
 #: Signals of a prediction that are shown beside the fitted ones.
 SHOWN = (*SIGNALS, *TRACK)
+#: Fewer samples show no noise level.
+_FEWEST = 30
 
 
 def is_predicted(model: Model, name: str) -> bool:
@@ -58,6 +60,8 @@ def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
 def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
     """Return the signals that every trial measures and the model predicts.
 
+    A signal of which all trials together hold only a few samples is fitted on request only: its noise level is not known.
+
     Parameters
     ----------
     model : Model
@@ -84,7 +88,7 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
                     f"the signal '{name}' is to be fitted, and trial {trial.name} does not have it. Its columns: "
                     f"{', '.join(trial.table.columns)}."
                 )
-    measured = {n for n in predicted if all(t.has(n) for t in trials)}
+    measured = {n for n in predicted if all(t.has(n) for t in trials) and _shows_noise(trials, n)}
     found = usual_signals(model, measured) if wanted is None else tuple(dict.fromkeys(wanted))
     if not found:
         raise NothingToFitError(
@@ -92,6 +96,12 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
             f"{', '.join(trials[0].table.columns)}."
         )
     return found
+
+
+def _shows_noise(trials: Sequence[Trial], name: str) -> bool:
+    """Whether a signal has enough samples; in a trial that is itself that short, all of them."""
+    samples = sum(int(np.count_nonzero(np.isfinite(t[name]))) for t in trials)
+    return samples >= min(_FEWEST, sum(len(t) for t in trials))
 
 
 def check_answer(trial: Trial, signals: Sequence[str]) -> None:
@@ -110,9 +120,10 @@ def check_answer(trial: Trial, signals: Sequence[str]) -> None:
         With the column and the value it keeps.
     """
     for name in ("psi", "r"):
-        if name in signals and np.ptp(trial[name]) == 0:
+        values = trial[name][np.isfinite(trial[name])] if name in signals else np.zeros(0)
+        if values.size > 1 and np.ptp(values) == 0:
             raise NoAnswerError(
-                f"trial {trial.name}, column '{name}': it stays at {trial[name][0]:.6g} {trial.unit(name)} throughout, "
+                f"trial {trial.name}, column '{name}': it stays at {values[0]:.6g} {trial.unit(name)} throughout, "
                 "while the rudder moves. Check the sensor and the column, or fit other signals (--signals)."
             )
 

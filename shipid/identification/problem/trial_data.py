@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,11 +12,17 @@ from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.identification.problem.ship_scale import recorded_speed
+from shipid.trials.filling import interpolated, usual_interval
 from shipid.trials.speed import PUT_OVER, speed_before
+from shipid.trials.stretches import stretches_of
 from shipid.trials.trial import Trial
 
 #: The first seconds of a trial, in L/U, from which an initial state may be taken.
 WARM_UP = 0.25
+#: Inputs that a trial gives as one number: the speed before the manoeuvre.
+_ONE_NUMBER = ("u", "cruise")
+#: Samples of a slow signal that thinning leaves, where it has as many.
+_FEW = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +38,7 @@ class TrialData:
     inputs : ndarray, shape (inputs, N)
         Inputs of the model.
     measured : ndarray, shape (signals, N)
-        The fitted signals.
+        The fitted signals; NaN where a sample is missing.
     start, start_std : mapping of str to float
         A first guess of each initial state, SI, and the standard error that sensor noise gives it.
     cruise_std : float
@@ -40,6 +47,8 @@ class TrialData:
         Median speed in m/s (1 where neither trial nor ship states it).
     settled : bool
         Whether it begins on a steady course, rudder amidships: then states that are not measured begin near zero.
+    sampled : ndarray of bool, shape (inputs, N), or None
+        Where each input has a sample of its own; between them it is filled. None where all are whole.
     """
 
     trial: Trial
@@ -51,6 +60,38 @@ class TrialData:
     cruise_std: float
     speed: float
     settled: bool = True
+    sampled: np.ndarray | None = None
+
+    @functools.cached_property
+    def there(self) -> np.ndarray:
+        """Which samples of the fitted signals are there, shape (signals, N)."""
+        return np.asarray(np.isfinite(self.measured))
+
+    @functools.cached_property
+    def regular(self) -> bool:
+        """Whether no sample is missing and the clock has no gap."""
+        steps = self.intervals[:-1]
+        return bool(self.there.all()) and (not steps.size or bool(steps.max() <= 1.5 * np.median(steps)))
+
+    @property
+    def step(self) -> float:
+        """Usual time between two samples of a signal, in s."""
+        if self.regular:
+            return float(np.median(self.intervals[:-1])) if self.intervals.size > 1 else 0.0
+        return float(self.t[-1] / max(1.0, self.there.sum(axis=1).mean() - 1.0))
+
+    def step_of(self, signal: int) -> float:
+        """Return the usual time between two samples of one signal, in s.
+
+        Parameters
+        ----------
+        signal : int
+            Which signal.
+        """
+        if self.regular:
+            return self.step
+        own = usual_interval(self.t, self.measured[signal])
+        return own if np.isfinite(own) else self.step
 
     @property
     def t(self) -> np.ndarray:
@@ -68,21 +109,55 @@ class TrialData:
         n = max(1, self.intervals.size // most)
         if n == 1:
             return self
-        t = self.t[::n]
+        kept = np.zeros(self.intervals.size, dtype=bool)
+        kept[::n] = True
+        for there in self.there:
+            # The samples of a signal with a clock of its own may all lie between those that are kept.
+            count = int(there.sum())
+            if there[kept].sum() < min(count, max(0.5 * count / n, _FEW)):
+                kept[np.flatnonzero(there)[:: max(1, min(n, count // _FEW))]] = True
+        t = self.t[kept]
         return replace(
-            self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, ::n], measured=self.measured[:, ::n]
-        )
+            self, intervals=np.diff(t, append=t[-1]), inputs=self.inputs[:, kept], measured=self.measured[:, kept],
+            sampled=None,
+        )  # fmt: skip
 
-    def column(self, name: str) -> np.ndarray:
-        """Return a column of the trial at the samples that are left, shape (N,).
+    def shows(self, name: str) -> bool:
+        """Return whether the trial holds a sample of a column.
 
         Parameters
         ----------
         name : str
             The column.
         """
+        return self.trial.has(name) and bool(np.isfinite(self.trial[name]).any())
+
+    def column(self, name: str, at: np.ndarray | None = None) -> np.ndarray:
+        """Return a column of the trial in straight lines between its own samples, for a start of a search, shape (N,).
+
+        Parameters
+        ----------
+        name : str
+            The column; the first and the last sample stand before and behind it.
+        at : ndarray, shape (N,), optional
+            Times from zero in s; those of the samples that are left by default.
+        """
+        t, values = self.trial["t"], self.trial[name]
+        there = np.isfinite(values)
+        return np.asarray(np.interp(t[0] + (self.t if at is None else at), t[there], values[there]))
+
+    def known(self, name: str, at: np.ndarray) -> np.ndarray:
+        """Return where a column of the trial lies between samples that are close to each other, shape (N,).
+
+        Parameters
+        ----------
+        name : str
+            The column.
+        at : ndarray, shape (N,)
+            Times from zero in s.
+        """
         t = self.trial["t"]
-        return np.asarray(np.interp(t[0] + self.t, t, self.trial[name]))
+        return np.asarray(np.isfinite(interpolated(t, self.trial[name], t[0] + at)))
 
     def head(self, count: int) -> TrialData:
         """Return the first samples.
@@ -93,8 +168,9 @@ class TrialData:
             How many.
         """
         return replace(
-            self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count]
-        )
+            self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count],
+            sampled=None,
+        )  # fmt: skip
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
@@ -107,11 +183,64 @@ def warm_up_samples(trial: Trial, unit_time: float) -> int:
     unit_time : float
         L/U in s.
     """
-    return int(np.clip(np.ceil(WARM_UP * unit_time / trial.sampling), 10, len(trial)))
+    t = trial["t"]
+    # Rows of several signals on their own clocks are closer together than the samples of one.
+    rows = max(np.ceil(WARM_UP * unit_time / trial.sampling), np.searchsorted(t, t[0] + WARM_UP * unit_time))
+    return int(np.clip(rows, 10, len(trial)))
+
+
+def recorded_inputs(model: Model, trial: Trial, signals: Sequence[str]) -> tuple[str, ...]:
+    """Return the inputs that a trial records sample by sample and that have an influence on the signals.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    trial : Trial
+        The trial.
+    signals : sequence of str
+        The fitted signals.
+    """
+    return tuple(n for n in generate(model).inputs_behind(signals) if trial.has(n) and n not in _ONE_NUMBER)
+
+
+def with_whole_inputs(model: Model, trial: Trial, signals: Sequence[str], unit_time: float) -> tuple[Trial, ...]:
+    """Return the stretches of a trial over which the model can be run: its inputs are filled where the rule reaches.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    trial : Trial
+        The trial.
+    signals : sequence of str
+        The fitted signals.
+    unit_time : float
+        L/U in s. Where holes split the record, a stretch of less is left out: the initial state of its own takes what it holds.
+
+    Returns
+    -------
+    tuple of Trial
+        See `shipid.trials.stretches.stretches_of`.
+
+    Raises
+    ------
+    NoStretchError
+        If no stretch is long enough.
+    """
+    inputs = recorded_inputs(model, trial, signals)
+    # A whole trial that is too short is refused with a message of its own.
+    least = min(unit_time, 0.5 * trial.duration)
+    return stretches_of(trial, inputs, least=least, unit_time=unit_time)
 
 
 def prepare(
-    model: Model, trial: Trial, signals: Sequence[str], own_speed: float | None, unit_time: float | None = None
+    model: Model,
+    trial: Trial,
+    signals: Sequence[str],
+    own_speed: float | None,
+    unit_time: float | None = None,
+    recorded_in: Trial | None = None,
 ) -> TrialData:
     """Return a trial as a model reads it.
 
@@ -127,6 +256,8 @@ def prepare(
         Speed of the ship in m/s, for trials that do not record it.
     unit_time : float, optional
         L/U in s. The first guess of the initial state is taken from a quarter of it, by default from 2 % of the record.
+    recorded_in : Trial, optional
+        The trial of which it is a stretch with filled inputs.
 
     Returns
     -------
@@ -143,10 +274,14 @@ def prepare(
     measured = None if recorded is None else speed_before(t, recorded, rudder, unit_time)
     # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
+    if trial.has("cruise"):
+        # Stated: a stretch between holes begins in the middle of a manoeuvre.
+        before = float(np.nanmedian(trial["cruise"]))
     needed = generate(model).inputs_behind(signals)
-    given: dict[str, float | np.ndarray] = {n: trial[n] for n in model.inputs if trial.has(n)}
-    for name in ("u", "cruise"):
-        given.pop(name, None)
+    given: dict[str, float | np.ndarray] = {
+        n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER
+    }
+    for name in _ONE_NUMBER:
         if before is not None:
             given[name] = before
         elif name not in needed:
@@ -160,29 +295,58 @@ def prepare(
         {n: value for n, (value, _) in start.items()},
         {n: std for n, (_, std) in start.items()},
         0.0 if measured is None else measured.std,
-        (own_speed if recorded is None else float(np.median(recorded))) or 1.0,
+        (own_speed if recorded is None else float(np.nanmedian(recorded))) or 1.0,
         (measured is None or measured.source != "usual speed") and _settled(trial, min(first, 10)),
+        None if recorded_in is None else _sampled(model, trial, recorded_in),
     )
+
+
+def _sampled(model: Model, stretch: Trial, whole: Trial) -> np.ndarray | None:
+    """Where each input of a stretch has a sample of its own, or None where all do everywhere."""
+    rows = np.searchsorted(whole["t"], stretch["t"])
+    everywhere = np.ones(rows.size, dtype=bool)
+    inputs = (n if whole.has(n) and n not in _ONE_NUMBER else None for n in model.inputs)
+    found = np.array([everywhere if n is None else np.isfinite(whole[n][rows]) for n in inputs])
+    return None if found.all() else found
+
+
+def _everywhere(t: np.ndarray, column: np.ndarray) -> np.ndarray:
+    """An input at every row. What has an influence is whole; another one is in straight lines over holes of any length."""
+    there = np.isfinite(column)
+    return column if there.all() else np.interp(t, t[there], column[there])
 
 
 def _settled(trial: Trial, first: int) -> bool:
     """Whether the rudder is near amidships and the rate of turn is small compared with that of the later trial."""
-    still = not trial.has("delta") or float(np.abs(trial["delta"][:first]).max()) < 1.5 * PUT_OVER
+    still = not trial.has("delta") or _largest(trial["delta"][:first]) < 1.5 * PUT_OVER
     if not trial.has("r"):
         return still
     rate = trial["r"]
-    return still and abs(float(np.median(rate[:first]))) < 0.15 * float(np.abs(rate).max())
+    begins = rate[:first][np.isfinite(rate[:first])]
+    if not begins.size:
+        return still
+    return still and abs(float(np.median(begins))) < 0.15 * _largest(rate)
+
+
+def _largest(values: np.ndarray) -> float:
+    """The largest size of the samples that are there."""
+    return float(np.nanmax(np.abs(values), initial=0.0))
 
 
 def _initial(model: Model, trial: Trial, name: str, before: float | None, first: int) -> tuple[float, float]:
-    """A first guess of one initial state and its standard error: a straight line through the first samples."""
-    if trial.has(name):
-        t, column = trial["t"][:first], trial[name][:first]
-        if len(t) < 4:
-            return float(column[0]), 0.0
-        design = np.column_stack([np.ones(len(t)), t - t[0]])
-        found, *_ = np.linalg.lstsq(design, column, rcond=None)
-        scatter = float(np.std(column - design @ found)) * np.sqrt(len(t) / (len(t) - 2))
+    """A first guess of one initial state and its standard error: a straight line through the first samples that are there."""
+    samples = np.flatnonzero(np.isfinite(trial[name])) if trial.has(name) else np.zeros(0, dtype=int)
+    if samples.size:
+        t, column = trial["t"], trial[name]
+        count = max(int(np.searchsorted(samples, first)), min(4, samples.size))
+        # Of a slow signal the first few, as long as they are near the beginning.
+        near = t[samples[:count]] <= t[0] + 4 * (t[first - 1] - t[0])
+        at = samples[:count][near]
+        if len(at) < 4:
+            return float(column[samples[0]]), 0.0
+        design = np.column_stack([np.ones(len(at)), t[at] - t[0]])
+        found, *_ = np.linalg.lstsq(design, column[at], rcond=None)
+        scatter = float(np.std(column[at] - design @ found)) * np.sqrt(len(at) / (len(at) - 2))
         return float(found[0]), float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
     if name == "u" and before is not None:
         return before, 0.0

@@ -188,13 +188,15 @@ class RecursiveDesign:
         """Whether the measured state starts at the first sample, which then gives no innovation."""
         return self.first_output is None
 
-    def level_of(self, samples: np.ndarray | None = None) -> float:
+    def level_of(self, samples: np.ndarray | None = None, t: np.ndarray | None = None) -> float:
         """Return the noise level of the measured state, SI: as given, or from a record of it.
 
         Parameters
         ----------
         samples : ndarray, optional
             The record.
+        t : ndarray, optional
+            Their times in s; they are evenly sampled by default.
 
         Raises
         ------
@@ -209,7 +211,7 @@ class RecursiveDesign:
                 f"samples of '{self.sensor}' that arrive one by one have no known noise level: give the standard deviation "
                 f"of one, as in measured={{'{self.sensor}': '0.02 {unit}'}}."
             )
-        return noise_of(samples)
+        return noise_of(samples, t)
 
     def constants(self, level: float) -> np.ndarray:
         """Return coefficients, noise, first uncertainty, forgetting and start in the order the recursion takes them.

@@ -15,6 +15,7 @@ from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
 from shipid.identification.recursive.design import RecursiveDesign, RecursiveSettings, design_recursion
+from shipid.identification.recursive.holes import run_over_holes
 from shipid.identification.recursive.online import OnlineIdentifier
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.parameters.parameter_set import ParameterSet
@@ -123,7 +124,8 @@ class RecursiveIdentifier:
         Parameters
         ----------
         record : Trial or mapping of str to ndarray
-            SI columns with ``t``; a mapping may hold NaN where a sample is missing.
+            SI columns with ``t``; NaN where a sample is missing. An input is filled between its samples; behind a hole that is
+            too long for that, the measured state starts anew.
 
         Returns
         -------
@@ -157,15 +159,19 @@ class RecursiveIdentifier:
         """
         design = self.design
         arranged = [_arranged(design, r) for r in records]
-        levels = [design.level_of(a.z[a.there[:, 0], 0]) for a in arranged]
+        levels = [design.level_of(a.z[a.there[:, 0], 0], a.t[a.there[:, 0]]) for a in arranged]
         starts = [
             design.carried(float(a.z[a.there[:, 0], 0][0]), a.inputs[0], level) for a, level in zip(arranged, levels)
         ]
         controls = [_controls(design, a) for a in arranged]
-        done = design.loop.map(starts, controls, [design.constants(level) for level in levels], threads)
+        constants = [design.constants(level) for level in levels]
+        if any(a.holes for a in arranged):
+            done = [run_over_holes(design, *each) for each in zip(starts, controls, constants, arranged, levels)]
+        else:
+            done = [out for _, out in design.loop.map(starts, controls, constants, threads)]
         return [
             RecursiveIdentification(design, columns_of(r)[1], a, level, out)
-            for r, a, level, (_, out) in zip(records, arranged, levels, done)
+            for r, a, level, out in zip(records, arranged, levels, done)
         ]
 
     def start(self) -> OnlineIdentifier:

@@ -13,7 +13,7 @@ from shipid.estimation.settings.noise import sensor_levels
 from shipid.foundation.errors import UsageError
 
 
-def noise_of(samples: np.ndarray) -> float:
+def noise_of(samples: np.ndarray, t: np.ndarray | None = None) -> float:
     """Return the standard deviation of white noise in a record of a smooth motion.
 
     Third differences of a smooth motion are small, those of white noise have twenty times its variance; the median of their
@@ -22,7 +22,9 @@ def noise_of(samples: np.ndarray) -> float:
     Parameters
     ----------
     samples : ndarray, shape (N,)
-        The record, evenly sampled.
+        The record.
+    t : ndarray, shape (N,), optional
+        Times in s. Samples on either side of a missing one are not compared; by default all are evenly sampled.
 
     Returns
     -------
@@ -40,9 +42,20 @@ def noise_of(samples: np.ndarray) -> float:
             "the standard deviation of one (measured=...)."
         )
     third = np.diff(samples, 3)
+    if t is not None:
+        step = np.diff(t)
+        even = np.abs(step - _common(step)) <= 0.3 * _common(step)
+        together = even[:-2] & even[1:-1] & even[2:]
+        # Where hardly any four samples follow each other, all count: the level is then on the high side.
+        third = third[together] if np.count_nonzero(together) >= 10 else third
     # 0.6745 is the median of the size of a standard normal number.
     level = float(np.median(np.abs(third)) / (0.6744897501960817 * np.sqrt(20.0)))
     return max(level, 1e-6 * float(np.ptp(samples)))
+
+
+def _common(step: np.ndarray) -> float:
+    """The interval of the sensor itself: the shorter ones, where samples are missing at random."""
+    return float(np.quantile(step, 0.25))
 
 
 def read_sensor(

@@ -277,6 +277,7 @@ class RecursiveIdentification:
                 }
             },
             "clock_went_back": self.arranged.back,
+            "holes": self.arranged.to_dict(),
         }
 
     def __repr__(self) -> str:
@@ -287,6 +288,7 @@ class RecursiveIdentification:
         lines += [f"  {p}" for p in self.parameters.values()]
         mean, white = ("-" if v is None else f"{v:.3g}" for v in (self.nis_mean, self.white_p))
         lines.append(f"  innovations of {self.design.output}: NIS {mean} (1 is right), whiteness p {white}")
+        lines += [f"  {sentence}" for sentence in self.arranged.words]
         if self.widening > _WORTH_SAYING:
             lines.append(
                 f"  intervals are {self.widening:.2g} times as wide as the noise level alone would make them: the innovations are "

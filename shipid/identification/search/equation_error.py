@@ -15,11 +15,11 @@ import numpy as np
 
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.noise.autoregression import autoregression_of
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY
 from shipid.identification.search.regression import Regression
 from shipid.identification.search.trust_region import search
-from shipid.identification.uncertainty.autoregression import autoregression_of
 
 _STEPS = 30
 _TURNS = 6
@@ -168,10 +168,13 @@ def _uncorrelated(result: EquationErrorResult, simulated: list[np.ndarray]) -> E
             z = instrument / result.sigma[:, None, None] ** 2
             matrix += np.einsum("ewq,ewp->qp", z, slope)
             right += np.einsum("ewq,ew->q", z, error)
-        size = np.sqrt(np.abs(np.diag(matrix))) + 1e-300
-        if not np.isfinite(matrix).all() or np.linalg.cond(matrix / np.outer(size, size)) > 1e12:
+        # The bias of a stretch in which no window is without holes stands in no equation.
+        found = np.diag(matrix) != 0
+        size, inside = np.sqrt(np.abs(np.diag(matrix)[found])), matrix[np.ix_(found, found)]
+        if not np.isfinite(matrix).all() or np.linalg.cond(inside / np.outer(size, size)) > 1e12:
             return replace(result, theta=np.full_like(theta, np.nan))
-        step = np.linalg.solve(matrix, right)
+        step = np.zeros_like(theta)
+        step[found] = np.linalg.solve(inside, right[found])
         theta = theta + step
         if np.all(np.abs(step) <= 1e-9 * np.abs(theta) + 1e-15):
             break
@@ -188,7 +191,7 @@ def _simulated(result: EquationErrorResult, box: Box) -> list[np.ndarray] | None
         bias, x0 = regression.bias(result.theta, i), initial_state(problem.model, data.start)
         x, _ = record(x0, block.inputs, block.intervals, p, bias)
         size = np.maximum(np.abs(block.states).max(axis=1), 1e-6)
-        needed = [problem.model.states.index(n) for n in problem.initial if data.trial.has(n)]
+        needed = [problem.model.states.index(n) for n in problem.initial if data.shows(n)]
         if not (np.abs(x[needed]) < 100 * size[needed, None]).all():
             return None
         out.append(np.nan_to_num(x, posinf=0.0, neginf=0.0))

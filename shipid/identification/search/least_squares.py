@@ -211,7 +211,7 @@ def thinned_to(problem: Problem, samples: list[int]) -> Problem:
         How many to keep of each trial, about.
     """
     trials = tuple(data.thinned(n) for data, n in zip(problem.trials, samples))
-    kept = sum(data.intervals.size for data in trials) / sum(data.intervals.size for data in problem.trials)
+    kept = sum(int(data.there.sum()) for data in trials) / sum(int(data.there.sum()) for data in problem.trials)
     prior = problem.prior and replace(problem.prior, strength=max(1.0, problem.prior.strength * kept))
     return replace(problem, trials=trials, prior=prior)
 

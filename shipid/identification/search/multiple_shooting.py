@@ -120,7 +120,9 @@ def _lengths(problem: Problem, unit_time: float) -> list[int]:
     """Samples of a segment, the longest first, down to the shortest whose nodes can still be factorised."""
     total = sum(data.intervals.size for data in problem.trials) * len(problem.initial)
     least = max(_SAMPLES, -(-total // _MOST))
-    step = float(np.median(np.concatenate([data.intervals[:-1] for data in problem.trials])))
+    steps = np.concatenate([data.intervals[:-1] for data in problem.trials])
+    # Where signals keep their own clocks, rows lie at irregular times.
+    step = float(np.median(steps) if all(data.regular for data in problem.trials) else np.mean(steps))
     lengths = [max(least, round(_SEGMENT * unit_time / step))]
     while lengths[-1] > least:
         lengths.append(max(least, lengths[-1] // _SHORTER))
@@ -131,10 +133,7 @@ def _measured(problem: Problem) -> list[np.ndarray]:
     """The states of each trial as far as they are measured, shape (states, N); the others stay as they begin."""
     return [
         np.array(
-            [
-                data.column(n) if data.trial.has(n) else np.full(data.intervals.size, data.start[n])
-                for n in problem.initial
-            ]
+            [data.column(n) if data.shows(n) else np.full(data.intervals.size, data.start[n]) for n in problem.initial]
         )
         for data in problem.trials
     ]
@@ -218,8 +217,11 @@ class _Shooting:
         """Whether some segment leaves what was measured by several ranges of it."""
         for i, cut in enumerate(self.cut):
             y, _ = self._run(z, i)
-            reach = _FAR * np.ptp(self.problem.trials[i].measured, axis=1)[:, None]
-            if not (np.abs(y[:, : len(reach)] - cut.measured) <= reach).all():
+            measured = self.problem.trials[i].measured
+            reach = _FAR * (_over(np.fmax, measured) - _over(np.fmin, measured))[:, None]
+            y = y[:, : len(reach)]
+            # Where a sample is missing the model has only to stay finite.
+            if not np.where(np.isnan(cut.measured), np.isfinite(y), np.abs(y - cut.measured) <= reach).all():
                 return True
         return False
 
@@ -275,7 +277,7 @@ class _Shooting:
             residual = (y[:, :signals] - cut.measured) / sigma
             slope = dy[:, :signals] / sigma[:, None]
             good = (np.abs(residual) < RUNAWAY) & (np.abs(slope) < RUNAWAY**2).all(axis=2)
-        counted = np.broadcast_to(cut.counted[:, None, :], good.shape)
+        counted = cut.counted[:, None, :] & np.isfinite(cut.measured)
         residual = np.where(counted, np.where(good, residual, RUNAWAY), 0.0)
         slope = np.where((counted & good)[:, :, None, :], slope, 0.0)
         count = len(residual)
@@ -289,6 +291,11 @@ class _Shooting:
             slope = dy[:-1][:, self.ends][..., -1] * stiff[:, None]
             good = (np.abs(gap) < RUNAWAY * np.sqrt(self.strict)) & (np.abs(slope) < RUNAWAY**2).all(axis=2)
         return np.where(good, gap, RUNAWAY), np.where(good[:, :, None], slope, 0.0)
+
+
+def _over(pick: np.ufunc, measured: np.ndarray) -> np.ndarray:
+    """The largest or smallest sample of each signal; zero where it has none."""
+    return np.asarray(np.nan_to_num(pick.reduce(measured, axis=1)))
 
 
 def _spread(rows: np.ndarray, where: np.ndarray, size: int) -> np.ndarray:

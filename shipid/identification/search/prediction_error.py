@@ -106,7 +106,9 @@ def fit_levels(
     level_names = [f"noise:{n}" for n in process] + [f"sensor:{n}" for n in problem.signals]
     unknowns = [*problem.estimated, *level_names, *(f"bias:{n}" for n in problem.biases)]
     inputs = kalman.model.inputs
-    likelihoods = [kalman.likelihood(record_of(data, inputs, problem.signals), unknowns) for data in problem.trials]
+    likelihoods = [
+        kalman.likelihood(record_of(data, inputs, problem.signals), unknowns, filled=True) for data in problem.trials
+    ]
     q0 = np.concatenate([start, likelihoods[0].start[shared : shared + len(level_names)]])
     objective = _Objective(problem, box, likelihoods, q0, len(problem.biases))
     found = _newton(objective, np.concatenate([q0, np.zeros(trials * len(problem.biases))]), tell)

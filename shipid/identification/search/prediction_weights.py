@@ -96,10 +96,14 @@ def correlation_times(solution: Solution) -> np.ndarray:
     times = np.zeros((len(problem.trials), len(problem.signals)))
     for i, (data, trial) in enumerate(zip(problem.trials, problem.by_signal(solution.residual))):
         for j, residual in enumerate(trial):
+            # A signal with missing samples on its own clock, from sample to sample.
+            residual = residual[np.isfinite(residual)]
             count = residual.size
+            if count < 2:
+                continue
             power = np.abs(np.fft.rfft(residual - residual.mean(), next_fast_len(2 * count))) ** 2
             lags = np.fft.irfft(power)[:count]
             if lags[0] > 0:
                 zero = int(np.argmax(lags < 0)) or count
-                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * float(np.median(data.intervals[:-1]))
+                times[i, j] = (2 * lags[:zero].sum() / lags[0] - 1) * data.step_of(j)
     return np.asarray(times.mean(axis=0))

@@ -21,6 +21,8 @@ from shipid.identification.problem.trial_data import TrialData
 _HALF = 0.5
 _LEAST = 4
 _OVERLAP = 3
+#: Smoothed values for each unknown that are enough to find it.
+_EQUATIONS = 2
 #: Samples of a trial that are used; more add no information.
 _MOST = 20_000
 
@@ -97,6 +99,8 @@ class RegressionBlock:
         Smoothed derivatives of states, or smoothed values.
     window : DerivativeWindow
         Of the smoothing.
+    used : ndarray of bool, shape (all windows,)
+        Which windows are used: those in which nothing that is measured has a hole.
     """
 
     states: np.ndarray
@@ -104,6 +108,17 @@ class RegressionBlock:
     intervals: np.ndarray
     left: np.ndarray
     window: DerivativeWindow
+    used: np.ndarray
+
+    def smooth(self, rows: np.ndarray) -> np.ndarray:
+        """Return smoothed values over the windows that are used, along the second axis.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (rows, N, ...)
+            Values at the samples.
+        """
+        return self.window.smooth(rows)[:, self.used]
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,12 +179,12 @@ class Regression:
             inputs = block.inputs + self.bias(theta, i)[:, None]
             states = block.states if at is None else at[i]
             value, slope = self.function(states, inputs, np.repeat(p, states.shape[1], axis=1))
-            by = block.window.smooth(slope.full().reshape(len(self.equations), states.shape[1], -1))
+            by = block.smooth(slope.full().reshape(len(self.equations), states.shape[1], -1))
             whole = np.zeros((*by.shape[:2], self.size))
             whole[:, :, :count] = by[:, :, :count]
             if self.biased:
                 whole[:, :, count + i] = by[:, :, count]
-            out.append((block.left - block.window.smooth(value.full()), whole))
+            out.append((block.left - block.smooth(value.full()), whole))
         return out
 
     def bias(self, theta: np.ndarray, index: int) -> np.ndarray:
@@ -201,7 +216,7 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
     """
     system = problem.record.system
     parameters = system.p[[system.coefficients.index(n) for n in problem.estimated]]
-    hidden = {n for n in system.states if not all(data.trial.has(n) for data in problem.trials)}
+    hidden = {n for n in system.states if not all(data.shows(n) for data in problem.trials)}
     rows: dict[str, Expression] = {}
     lacking: dict[str, str] = {}
     for name in (*problem.initial, *(n for n in problem.signals if n not in system.states)):
@@ -230,6 +245,10 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
         by_bias = ca.jacobian(everything, system.u)[:, system.inputs.index("delta")]
         biased = bool(by_bias.nnz())
         by = ca.horzcat(by, by_bias) if biased else by
+    blocks = tuple(_block(problem, tuple(rows), data, unit_time) for data in problem.trials) if covered else ()
+    if sum(block.left.size for block in blocks) < _EQUATIONS * (len(covered) + biased * len(blocks)):
+        lacking |= dict.fromkeys(covered, "too few stretches of the trials are without holes")
+        blocks, covered, open_ = (), (), list(problem.estimated)
     return Regression(
         problem,
         tuple(rows),
@@ -237,7 +256,7 @@ def make_regression(problem: Problem, unit_time: float) -> Regression:
         {n: lacking.get(n, "it is in no equation of a measured quantity") for n in open_},
         biased,
         linear,
-        tuple(_block(problem, tuple(rows), data, unit_time) for data in problem.trials) if covered else (),
+        blocks,
         ca.Function("equations", [system.x, system.u, system.p], [ca.densify(everything), ca.densify(by)]),
     )
 
@@ -250,12 +269,22 @@ def _read_by(expression: Expression, symbols: Expression, names: tuple[str, ...]
 
 def _block(problem: Problem, equations: tuple[str, ...], data: TrialData, unit_time: float) -> RegressionBlock:
     kept = data.thinned(_MOST)
-    count = kept.intervals.size
-    step = float(np.median(kept.intervals[:-1]))
-    half = int(np.clip(np.ceil(_HALF * unit_time / step), _LEAST, max(_LEAST, (count - 1) // 8)))
+    step = kept.step if kept.regular else max(data.step, float(data.t[-1]) / _MOST)
+    # Windows count samples: where the clock is irregular the trial is laid on a regular one, in straight lines.
+    at = kept.t if kept.regular else np.arange(0.0, data.t[-1] + 0.5 * step, step)
+    inputs = kept.inputs if kept.regular else np.array([np.interp(at, data.t, row) for row in data.inputs])
+    half = int(np.clip(np.ceil(_HALF * unit_time / step), _LEAST, max(_LEAST, (at.size - 1) // 8)))
+    if at.size < 2 * half + 1:
+        nothing = np.zeros((len(equations), 0))
+        return RegressionBlock(
+            np.zeros((0, 0)), inputs, np.zeros(0), nothing, make_window(half, step), np.zeros(0, bool)
+        )
     window = make_window(half, step)
     states = problem.model.states
-    column = {n: kept.column(n) for n in (*states, *equations) if data.trial.has(n)}
-    left = [(window.rate if n in states else window.smooth)(column[n][None])[0] for n in equations]
-    measured = np.array([column.get(n, np.zeros(count)) for n in states])
-    return RegressionBlock(measured, kept.inputs, kept.intervals, np.array(left), window)
+    names = [n for n in dict.fromkeys((*states, *equations)) if data.shows(n)]
+    column = {n: kept.column(n, at) for n in names}
+    known = np.array([True if kept.regular else data.known(n, at) for n in names]).all(axis=0)
+    used = window.smooth(np.broadcast_to(known, (1, at.size)).astype(float))[0] > 1 - 1e-9
+    left = [(window.rate if n in states else window.smooth)(column[n][None])[0][used] for n in equations]
+    measured = np.array([column.get(n, np.zeros(at.size)) for n in states])
+    return RegressionBlock(measured, inputs, np.diff(at, append=at[-1]), np.array(left), window, used)

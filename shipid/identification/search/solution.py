@@ -78,9 +78,13 @@ def residual_levels(solution: Solution) -> np.ndarray:
     levels = np.empty(len(problem.signals))
     for j in range(len(problem.signals)):
         together = np.concatenate([trial[j] for trial in split]) * problem.sigma[j]
+        together = together[np.isfinite(together)]
+        if not together.size:
+            levels[j] = problem.sigma[j]
+            continue
         mean = together @ together / together.size if problem.loss == "linear" else robust_scale(together) ** 2
         levels[j] = np.sqrt(mean * together.size / max(together.size - spent, 1.0))
-        scale = max(float(np.abs(data.measured[j]).max()) for data in problem.trials)
+        scale = max(float(np.nanmax(np.abs(data.measured[j]), initial=0.0)) for data in problem.trials)
         levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
     return levels
 

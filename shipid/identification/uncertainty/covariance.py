@@ -2,7 +2,7 @@
 
 Residuals of a real trial are not white: the error of a slightly wrong model lasts for many samples, and waves disturb
 heading and rate together. The covariance is therefore worked out from the spectrum of the residuals
-(`shipid.identification.uncertainty.autoregression`). The result is given in effective samples: as many
+(`shipid.identification.noise.autoregression`). The result is given in effective samples: as many
 independent ones would hold as much information. For white residuals that is every sample, and the covariance is the Cramer-Rao bound.
 """
 
@@ -13,15 +13,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.estimation.estimate import UNDETERMINED
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.noise.filled_inputs import effects_of
+from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
-from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
 
 #: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
 _CORRECTIONS = 2
-#: Samples of a record that are enough for its spectrum: of longer ones several in a row are taken together, which loses nothing
-#: at the frequencies at which a ship answers.
-_ENOUGH = 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +56,8 @@ def autocorrelation_time(residual: np.ndarray) -> float:
     residual : ndarray, shape (N,)
         Residuals in the order of time.
     """
-    centred = residual - residual.mean()
-    n = centred.size
+    n = residual.size
+    centred = residual - (residual.mean() if n else 0.0)
     power = float(centred @ centred)
     if n < 8 or power <= 0:
         return 1.0
@@ -147,60 +146,43 @@ def _bent(solution: Solution) -> Solution:
 def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
-    blocks, powers, at = [], [], 0
-    for data in problem.trials:
+    groups: list[ResidualGroup] = []
+    at, by_inputs = 0, np.zeros_like(flat)
+    for i, data in enumerate(problem.trials):
         count = data.intervals.size
         rows = slice(at, at + count * signals)
         at += count * signals
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
         block = scaled[rows][:, used].reshape(signals, count, -1)
-        every = max(1, count // _ENOUGH)
-        residual = solution.residual[rows].reshape(signals, count)
-        powers.append(np.mean(residual**2, axis=1))
-        blocks.append((gathered(residual, every), gathered(block, every), used))
+        if (effects := effects_of(problem, solution.q, i)) is not None:
+            pulls = effects.reshape(len(effects), -1) @ scaled[rows]
+            by_inputs += pulls.T @ pulls / len(effects)
+        groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
     terms, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
-    prior = bounds.T @ bounds
+    prior = bounds.T @ bounds + by_inputs
     if problem.prior is not None:
         prior = prior + problem.prior.strength * terms.T @ terms
 
     def covariance_under(noise: list[Autoregression]) -> np.ndarray:
         scatter = prior.copy()
-        for (_, block, used), model in zip(blocks, noise):
-            shaped = model.shaped(block)
-            scatter[np.ix_(used, used)] += shaped.T @ shaped
+        for g, model in zip(groups, noise):
+            shaped = model.shaped(g.jacobian)
+            scatter[np.ix_(g.used, g.used)] += shaped.T @ shaped
         return np.asarray(flat @ scatter @ flat)
 
-    noise = [autoregression_of(residual) for residual, _, _ in blocks]
+    noise = [autoregression_of(g.residual) for g in groups]
     found = covariance_under(noise)
     for _ in range(_CORRECTIONS):
         noise = [
-            corrected(model, residual, block, flat[np.ix_(used, used)], found[np.ix_(used, used)])
-            for model, (residual, block, used) in zip(noise, blocks)
+            corrected(model, g.residual, g.jacobian, flat[np.ix_(g.used, g.used)], found[np.ix_(g.used, g.used)])
+            for model, g in zip(noise, groups)
         ]
         found = covariance_under(noise)
-    shares = [
-        [_share(block, used, half, model, power[k], k) for k in range(signals)]
-        for model, power, (_, block, used) in zip(noise, powers, blocks)
-    ]
-    return found, np.array(shares)
-
-
-def gathered(rows: np.ndarray, every: int) -> np.ndarray:
-    """Return sums of so many samples in a row, along the second axis, scaled to the same sum of products.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (signals, N, ...)
-        Samples along the second axis.
-    every : int
-        How many are taken together.
-    """
-    if every == 1:
-        return rows
-    starts = np.arange(0, rows.shape[1], every)
-    counts = np.diff(starts, append=rows.shape[1])
-    sums = np.add.reduceat(rows, starts, axis=1)
-    return np.asarray(sums / np.sqrt(counts).reshape(1, -1, *(1,) * (rows.ndim - 2)))
+    shares = np.ones((len(problem.trials), signals))
+    for g, model in zip(groups, noise):
+        for k, signal in enumerate(g.signals):
+            shares[g.trial, signal] = _share(g.jacobian, g.used, half, model, g.powers[k], k)
+    return found, shares
 
 
 def _share(

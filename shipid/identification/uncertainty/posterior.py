@@ -178,6 +178,7 @@ class _Density:
             squares = ((y - data.measured) / problem.sigma[:, None]) ** 2
             if problem.weights is not None:
                 squares = squares * problem.weights[i]
+            squares = np.where(data.there, squares, 0.0)
             return np.asarray(np.nan_to_num(squares.sum(axis=2) @ self.shares[i], nan=np.inf))
 
 
@@ -190,7 +191,7 @@ def _pulled(solution: Solution) -> np.ndarray:
     out = []
     for j, bend in enumerate(bends(problem)):
         weights = np.concatenate([w[j] for w in problem.weights])
-        power = float(np.mean(weights * np.concatenate([trial[j] for trial in split]) ** 2))
+        power = float(np.nanmean(weights * np.concatenate([trial[j] for trial in split]) ** 2))
         out.append(bend**4 / (power * weights.mean()))
     return np.array(out)
 

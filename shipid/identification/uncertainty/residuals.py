@@ -23,7 +23,7 @@ class Residuals:
     Attributes
     ----------
     samples : int
-        Their number.
+        Their number: samples that are missing do not count.
     effective : float
         As many white ones would hold as much information (`shipid.identification.uncertainty.covariance`).
     autocorrelation_time : float
@@ -73,10 +73,11 @@ def residuals_of(identified: Identified) -> dict[str, Residuals]:
     spent = problem.size / max(len(problem.signals), 1)
     found = {}
     for j, signal in enumerate(problem.signals):
-        series = [trial[j] for trial in split]
+        # From one sample that is there to the next.
+        series = [trial[j][np.isfinite(trial[j])] for trial in split]
         samples = sum(s.size for s in series)
         times = [autocorrelation_time(s) for s in series]
-        seconds = [t * float(np.median(data.intervals[:-1])) for t, data in zip(times, problem.trials)]
+        seconds = [t * data.step_of(j) for t, data in zip(times, problem.trials)]
         test = sum((ljung_box(s, min(_LAGS, s.size // 5)) for s in series), LjungBox(0.0, 0))
         together = np.concatenate(series)
         with np.errstate(over="ignore"):

@@ -19,6 +19,7 @@ from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
+from shipid.trials.filling import interpolated
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.executes import first_execute, leaves
 from shipid.trials.measuring.rudder.steering import rate_of, steering_of
@@ -64,7 +65,7 @@ class ZigzagHelmsman:
 
 
 def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
-    """Return the helmsman of a zig-zag, or None where the rudder itself was not recorded.
+    """Return the helmsman of a zig-zag, or None where the rudder, or the heading at a reversal, was not recorded.
 
     Parameters
     ----------
@@ -86,6 +87,8 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     left = [leaves(steering, plate).time for plate in held[:-1]]
     start = first_execute(steering, held[0])
     begin = start[0].time if start is not None and start[0].time < left[0] else float(t[held[0].first])
+    if not np.isfinite(interpolated(heading.t, heading.y, np.array(left))).all():
+        return None  # the heading has a hole where the rudder set out
     half = 0.03 * float(np.median(np.diff([begin, *left])))
     rates = []
     for one, two in pairwise(held):

@@ -42,6 +42,10 @@ class Comparison:
         away.
     initial : mapping of str to float
         Initial states that were used.
+    samples : mapping of str to tuple of int
+        Samples of each fitted signal that are there, and how many there might be.
+    notes : tuple of str
+        What was filled and left out of the trial because of holes in what drives the model.
     """
 
     trial: Trial
@@ -56,6 +60,13 @@ class Comparison:
     predicted_overshoots: tuple[float | None, ...] = ()
     predicted_circle: TurningCircle | None = None
     initial: Mapping[str, float] = field(default_factory=dict)
+    samples: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def whole(self) -> bool:
+        """Whether no sample is missing."""
+        return not self.notes and all(there == possible for there, possible in self.samples.values())
 
     @property
     def bias(self) -> float:

@@ -21,13 +21,14 @@ from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import Prior, prior_of
 from shipid.identification.problem.ship_scale import scale_of
 from shipid.identification.problem.signals import SHOWN
-from shipid.identification.problem.trial_data import prepare, warm_up_samples
+from shipid.identification.problem.trial_data import prepare, warm_up_samples, with_whole_inputs
 from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
-from shipid.trials.fitness import check_regular
+from shipid.trials.filling import samples_of
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
+from shipid.trials.stretches import is_note
 from shipid.trials.trial import Trial
 
 _NONE = np.zeros(0)
@@ -62,12 +63,16 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
 
     Raises
     ------
-    ClockGapError
-        If the clock of a trial has a gap.
+    NoStretchError
+        If what drives the model has so many holes that no stretch of a trial is long enough.
     """
-    for trial in trials:
-        check_regular(trial)
-    return tuple(_predict(identified, t) for t in trials)
+    signals = identified.problem.signals
+    stretches = [
+        s
+        for t in trials
+        for s in with_whole_inputs(identified.model, t, signals, scale_of(identified.ship, [t]).unit_time)
+    ]
+    return tuple(_predict(identified, s) for s in stretches)
 
 
 def _problem_of(
@@ -175,14 +180,21 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
         predicted_overshoots=foreseen,
         predicted_circle=_predicted_circle(trial, measures, predicted, length),
         initial=dict(zip(problem.initial, q[problem.own(index)].tolist())),
+        samples={s: samples_of(trial["t"], trial[s]) for s in problem.signals},
+        notes=tuple(n for n in trial.source.notes if is_note(n)),
     )
 
 
 def _errors(problem: Problem, y: np.ndarray, first: int = 0, index: int = 0) -> dict[str, float]:
-    """Root-mean-square errors of the fitted signals from a sample on, SI; infinite where the model runs away."""
+    """Root-mean-square errors of the fitted signals from a row on, SI; infinite where the model runs away."""
     with np.errstate(over="ignore", invalid="ignore"):
-        errors = np.sqrt(np.mean((y - problem.trials[index].measured)[:, first:] ** 2, axis=1))
-    return {s: float(e) if np.isfinite(e) else float("inf") for s, e in zip(problem.signals, errors)}
+        data = problem.trials[index]
+        there = data.there[:, first:]
+        squares = np.where(there, (y - data.measured)[:, first:] ** 2, 0.0)
+        errors = np.sqrt(squares.sum(axis=1) / np.maximum(there.sum(axis=1), 1))
+    return {
+        s: float(e) if np.isfinite(e) else float("inf") for s, e, t in zip(problem.signals, errors, there) if t.any()
+    }
 
 
 def _overshoots(

@@ -11,6 +11,7 @@ import numpy as np
 from markupsafe import Markup, escape
 
 from shipid.foundation.aliases import Plain
+from shipid.trials.filling import GAP, usual_interval
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Panels
@@ -44,14 +45,14 @@ _SETTINGS = {
 
 
 def thin(y: np.ndarray, most: int = MOST_POINTS) -> np.ndarray:
-    """Return the indices of at most `most` samples that keep the first, the last and every extreme.
+    """Return the indices of at most `most` samples that keep the first, the last and every extreme, and all breaks of the line.
 
     The record is cut into stretches of equal length; the lowest and the highest sample of each are kept.
 
     Parameters
     ----------
     y : ndarray, shape (n,)
-        The samples.
+        The samples; NaN where the line breaks.
     most : int
         Most indices; at least 4.
 
@@ -66,8 +67,32 @@ def thin(y: np.ndarray, most: int = MOST_POINTS) -> np.ndarray:
     rows = int(np.ceil(n / width))
     padded = np.pad(y, (0, rows * width - n), mode="edge").reshape(rows, width)
     begin = width * np.arange(rows)
-    low, high = begin + padded.argmin(axis=1), begin + padded.argmax(axis=1)
-    return np.unique(np.clip(np.concatenate([[0, n - 1], low, high]), 0, n - 1))
+    low = begin + np.nan_to_num(padded, nan=np.inf).argmin(axis=1)
+    high = begin + np.nan_to_num(padded, nan=-np.inf).argmax(axis=1)
+    return np.unique(np.clip(np.concatenate([[0, n - 1], low, high, np.flatnonzero(np.isnan(y))]), 0, n - 1))
+
+
+def with_gaps(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return a line through the samples that are there, broken where they have a hole.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Times in s, rising.
+    y : ndarray, shape (n,)
+        The samples; NaN where one is missing.
+
+    Returns
+    -------
+    t, y : ndarray, shape (m,)
+        NaN between two samples that are further apart than a hole may be to be filled (`shipid.trials.filling`).
+    """
+    there = np.isfinite(y)
+    t, y = t[there], y[there]
+    if t.size < 2:
+        return t, y
+    behind = np.flatnonzero(np.diff(t) > GAP * usual_interval(t)) + 1
+    return np.insert(t, behind, t[behind]), np.insert(y, behind, np.nan)
 
 
 def axis_range(values: Sequence[np.ndarray]) -> tuple[float, float]:
@@ -78,7 +103,8 @@ def axis_range(values: Sequence[np.ndarray]) -> tuple[float, float]:
     values : sequence of ndarray
         The lines.
     """
-    lows, highs = zip(*((float(v.min()), float(v.max())) for v in values if len(v)))
+    there = [v[np.isfinite(v)] for v in values]
+    lows, highs = zip(*((float(v.min()), float(v.max())) for v in there if len(v)))
     span = max(highs[0] - lows[0], 1e-9 * max(1.0, abs(highs[0])))
     low = max(min(lows), lows[0] - 1.5 * span)
     high = min(max(highs), highs[0] + 1.5 * span)

@@ -10,7 +10,7 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.foundation.aliases import Plain
-from shipid.report.figures.svg import MOST_POINTS, MUTED, WIDTH, axis_range, legend, panel_title, svg, thin
+from shipid.report.figures.svg import MOST_POINTS, MUTED, WIDTH, axis_range, legend, panel_title, svg, thin, with_gaps
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ class Curve:
     kind : str
         measured, predicted, residual, rudder or order: its style and its name in the legend.
     x, y : ndarray, shape (n,)
-        Its points, finite, in the units shown.
+        Its points, in the units shown; NaN where a sample is missing.
     """
 
     kind: str
@@ -80,8 +80,9 @@ def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for ax, panel in zip(axes, panels):
             for curve in panel.curves:
-                kept = thin(curve.y)
-                ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
+                x, y = with_gaps(curve.x, curve.y)
+                kept = thin(y)
+                ax.plot(x[kept], y[kept], label=curve.kind, **_STYLES[curve.kind])
             ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
             ax.set_ylim(*axis_range([c.y for c in panel.curves]))
             ax.margins(x=0.01)
@@ -113,8 +114,10 @@ def tracks(curves: Sequence[Curve], key: str, title: str) -> Markup:
         for curve in curves:
             kept = np.union1d(thin(curve.x, MOST_POINTS // 2), thin(curve.y, MOST_POINTS // 2))
             ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
-        first = curves[0]
-        ax.plot(first.x[:1], first.y[:1], "o", color="black", markersize=4, linestyle="none", label="start")
+        begins = np.flatnonzero(np.isfinite(curves[0].x))[:1]
+        ax.plot(
+            curves[0].x[begins], curves[0].y[begins], "o", color="black", markersize=4, linestyle="none", label="start"
+        )
         ax.set_aspect("equal", adjustable="box")
         ax.set_xlim(*across)
         ax.set_ylim(*along)

@@ -29,6 +29,7 @@ from pathlib import Path
 from shipid.declaration.tables import Table, is_finite, read_table
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
+from shipid.trials.columns import example_unit
 from shipid.trials.errors import FormatFileError
 from shipid.trials.logs.clocks.settings import KEYS, ClockFormat, clock_format
 
@@ -325,11 +326,28 @@ def _column(name: str, table: Table) -> ColumnFormat:
         known = f'The frame of {name} can be "{takes[name]}".' if name in takes else f"{name} takes no frame."
         raise table.fail(f"'frame' is '{frame}'. {known}")
     unit = table.value("unit", str)
+    if unit is not None and not unit.strip():
+        raise table.fail(
+            f"'unit' is empty{_line_of_unit(table)}. Fill in the unit of {name}, as in unit = '{example_unit(name)}'."
+        )
     if name == "n" and unit is not None and unit.replace(" ", "") in ("1/s", "Hz", "1/min"):
         # Propeller revolutions are counted in 1/s in most of the field's files; here the file says so itself.
         unit = "rpm" if unit.endswith("min") else "rps"
     header, note = table.value("column", str), table.value("note", str, "")
     return ColumnFormat(name, header, index, unit, sign_of(table), scale, frame, note)
+
+
+def _line_of_unit(table: Table) -> str:
+    """Which line of the file holds the unit of a column, as far as the file is there and written a key a line."""
+    try:
+        lines = Path(table.file).read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError):
+        return ""
+    head = next((k for k, line in enumerate(lines) if line.strip().replace(" ", "") == f"[{table.name}]"), None)
+    if head is None:
+        return ""
+    after = next((k for k, line in enumerate(lines[head:], start=head + 1) if line.lstrip().startswith("unit")), None)
+    return "" if after is None else f" in line {after}"
 
 
 def _part(table: Table) -> str | None:

@@ -36,10 +36,12 @@ def record_of_frame(frame: pd.DataFrame, name: str, units: Mapping[str, str], so
     clocked = with_clock(_with_index(found, frame.index), where)
     series, stated, faults = by_header(clocked.columns, {}, where)
     faults = [*twice, *faults, *clocked.faults]
-    values, words = _numbers(series, where, faults)
+    values = _numbers(series, where, faults)
     source = source or Source()
     source = replace(source, start=clocked.start or source.start)
-    return LenientRecord(name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults), words=words)
+    return LenientRecord(
+        name, values, stated, where, source, notes=clocked.notes, faults=tuple(faults), words=_words(faults)
+    )
 
 
 def _by_header(
@@ -62,6 +64,12 @@ def _by_header(
     return columns, faults
 
 
+def _words(faults: list[TrialError]) -> dict[str, Mapping[int, str]]:
+    """Return by column and row the cells that hold text."""
+    texts = [fault.cells for fault in faults if isinstance(fault, TextInColumnError)]
+    return {str(name): cells for found in texts for name, cells in found.items()}
+
+
 def _is_pair(label: object) -> bool:
     """Whether a label of two levels is a name and its unit."""
     return isinstance(label, tuple) and len(label) == 2 and all(isinstance(part, str) and part for part in label)
@@ -81,11 +89,9 @@ def _with_index(columns: dict[str, pd.Series], index: pd.Index) -> dict[str, pd.
     return {header: values, **{name: column.reset_index(drop=True) for name, column in columns.items()}}
 
 
-def _numbers(
-    series: Mapping[str, pd.Series], where: str, faults: list[TrialError]
-) -> tuple[dict[str, np.ndarray], dict[str, dict[int, str]]]:
-    """Return columns as numbers, NaN where there is none, and the cells that are none; those are added to the faults."""
-    result, words = {}, {}
+def _numbers(series: Mapping[str, pd.Series], where: str, faults: list[TrialError]) -> dict[str, np.ndarray]:
+    """Return columns as numbers, NaN where there is none; what is none is added to the faults."""
+    result = {}
     for name, column in series.items():
         if column.dtype.kind in "mMc" or isinstance(column.dtype, pd.PeriodDtype):
             what = "complex numbers" if column.dtype.kind == "c" else "dates or times, and is not the clock"
@@ -95,13 +101,13 @@ def _numbers(
         numbers = pd.to_numeric(column.astype(object) if column.dtype.kind == "O" else column, errors="coerce")
         text = numbers.isna() & column.notna()
         if text.any():
-            words[name] = {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}
             k = int(np.flatnonzero(text)[0])
             faults.append(
                 TextInColumnError(
                     f"{where}, row {k}, column '{name}': '{str(column.iloc[k])[:40]}' is not a number. "
-                    "Replace it by the number, or remove the row."
+                    "Replace it by the number, or remove the row.",
+                    {name: {int(row): str(column.iloc[row]) for row in np.flatnonzero(text)}},
                 )
             )
         result[name] = numbers.to_numpy(dtype=float, na_value=np.nan)
-    return result, words
+    return result

@@ -136,14 +136,12 @@ def split_window(path: str | Path) -> tuple[Path, str | None, str | None]:
     if whole.exists():
         return whole, None, None
     stem, at, tail = str(path).rpartition("@")
-    file, sharp, part = str(path).rpartition("#")
     if at and Path(stem).exists():
         return Path(stem), None, tail
-    if sharp and Path(file).exists():
-        return Path(file), part, None
-    inner, sharp_inside, sheet = stem.rpartition("#")
-    if at and sharp_inside and Path(inner).exists():
-        return Path(inner), sheet, tail
+    for text, window in ((stem, tail), (str(path), None)):
+        file, sharp, part = text.rpartition("#")
+        if sharp and Path(file).exists():
+            return Path(file), part, window
     # None is there: a name like a@b.csv is more likely a file that is missing than a window of one.
     return (Path(stem), None, tail) if at and "@" in whole.name and ":" in tail else (whole, None, None)
 

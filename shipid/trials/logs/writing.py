@@ -58,7 +58,7 @@ def write_trial(
             frame.to_csv(file, index=False, lineterminator="\n")
         return Path(path)
     check_place(Path(path), overwrite)
-    with replacing(Path(path)) as temporary:
+    with replacing(Path(path), overwrite) as temporary:
         _parquet(frame, temporary, trial.source.comment if comment is None else comment)
     return Path(path)
 
@@ -92,7 +92,7 @@ def text_file(trial: Trial, path: str | Path, overwrite: bool, comment: str | No
     """
     check_place(Path(path), overwrite)
     comment = trial.source.comment if comment is None else comment
-    with replacing(Path(path)) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
+    with replacing(Path(path), overwrite) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {line}\n" for line in comment.splitlines())
         yield file
 

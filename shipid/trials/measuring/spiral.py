@@ -23,6 +23,8 @@ _SHORTEST = 0.015
 """A stage takes this share of the record at least."""
 _LEVEL = 0.02
 """Within a stage the level stays within this share of its range."""
+_LOOP = 0.05
+"""A loop lower than this share of the largest rate is none."""
 _SETTLED = 0.03
 """A rate that still changes by more than this share of the largest, over the last third of a stage, has not settled."""
 
@@ -148,6 +150,8 @@ def measure_spiral(trial: Trial, execute: str | None, length: float | None, faul
     for name, value in (("loop_width", width), ("loop_height", height)):
         if value is None:
             reasons[name] = why
+    if width and height and method == "direct" and height > _LOOP * largest:
+        notes.append(_bracket(rudders, rates))
     return MeasuredSpiral(
         trial=trial.name,
         execute="order",
@@ -168,8 +172,6 @@ def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
     """The stages of a spiral, by the rudder or by the rate of turn; none where there is no spiral."""
     rudder = steering_of(trial, "order", wrong=faults.wrong.get("delta")).channel
     by_rudder = _held(rudder.t, rudder.y)
-    if len(by_rudder) < _LEAST:
-        return "direct", []
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     by_rate: list[_Stage] = []
     if len(psi.t) >= 50:
@@ -261,9 +263,22 @@ def _direct_loop(rudders: np.ndarray, rates: np.ndarray) -> tuple[float | None, 
     crossed = [_zero(rate, rudder) for rudder, rate in (down, up)]
     height = max(at_zero[0] - at_zero[1], 0.0)
     width = None if None in crossed else max(float(crossed[1] or 0.0) - float(crossed[0] or 0.0), 0.0)
-    loop = height > 0.05 * float(np.nanmax(np.abs(rates)))
+    loop = height > _LOOP * float(np.nanmax(np.abs(rates)))
     slope = None if loop else float(np.mean([_slope(*branch) for branch in (down, up)]))
     return width, height, slope
+
+
+def _bracket(rudders: np.ndarray, rates: np.ndarray) -> str:
+    """Say between which stages the rate of turn changes sides, and what that leaves of the width."""
+    one, two = (
+        next(((r[k], r[k + 1]) for k in range(len(r) - 1) if y[k] < 0 <= y[k + 1]), (float("nan"),) * 2)
+        for r, y in _branches(rudders, rates, rudders)
+    )
+    least, most = max(two[0] - one[1], 0.0), two[1] - one[0]
+    return (
+        f"the rate of turn changes sides between the stages at {angle(one[1], 3)} and {angle(one[0], 3)} on the way down, at "
+        f"{angle(two[0], 3)} and {angle(two[1], 3)} on the way up: the loop is {angle(least, 3)} to {angle(most, 3)} wide"
+    )
 
 
 def _matters(k: int, rudders: np.ndarray, rates: np.ndarray) -> bool:

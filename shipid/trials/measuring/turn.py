@@ -116,7 +116,8 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     smooth = series.smoothed(psi.t, turned, calm)[running]
     quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
     for k, quarter in enumerate(quarters, start=1):
-        hole = None if quarter is None else psi.hole(quarter)
+        # The heading is averaged over that width.
+        hole = None if quarter is None else psi.hole(quarter - calm, quarter + calm)
         if hole is not None or (quarter is not None and "course" in reasons):
             reasons[f"times[{k}]"] = reasons[f"speeds[{k}]"] = faults.hole(
                 "psi", hole or psi.hole(when) or (when, when)
@@ -349,7 +350,9 @@ def _pull_out(steering: Steering, psi: Channel, plate: Plate, off: float) -> flo
     begin = released + int(after[0])
     # As long as the rudder is left where it was put.
     lies = float(np.median(rudder[begin : begin + max(5, (len(t) - begin) // 10)]))
-    moved = np.flatnonzero(np.abs(rudder[begin:] - lies) > max(0.05 * abs(plate.angle), _LEFT_THERE))
+    near = np.abs(rudder[begin:] - lies) <= max(0.05 * abs(plate.angle), _LEFT_THERE)
+    begin += int(np.argmax(near))
+    moved = np.flatnonzero(~near[int(np.argmax(near)) :])
     end = float(t[begin + int(moved[0])]) if moved.size else steering.end
     part = (psi.t >= end - 0.2 * (end - t[begin])) & (psi.t <= end)
     # The rate takes about as long to settle as the ship takes to turn by some 60 deg.

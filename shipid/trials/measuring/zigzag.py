@@ -18,7 +18,7 @@ from shipid.trials.measuring.track import distance_between, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
-from shipid.trials.signals.plates import plates, regular
+from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
 _WIDTH = 0.03
@@ -131,7 +131,8 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         If the rudder never goes from one plate to the opposite one.
     """
     steering = steering_of(trial, execute, wrong=_wrong_rudder(trial, faults))
-    held = regular(plates(steering.channel.y))
+    everything = plates(steering.channel.y)
+    held = regular(everything)
     if len(held) < 2:
         raise NotAManoeuvreError(
             f"trial '{trial.name}' is no zig-zag: the rudder does not go from one held angle to the opposite one. "
@@ -147,7 +148,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     side = held[0].side
     found = swings(psi.t, psi.y, when, side=side, end=end)
     start = first_execute(steering, held[0])
-    if start is not None and (held[0].first == 0 or start[0].time >= when[0]):
+    if start is not None and (
+        held[0].first == 0 or start[0].time >= when[0] or _goes_on_from(steering, everything, held)
+    ):
         start = None
     at = np.array([heading for _, _, heading in found])
     course, notes = _course(psi, at, side, None if start is None else start[0].time)
@@ -210,6 +213,17 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
                *faults.notes(("psi", steering.channel.name))),
         **beginning,
     )  # fmt: skip
+
+
+def _goes_on_from(steering: Steering, everything: Sequence[Plate], held: Sequence[Plate]) -> bool:
+    """Whether the zig-zag goes on from a plate like its own, too short or too coarsely sampled to be measured itself."""
+    k = next(i for i, plate in enumerate(everything) if plate.first == held[0].first)
+    before = everything[k - 1] if k else None
+    size = float(np.median([abs(plate.angle) for plate in held]))
+    if before is None or before.side == held[0].side or before.idle > 0.3:
+        return False
+    peak = float(np.abs(steering.channel.y[before.first : before.last]).max())
+    return 0.9 * size < peak < 1.1 * size
 
 
 def _wrong_rudder(trial: Trial, faults: Faults) -> np.ndarray | None:

@@ -9,7 +9,6 @@ from shipid.trials.doctor.check_trial import check_trial
 
 
 def test_an_nmea_log_is_examined(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     trial = simulated("zigzag:20/20", "none")
@@ -21,7 +20,6 @@ def test_an_nmea_log_is_examined(simulated, tmp_path):
 
 
 def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")
@@ -30,7 +28,6 @@ def test_the_rudder_of_an_nmea_log_that_counts_the_other_way(simulated, tmp_path
 
 
 def test_a_rate_in_another_unit_than_it_is_said_to_be_in(simulated, tmp_path):
-    pytest.importorskip("pynmeagps")
     from shipid.trials.logs.nmea.writing import write_nmea
 
     log = write_nmea(simulated("zigzag:20/20", "none"), tmp_path / "log.nmea")
@@ -62,4 +59,4 @@ def test_text_in_a_parquet_file_is_named(simulated, tmp_path):
     frame.to_parquet(tmp_path / "log.parquet")
     found = next(f for f in check_trial(tmp_path / "log.parquet").findings if f.kind == "text")
     assert found.channel == "r" and found.rows == (40, 40)
-    assert "'broken'" in found.message and "row 40" in found.message and np.isclose(found.confidence, 0.99)
+    assert "'broken'" in found.message and np.isclose(found.confidence, 0.99)

@@ -80,6 +80,7 @@ def _cautions(run: FilterRun) -> list[str]:
                 f"The innovations of {name} are not white (p {probability(i.white_p)}): the model does not explain part of "
                 "them, and the standard deviations treat that part as noise."
             )
+    said += run.arranged.words
     if run.arranged.back:
         said.append(f"{run.arranged.back} samples were left out because the clock did not go forward.")
     return said

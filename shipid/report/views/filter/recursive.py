@@ -37,7 +37,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     design, white = run.design, run.white_p
     answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
     answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
-    cautions = []
+    cautions = list(run.arranged.words)
     if white is not None and white < COLOURED:
         cautions.append(
             f"The innovations are not white (p {probability(white)}): the model does not explain part of them."

@@ -140,10 +140,13 @@ def _cautions(fit: Fit) -> list[str]:
     """Where a validation trial leaves the range of the fitted ones, and what was not asked for."""
     beyond: dict[str, list[str]] = {}
     for name in ("delta", "r"):
-        largest = max((float(np.abs(c.trial[name]).max()) for c in fit.fitted if c.trial.has(name)), default=np.inf)
+        largest = max(
+            (float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)),
+            default=np.inf,
+        )
         how = shown(fit.model, name)
         for c in fit.validation:
-            size = float(np.abs(c.trial[name]).max()) if c.trial.has(name) else 0.0
+            size = float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) if c.trial.has(name) else 0.0
             if size > _BEYOND * largest:
                 beyond.setdefault(c.trial.name, []).append(
                     f"{how.label.lower()} up to {how.number(size)} {how.unit} (fitted up to {how.number(largest)} {how.unit})"

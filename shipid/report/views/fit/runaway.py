@@ -42,12 +42,18 @@ def runaway(comparison: Comparison) -> float | None:
 
 
 def _span(trial: Trial, name: str) -> float:
-    span = float(np.ptp(trial[name]))
+    span = _reach(trial, name)
     if name == "psi":
         return max(span, np.pi)
     if name in ("u", "v", "U"):
-        speeds = [float(np.abs(trial[n]).max()) for n in ("u", "U", "v") if trial.has(n)]
+        speeds = [float(np.nanmax(np.abs(trial[n]), initial=0.0)) for n in ("u", "U", "v") if trial.has(n)]
         return max(span, *speeds)
     if name in ("x", "y") and trial.has("x", "y"):
-        return max(float(np.ptp(trial["x"])), float(np.ptp(trial["y"])))
+        return max(_reach(trial, "x"), _reach(trial, "y"))
     return span
+
+
+def _reach(trial: Trial, name: str) -> float:
+    """From the lowest to the highest sample that is there; zero where there is none."""
+    there = trial[name][np.isfinite(trial[name])]
+    return float(np.ptp(there)) if there.size else 0.0

@@ -46,7 +46,7 @@ def _trial(fit: Fit, role: str, comparison: Comparison, key: str) -> Row:
         "role": role,
         "simulated": trial.source.simulated,
         "summary": _summary(trial, model),
-        "inputs": _inputs(comparison, model),
+        "inputs": [*_inputs(comparison, model), *_missing(comparison)],
         "runaway": "" if lost is None else number(lost),
         "errors": _errors(comparison, model, lost),
         "bias": _bias(comparison, model, role),
@@ -65,7 +65,8 @@ def _inputs(comparison: Comparison, model: Model) -> list[str]:
     trial, read, held = comparison.trial, [], []
     for name in (n for n in model.inputs if trial.has(n)):
         used, how = comparison.predicted.get(name), shown(model, name)
-        if used is None or np.allclose(used, trial[name], equal_nan=True):
+        there = np.isfinite(trial[name])
+        if used is None or np.allclose(used[there], trial[name][there]):
             read.append(how.label.lower())
         elif np.ptp(used) < 1e-9 * max(1.0, float(np.abs(used).max())):
             held.append(f"{how.label} is an input of this model, held at {how.number(used[0])} {how.unit}.")
@@ -75,13 +76,21 @@ def _inputs(comparison: Comparison, model: Model) -> list[str]:
     return words + held
 
 
+def _missing(comparison: Comparison) -> list[str]:
+    """Say how many samples are there, and what was filled and left out."""
+    counts = ", ".join(
+        f"{shown_field(s).label.lower()} {there} of {possible}" for s, (there, possible) in comparison.samples.items()
+    )
+    return [] if comparison.whole else [f"Samples there: {counts}.", *comparison.notes]
+
+
 def _summary(trial: Trial, model: Model) -> str:
     parts = [f"{len(trial)} samples", f"{number(trial.duration)} s", f"every {number(trial.sampling, 3)} s"]
     speed = next((n for n in ("u", "U") if trial.has(n)), None)
     for name, what, decimals in (("delta", "rudder", 1), (speed, "speed", 2)):
-        if name is not None and trial.has(name):
+        if name is not None and trial.has(name) and np.isfinite(trial[name]).any():
             how = shown(model, name)
-            low, high = (fixed(v * how.factor, decimals) for v in (trial[name].min(), trial[name].max()))
+            low, high = (fixed(v * how.factor, decimals) for v in (np.nanmin(trial[name]), np.nanmax(trial[name])))
             parts.append(f"{what} {low} to {high} {how.unit}")
     return ", ".join(parts)
 

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.model import Model
 from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures.svg import with_gaps
 from shipid.report.figures.trials import Curve, Panel, histories, tracks
 from shipid.report.typography.quantities import shown, shown_field
 from shipid.report.views.fit.runaway import good_samples
+from shipid.trials.filling import interpolated
 from shipid.trials.measuring.track import track
+from shipid.trials.trial import Trial
 
 #: Signals that come first, whether or not they were fitted.
 _FIRST = ("psi", "r", "u", "v")
@@ -93,7 +97,7 @@ def track_of(comparison: Comparison, key: str) -> tuple[Markup | None, str]:
         As for `histories_of`.
     """
     trial, predicted, count = comparison.trial, comparison.predicted, good_samples(comparison)
-    measured = track(trial)
+    measured = _measured_track(trial)
     curves, note = [], ""
     shift = (0.0, 0.0)
     if measured is not None:
@@ -107,6 +111,27 @@ def track_of(comparison: Comparison, key: str) -> tuple[Markup | None, str]:
     if not curves:
         return None, ""
     return tracks(curves, f"{key}-t", f"Track, north up, trial {trial.name}"), note
+
+
+def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
+    """North and east in m, NaN where the line breaks, and where they come from."""
+    t = trial["t"]
+    if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
+        north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
+        return north, east, "positions"
+    return track(_between_samples(trial))
+
+
+def _between_samples(trial: Trial) -> Trial:
+    """A trial with straight lines over the short holes of its signals, without the signals that have long ones."""
+    if not trial.table.isna().to_numpy().any():
+        return trial
+    filled = {n: interpolated(trial["t"], trial[n]) for n in trial.table.columns if n != "t"}
+    whole = np.isfinite(filled["psi"]) if "psi" in filled else np.ones(len(trial), dtype=bool)
+    # Before the first heading and behind the last one there is no track.
+    inside = slice(int(np.argmax(whole)), len(trial) - int(np.argmax(whole[::-1])))
+    table = trial.table.assign(**filled).iloc[inside].reset_index(drop=True)
+    return replace(trial, table=table.dropna(axis="columns"))
 
 
 def _labels(panels: list[Panel]) -> str:

@@ -9,19 +9,24 @@ from shipid.declaration import units
 from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.clocks.calendar import DAY
 from shipid.trials.logs.clocks.settings import moment_text
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.table import LiveSample
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
-from shipid.trials.logs.nmea.geodesy import to_local
+from shipid.trials.logs.nmea.log import Origin
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
-from shipid.trials.logs.nmea.sentences.lines import checksum, split_line, stamp_reader, tag_time
+from shipid.trials.logs.nmea.sentences.lines import checksum, sentences_of, split_line, stamp_reader, tag_time
 from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
+from shipid.trials.logs.nmea.sources import answers
 
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
 _PATIENCE = 200
 #: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
-_KINDS = {signal: kinds for signal, kinds in SIGNALS.items() if signal not in ("wind", "depth")}
+_KINDS = {
+    signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED)
+    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position")
+}
 
 
 class LiveNmea:
@@ -79,9 +84,13 @@ class LiveNmea:
         NotNmeaError
             If none of many lines is a sentence.
         """
-        text = line.strip()
+        text = line.strip(" \t\r\n\x00\x1a")
         if not text or text.startswith(("#", ";", "//", self._fmt.comment)):
             return
+        for piece in sentences_of(text):
+            yield from self._take(number, piece)
+
+    def _take(self, number: int, text: str) -> Iterator[LiveSample]:
         self._lines += 1
         sentence = split_line(text)
         if sentence is None:
@@ -100,7 +109,7 @@ class LiveNmea:
         stamp = (
             None if self._fmt.stamp == "none" else tagged or (self._stamp(sentence.front) if sentence.front else None)
         )
-        fields = self._fields(number, sentence.text, sentence.address[-3:])
+        fields = self._fields(number, sentence.text, sentence.address)
         if stamp is not None:
             self._stamped = True
             yield from self._passes(number, stamp.time, stamp.dated)
@@ -130,17 +139,16 @@ class LiveNmea:
             )
         yield from self._emit()
 
-    def _fields(self, number: int, text: str, kind: str) -> dict[str, float]:
+    def _fields(self, number: int, text: str, address: str) -> dict[str, float]:
         """The fields of a sentence that is read here, by name."""
-        if kind not in CARRIED or text[0] != "$":
+        kind = address[-3:]
+        if kind not in CARRIED or text[0] != "$" or address[0] == "P":
             return {}
         try:
-            values = CARRIED[kind][1](text.split(","))
-        except ValueError:  # a field that is no number
-            values = ()
-        if not values:
+            return dict(zip(CARRIED[kind][0], CARRIED[kind][1](text.split(","))))
+        except ValueError:
             self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")
-        return dict(zip(CARRIED[kind][0], values))
+            return {}
 
     def _passes(self, number: int, time: float, dated: bool) -> Iterator[LiveSample]:
         """Go on to a time; the sample of the time before is complete."""
@@ -179,7 +187,7 @@ class LiveNmea:
     def _is_source(self, signal: str, kind: str, talker: str) -> bool:
         wanted = self._fmt.sources.get(signal)
         if wanted is not None:
-            return (talker + kind).endswith(wanted)
+            return answers(Origin(kind, talker), wanted)
         order = list(_KINDS[signal])
         if signal == "psi" and self._fmt.reference == "magnetic":
             order = ["HDG", "HDM", "THS", "HDT", "VHW"]

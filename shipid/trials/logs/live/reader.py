@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+from shipid.trials.errors import NotALiveLogError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.live.nmea import LiveNmea
 from shipid.trials.logs.live.table import LiveSample, LiveTable
-from shipid.trials.logs.nmea.sentences.lines import split_line
+from shipid.trials.logs.nmea.messages.canboat import is_message
+from shipid.trials.logs.nmea.sentences.collecting import is_sentence
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 
 
@@ -74,8 +76,13 @@ class LiveLog:
         yield from (self._reader or LiveTable(self._format, self._where, self._tell)).end()
 
     def _choose(self, line: str) -> LiveTable | LiveNmea:
-        fmt = self._format
-        if isinstance(fmt, NmeaFormat) or (fmt is None and split_line(line.strip()) is not None):
+        fmt, text = self._format, line.strip()
+        if is_message(text) and (fmt is None or isinstance(fmt, NmeaFormat)):
+            raise NotALiveLogError(
+                f"{self._where} holds NMEA 2000 messages, and only NMEA 0183 and tables are followed line by line. Read it whole: "
+                "shipid filter FILE."
+            )
+        if isinstance(fmt, NmeaFormat) or (fmt is None and is_sentence(text)):
             fmt = fmt if isinstance(fmt, NmeaFormat) else NmeaFormat("nmea", {})
             return LiveNmea(fmt, self._where, self._tell)
         return LiveTable(fmt, self._where, self._tell)

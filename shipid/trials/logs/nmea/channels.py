@@ -7,8 +7,9 @@ from math import pi
 import numpy as np
 
 from shipid.declaration import units
+from shipid.trials.logs.geodesy import to_local
+from shipid.trials.logs.nmea.comparison import described
 from shipid.trials.logs.nmea.errors import CalibrationError, NoRudderError, NoSignalError
-from shipid.trials.logs.nmea.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.resampling import Signal
 from shipid.trials.logs.nmea.settings import Calibration, NmeaFormat
@@ -80,14 +81,29 @@ def read_signals(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> dict[str, 
         ("n_engine", ("127488", ("rpm",)), 1 / 60, "of the engine; a gear may stand between it and the propeller"),
     ):
         if (plain := choose(log, times, fmt, name, [[source]])) is not None:
-            found.append(Signal(name, plain.t, plain.values * factor, (f"{name}: {plain.describe()}; {note}.",)))
+            found.append(Signal(name, plain.t, plain.values * factor, (f"{name}: {described(plain)}; {note}.",)))
     signals = {signal.name: signal for signal in found if signal is not None}
     if not signals:
-        raise NoSignalError(
-            f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
-            f"course, wind or depth. Seen were {log.seen()}. Check which sentences the logger keeps."
-        )
+        raise nothing_read(log)
     return signals
+
+
+def nothing_read(log: NmeaLog) -> NoSignalError:
+    """Return the error of a log that holds nothing a trial can hold.
+
+    Parameters
+    ----------
+    log : NmeaLog
+        The log.
+
+    Returns
+    -------
+    NoSignalError
+    """
+    return NoSignalError(
+        f"{log.where} holds nothing that is read with two valid values: heading, rate of turn, rudder, speed, position, "
+        f"course, wind or depth. Seen were {log.seen()}. Check what the logger keeps."
+    )
 
 
 def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
@@ -98,7 +114,7 @@ def _heading(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     if found is None:
         return None
     psi = np.unwrap(found.values[:, 0] * _DEG)
-    note, more = f"psi: {found.describe()}; degrees", []
+    note, more = f"psi: {described(found)}; degrees", []
     if found.origin.kind in ("HDG", "HDM") or found.fields == ("magnetic",):
         added, origin = _variation(log, fmt, found)
         if added is None:
@@ -134,7 +150,7 @@ def _rudder(
     found, use, more = _side(log, times, fmt, name, kind, calibration)
     table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
     if found is None and not calibration.use:
-        found = choose(log, times, fmt, name, [[("127245", ("position" if name == "delta" else "order",))]])
+        use, found = "", choose(log, times, fmt, name, [[("127245", ("position" if name == "delta" else "order",))]])
     if found is None:
         if calibration.use and any(origin.kind == kind for origin in log.records) and name not in fmt.leave_out:
             raise NoRudderError(
@@ -144,7 +160,7 @@ def _rudder(
         return None
     kind = found.origin.kind
     number = found.values.mean(axis=1)
-    note = f"{name}: {found.describe()}" + (f"; {use}" if use else "")
+    note = f"{name}: {described(found)}" + (f"; {use}" if use else "")
     if not calibration.stated and kind != "127245":
         k = int(np.argmax(np.abs(number)))
         most = float(abs(number[k]))
@@ -207,7 +223,7 @@ def _rate(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None:
     unit = fmt.rate_unit if found.origin.kind == "ROT" else "deg/min"
     r = found.values * (fmt.rate_sign * units.factor(unit, "rad/s"))
     note = (
-        f"r: {found.describe()}"
+        f"r: {described(found)}"
         + (f"; {unit}" if found.origin.kind == "ROT" else "")
         + (", sign changed" if fmt.rate_sign < 0 else "")
     )
@@ -226,7 +242,7 @@ def _along_the_ship(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal 
     over = (
         "over ground, as the format file asks for; a current is in it" if fmt.speed == "ground" else "through the water"
     )
-    return Signal("speeds", found.t, found.values * KNOT, (f"{axes}: {found.describe()}; {over}, knots.",))
+    return Signal("speeds", found.t, found.values * KNOT, (f"{axes}: {described(found)}; {over}, knots.",))
 
 
 def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal | None) -> Signal | None:
@@ -234,7 +250,7 @@ def _over_ground(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat, psi: Signal |
     found = choose(log, times, fmt, "course", [_COURSE, [_BOTTOM_TRACK]])
     if found is None:
         return None
-    note = f"SOG, COG: {found.describe()}; over ground, knots"
+    note = f"SOG, COG: {described(found)}; over ground, knots"
     if found.origin.kind != "VBW":
         speed, course = found.values.T * ((KNOT,), (_DEG,))
         return Signal("course", found.t, np.column_stack((speed, np.unwrap(course))), (note + ".",))
@@ -267,7 +283,7 @@ def _position(log: NmeaLog, times: np.ndarray, fmt: NmeaFormat) -> Signal | None
     lat, lon = (found.values * _DEG).T
     north, east = to_local(lat, lon, (float(lat[0]), float(lon[0])))
     note = (
-        f"x, y: {found.describe()}; metres in the plane that touches the WGS84 ellipsoid at the first fix, latitude "
+        f"x, y: {described(found)}; metres in the plane that touches the WGS84 ellipsoid at the first fix, latitude "
         f"{lat[0] / _DEG:.7f}, longitude {lon[0] / _DEG:.7f}"
     )
     more = []
@@ -300,7 +316,7 @@ def _wind(name: str, found: SignalSource, psi: Signal | None) -> Signal:
     if psi is not None:
         blows_to = blows_to + np.interp(found.t, psi.t, psi.values[:, 0])
     relative = "_relative" if name == "wind" else ""
-    note = f"wind_speed{relative}, wind_direction{relative}: {found.describe()}; the direction was turned by 180 deg, to where "
+    note = f"wind_speed{relative}, wind_direction{relative}: {described(found)}; the direction was turned by 180 deg, to where "
     note += "the wind blows" + (f", and by psi: {found.origin.kind} counts from the bow." if psi is not None else ".")
     vector = np.column_stack((speed, speed * np.cos(blows_to), speed * np.sin(blows_to)))
     return Signal(name, found.t, vector, (note,))

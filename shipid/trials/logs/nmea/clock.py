@@ -118,6 +118,13 @@ def _midnights(days: int) -> list[str]:
 def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
     at = np.flatnonzero(np.isfinite(log.stamps))
     stamps, notes = log.stamps[at], ["The time of a sentence is the logger's stamp."]
+    stray = _stray(stamps, log.dated)
+    if stray.any():
+        lines = log.numbers[at[stray]]
+        notes.append(
+            f"{stray.sum()} stamps lie before or behind both of their neighbours and were not used, the first in line {lines[0]}."
+        )
+        at, stamps = at[~stray], stamps[~stray]
     if not log.dated:
         stamps, days = _unrolled(stamps)
         notes += _midnights(days)
@@ -157,6 +164,20 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
                 "to about half a second."
             )
     return times, log.dated, notes
+
+
+def _stray(stamps: np.ndarray, dated: bool) -> np.ndarray:
+    """Which stamps are garbled: the ones before and after them are in order, and they are not between them."""
+    stray = np.zeros(stamps.size, dtype=bool)
+    if stamps.size < 3:
+        return stray
+    into, out, across = np.diff(stamps)[:-1], np.diff(stamps)[1:], stamps[2:] - stamps[:-2]
+    if not dated:  # a midnight is no step back
+        into, out, across = ((step + DAY / 2) % DAY - DAY / 2 for step in (into, out, across))
+    stray[1:-1] = (across >= -DISORDER) & (
+        (into < -DISORDER) & (out > across + DISORDER) | (out < -DISORDER) & (into > across + DISORDER)
+    )
+    return stray
 
 
 def _spread(times: np.ndarray) -> tuple[np.ndarray, bool]:

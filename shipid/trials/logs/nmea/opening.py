@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.messages.canboat import is_message, read_messages
 from shipid.trials.logs.nmea.sentences.collecting import is_sentence, read_sentences
 from shipid.trials.logs.nmea.settings import NmeaFormat
+from shipid.trials.logs.tables.opening import opened
 
 LONGEST_LINE = 65536
 """A longer line is read in pieces: it is no line of a log, and a file without line ends has to fit into the memory."""
 _HEAD = 65536
+_COMPRESSED = (b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK\x03\x04")
 _FEWEST = 3
 """Fewer sentences or messages do not make a log that is recognised by itself."""
 
@@ -36,6 +40,8 @@ def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
     ------
     EmptyFileError, NotNmeaError, BrokenLogError
         If there is nothing in it, nothing that is NMEA, or mostly broken lines.
+    FileSizeError, ForeignFileError
+        If it is compressed, and expands to too much or is damaged.
     """
     encoding = fmt.encoding or encoding_of(file)
     sentences, messages, _ = _counted(file, encoding)
@@ -70,7 +76,7 @@ def encoding_of(file: Path) -> str:
     file : Path
         The file.
     """
-    with file.open("rb") as stream:
+    with _stream(file) as stream:
         head = stream.read(4096)
     if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "utf-16"
@@ -80,10 +86,17 @@ def encoding_of(file: Path) -> str:
     return "utf-8-sig"
 
 
+def _stream(file: Path) -> BinaryIO:
+    """The bytes of a file, expanded where it is compressed: then within bounds, and otherwise as they are read."""
+    with file.open("rb") as stream:
+        compressed = stream.read(8).startswith(_COMPRESSED)
+    return io.BytesIO(opened(file)[0]) if compressed else file.open("rb")
+
+
 def _lines(file: Path, encoding: str) -> Iterator[tuple[int, str]]:
     """Number and text of each line."""
     number, whole = 0, True
-    with file.open(encoding=encoding, errors="replace") as text:
+    with io.TextIOWrapper(_stream(file), encoding, "replace") as text:
         for line in iter(lambda: text.readline(LONGEST_LINE), ""):
             number += whole
             whole = line.endswith("\n")
@@ -92,7 +105,7 @@ def _lines(file: Path, encoding: str) -> Iterator[tuple[int, str]]:
 
 def _counted(file: Path, encoding: str) -> tuple[int, int, int]:
     """Sentences, messages and lines with anything but a comment in the head of a file."""
-    with file.open("rb") as stream:
+    with _stream(file) as stream:
         head = stream.read(_HEAD)
     lines = [line.strip(" \t\x00") for line in head.decode(encoding, "replace").splitlines()]
     lines = [

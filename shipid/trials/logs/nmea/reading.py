@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
-from shipid.trials.logs.nmea.channels import is_magnetic, read_signals
+from shipid.trials.logs.nmea.channels import is_magnetic, nothing_read, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
 from shipid.trials.logs.nmea.opening import read_log
@@ -52,10 +52,12 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
         If heading and rudder are nowhere known together.
     NmeaError
         One class a cause (`shipid.trials.logs.nmea.errors`).
-    EmptyFileError, ClockError, MissingExtraError
-        If there are no sentences, the clock jumps back, or pynmeagps is not installed.
+    EmptyFileError, ClockError
+        If there are no sentences, or the clock jumps back.
     """
     log = read_log(file, fmt)
+    if not log.records:
+        raise nothing_read(log)
     clock = read_clock(log, fmt)
     log = separated(log, clock.times)
     signals = read_signals(log, clock.times, fmt)

@@ -36,7 +36,7 @@ class SignalSource:
         Lines of the log.
     rejected, repeated : int
         Sentences without a valid value, and such with the time of the one after.
-    others : tuple of str
+    others : tuple of SignalSource
         Sources of the same signal that were not taken.
     """
 
@@ -47,7 +47,7 @@ class SignalSource:
     lines: np.ndarray
     rejected: int
     repeated: int
-    others: tuple[str, ...] = ()
+    others: tuple[SignalSource, ...] = ()
 
     @property
     def interval(self) -> float:
@@ -55,7 +55,7 @@ class SignalSource:
         return float(np.median(np.diff(self.t)))
 
     def describe(self) -> str:
-        """Return sentence, talker, rate and rejections in words."""
+        """Return origin, rate and rejections in words."""
         kind, talker, stream = self.origin
         if kind.isdigit():
             text = f"PGN {kind} of source {stream}"
@@ -67,7 +67,7 @@ class SignalSource:
             text += f", {self.rejected} rejected (empty or not valid)"
         if self.repeated:
             text += f", {self.repeated} with a time that repeats were left out"
-        return text + (f"; {', '.join(self.others)} not used" if self.others else "")
+        return text
 
 
 def take(log: NmeaLog, times: np.ndarray, origin: Origin, fields: tuple[str, ...]) -> SignalSource | None:
@@ -184,7 +184,6 @@ def choose(
         if able:
             most = max(len(f.t) for f in able)
             chosen = next(f for f in able if len(f.t) >= 0.9 * most)
-            names = dict.fromkeys(f.origin.name for f in every if f is not chosen)
-            names.pop(chosen.origin.name, None)
-            return replace(chosen, others=tuple(names))
+            others = {f.origin: f for f in reversed(every) if f.origin != chosen.origin}
+            return replace(chosen, others=tuple(reversed(others.values())))
     return None

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter
 
-from shipid.trials.logs.nmea.geodesy import to_local
+from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 
 _FEWEST = 20

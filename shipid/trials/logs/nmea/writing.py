@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from shipid.foundation.errors import UnknownNameError
+from shipid.trials.logs.geodesy import to_geographic
 from shipid.trials.logs.nmea.channels import KNOT
-from shipid.trials.logs.nmea.geodesy import to_geographic
 from shipid.trials.logs.nmea.sentences.lines import checksum
 from shipid.trials.logs.writing import text_file
 from shipid.trials.trial import Trial

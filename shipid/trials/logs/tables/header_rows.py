@@ -20,6 +20,8 @@ from shipid.trials.logs.tables.numerals import is_missing, is_number, tidy
 Cell: TypeAlias = "str | float | bool | datetime.date | datetime.time | datetime.timedelta | None"
 _Sort = Literal["number", "stamp", "empty", "text"]
 
+#: A longer cell is text.
+_LONGEST_CELL = 500
 _STAMP = re.compile(
     r"(?=.*[0-9].*[:/.T-].*[0-9])[0-9]{1,4}[-/.:][0-9A-Za-z]{1,9}(?:[-/.:][0-9]{1,4})?[-T :,.0-9+Z/]*(?:[AaPp]\.?[Mm]\.?|UTC|GMT)?"
 )
@@ -75,11 +77,13 @@ def sort_of(cell: Cell) -> _Sort:
         return "stamp"
     if not isinstance(cell, str):
         return "text" if isinstance(cell, bool) else "number"
+    if len(cell) > _LONGEST_CELL:
+        return "text"
     if is_missing(tidy(cell)):
         return "empty"
     if is_number(cell):
         return "number"
-    return "stamp" if _STAMP.fullmatch(tidy(cell)) else "text"
+    return "stamp" if len(cell) < 60 and _STAMP.fullmatch(tidy(cell)) else "text"
 
 
 def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where: str) -> HeaderBlock | None:
@@ -114,9 +118,12 @@ def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where:
     full = [k for k, row in enumerate(sorts) if len(row) == width]
     body = [sorts[k] for k in full[len(full) // 2 :]]
     numeric = [k for k, column in enumerate(zip(*body)) if _is_numeric(column)]
-    first = next((k for k in full if _is_sample(sorts[k], numeric)), None)
+    first = next((k for k in full if _is_sample(sorts[k], numeric, 0)), None)
     if first is None:
         return None
+    # A bad cell makes no header of a sample; "Draught, 5.7, 6.1" above the names makes no sample.
+    while first and len(sorts[first - 1]) == width and _is_sample(sorts[first - 1], numeric, width):
+        first -= 1
     samples = [row for row in sorts[first:] if len(row) == width]
     counted = Counter(sort for row in samples for sort in row if sort != "empty")
     sound = 1 - counted["text"] / max(counted.total(), 1)
@@ -158,11 +165,11 @@ def _is_numeric(column: Sequence[_Sort]) -> bool:
     return sum(sort in ("number", "stamp") for sort in there) * 2 > len(there)
 
 
-def _is_sample(row: Sequence[_Sort], numeric: Sequence[int]) -> bool:
+def _is_sample(row: Sequence[_Sort], numeric: Sequence[int], most_bad: int) -> bool:
     """Whether a row holds numbers and times in the columns that do: more of them than of text."""
     inside = [row[k] for k in numeric]
     good, bad = sum(sort in ("number", "stamp") for sort in inside), inside.count("text")
-    return good > bad
+    return good > bad and bad <= most_bad
 
 
 def _score(row: Sequence[str], wanted: Collection[str]) -> int:

@@ -64,6 +64,13 @@ _FOREIGN: tuple[tuple[bytes, str, str], ...] = (
     (b"\x0a\x0d\x0d\x0a", "a recording of network traffic (pcapng)", _EXPORT),
     (b"HDF", "no HDF5 file", "Check that it was copied completely."),
 )
+#: By suffix, where it begins like any text.
+_SOURCES = {
+    ".m": ("a script of MATLAB", "Name the log that it reads, or the .mat file that it writes."),
+    ".py": ("a script of Python", "Name the log that it reads or writes."),
+    ".md": ("a text with marks (Markdown)", "Name the log itself."),
+    ".tex": ("a text for LaTeX", "Name the log itself."),
+}
 _PICKLE = re.compile(rb"\x80[\x02-\x05](?:\x95|[}\](c)q])")
 _OLD_EXCEL = ("Workbook".encode("utf-16-le"), "Book".encode("utf-16-le"))
 _MARKUP = re.compile(rb"\s*<(?:!DOCTYPE\s+html|html|head|body)\b", re.IGNORECASE)
@@ -105,7 +112,9 @@ def kind_of(data: bytes, file: Path) -> Kind:
         return Kind.MATLAB
     if data.startswith(b"PK\x03\x04"):
         return _office(data, file)
-    found = _foreign(data)
+    found = _foreign(data) or _SOURCES.get(file.suffix.lower())
+    if found is None and not data.strip(b"\0"):
+        found = ("a file of zeros", "The logger or a copy of its file was interrupted: look for another copy.")
     if found is None and _is_binary(data):
         found = ("a binary file of a kind that is not known", _EXPORT)
     if found is not None:

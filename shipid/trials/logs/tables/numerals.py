@@ -232,7 +232,7 @@ def read_numbers(column: pd.Series, sign: Decimal) -> tuple[np.ndarray, np.ndarr
     written = written.str.replace(f"[{_SPACES}{_OTHER[sign]}]", "", regex=True).str.replace(sign, ".", regex=False)
     written = written.str.replace("[dD]", "e", regex=True)
     written = written.str.replace(r"^([-+]?[0-9.]+)([-+][0-9]{3})$", r"\1e\2", regex=True)
-    values = pd.to_numeric(written.astype(object), errors="coerce").to_numpy(dtype=float)
+    values = pd.to_numeric(written.astype(object), errors="coerce").to_numpy(dtype=float, copy=True)
     return values, there & ~number
 
 

@@ -55,6 +55,10 @@ class RawTable:
         The decimal sign of numbers that were read from text already.
     printed : callable or None
         Gives a column by its index as text, where numbers were read from it already.
+    separator : str or None
+        Regular expression of the separator of a text file.
+    skip : int or None
+        Lines before the first sample of a text file; None where its header is a comment.
     """
 
     name: str
@@ -69,6 +73,8 @@ class RawTable:
     notes: tuple[str, ...] = ()
     decimal: Decimal | None = None
     printed: Callable[[int], pd.Series] | None = field(default=None)
+    separator: str | None = None
+    skip: int | None = None
 
     @property
     def full_headers(self) -> tuple[str, ...]:
@@ -127,7 +133,7 @@ def _unformatted(raw: RawTable) -> LenientRecord:
     notes = [f"Columns of text were left out: {', '.join(map(repr, left_out))}."] if left_out else []
     notes += [f"Columns without a sample were left out: {', '.join(map(repr, empty))}."] if empty else []
     # By header: a name may be that of two columns, of which the first is kept.
-    own = {name: next((k for h, k in indices.items() if kept.get(h) is column), None) for name, column in found.items()}
+    own = {name: next((k for h, k in indices.items() if table[h] is column), None) for name, column in found.items()}
     faults += cells.faults([k for k in own.values() if k is not None])
     return LenientRecord(
         raw.name,
@@ -138,7 +144,7 @@ def _unformatted(raw: RawTable) -> LenientRecord:
         notes=(*raw.notes, *cells.notes, *notes, *clocked.notes),
         faults=(*faults, *clocked.faults),
         line=raw.line,
-        words=cells.words(own),
+        words=cells.words({name: k for name, k in own.items() if k is not None}),
     )
 
 
@@ -170,7 +176,7 @@ def _formatted(raw: RawTable, fmt: TrialFormat) -> LenientRecord:
         faults=(*(clock.faults if clock else ()), *cells.faults(faulty)),
         unused=unused,
         line=raw.line,
-        words=cells.words({name: k for name, k in found.items() if k in faulty}),
+        words=cells.words(found),
     )
 
 
@@ -259,18 +265,18 @@ class _Cells:
             return True
         return strange is not None and bool(strange.any()) and not np.isfinite(self.numbers(column)).any()
 
+    def words(self, used: Mapping[str, int]) -> dict[str, dict[int, str]]:
+        """Return by column and row the cells that hold neither a number nor nothing."""
+        found = {name: np.flatnonzero(self._strange[k]) for name, k in used.items() if k in self._strange}
+        return {
+            name: {int(row): str(self.raw.columns[used[name]].iloc[row]).strip() for row in rows}
+            for name, rows in found.items()
+            if rows.size
+        }
+
     def faults(self, used: list[int]) -> list[TrialError]:
         """Return one fault a column that is used and holds cells that are no numbers: the first, and how many there are."""
         return [fault for k in used if (fault := self._fault(k)) is not None]
-
-    def words(self, used: Mapping[str, int | None]) -> dict[str, dict[int, str]]:
-        """Return by column and row the text of the cells that hold neither a number nor nothing."""
-        strange = {name: (k, self._strange[k]) for name, k in used.items() if k is not None and k in self._strange}
-        return {
-            name: {int(row): str(self.raw.columns[k].iloc[row]).strip() for row in np.flatnonzero(mask)}
-            for name, (k, mask) in strange.items()
-            if mask.any()
-        }
 
     def _fault(self, k: int) -> TrialError | None:
         raw, column = self.raw, self.raw.columns[k]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import dataclass
-from itertools import takewhile
 from typing import ClassVar
 
 from shipid.trials.measuring.results.measures import Measures, quantity, words
@@ -65,13 +64,12 @@ tuple of float or None
     @property
     def leading_executes(self) -> tuple[float, ...]:
         """Times of the reversals up to the first that is not known [s]."""
-        return tuple(e for e in takewhile(lambda e: e is not None, self.executes or ()) if e is not None)
+        return _leading(self.executes)
 
     @property
     def leading_overshoots(self) -> tuple[float, ...]:
         """Overshoots up to the first that is not known or not reached [rad]: entry k belongs to leading execute k."""
-        known = tuple(o for o in takewhile(lambda o: o is not None, self.overshoots or ()) if o is not None)
-        return known[: len(self.leading_executes)]
+        return _leading(self.overshoots)[: len(self.leading_executes)]
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:
         """The quantities of the whole zig-zag, and a table with a row a reversal."""
@@ -105,3 +103,12 @@ _TABLE = (
     ("times_to_check_yaw", "check yaw s"),
 )
 _BESIDE = ("overshoot_uncertainties", "overshoots_moved")
+
+
+def _leading(values: tuple[float | None, ...] | None) -> tuple[float, ...]:
+    known: list[float] = []
+    for value in values or ():
+        if value is None:
+            break
+        known.append(value)
+    return tuple(known)

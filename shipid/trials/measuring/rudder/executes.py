@@ -88,7 +88,7 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
     before = plate.side * rudder[: plate.first]
     way = abs(plate.angle)
     calm = np.flatnonzero(np.abs(before) < 0.3 * way)
-    if not calm.size or _comes_from_opposite(steering, before, calm, way):
+    if not calm.size:
         return None
     # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
     recent = calm[-max(5, plate.last - plate.first) :]
@@ -103,15 +103,6 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
     still = np.flatnonzero(y[:share] > -(moved if neutral < moved else neutral + moved))
     k = int(still[-1])
     return _moved(steering.channel, k), plate.side * neutral
-
-
-def _comes_from_opposite(steering: Steering, before: np.ndarray, calm: np.ndarray, way: float) -> bool:
-    """Whether the rudder only passes midships on its way from the other side."""
-    opposite = np.flatnonzero(before < -0.5 * way)
-    if not opposite.size:
-        return False
-    passing = 1.0 if steering.rate is None else 0.6 * way / (steering.rate * steering.channel.interval)
-    return int(np.sum(calm > opposite[-1])) <= 1.5 * passing + 1
 
 
 def _refined(steering: Steering, found: Execute, plate: Plate, *, first: bool) -> Execute:

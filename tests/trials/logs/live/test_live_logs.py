@@ -150,6 +150,11 @@ def test_nmea_that_is_broken():
         live("$HEHDT,10.0,T\n")
 
 
+def test_nmea_2000_is_named():
+    with pytest.raises(e.NotALiveLogError, match="log holds NMEA 2000 messages"):
+        live("2026-05-04-10:00:00.000,2,127251,27,255,8,01,00,00,00,00,ff,ff,ff\n")
+
+
 def test_what_is_told_and_left_out():
     rows = [
         "t [s],psi [deg],delta [deg]",

@@ -72,7 +72,7 @@ def test_a_rudder_that_turns_the_other_way_is_warned_of(read):
 def test_the_talker_with_most_values_is_believed(read):
     trial = read(HDT, steady("GPHDT,31.0,T", 1), RSA)
     assert np.degrees(trial["psi"][0]) == pytest.approx(30)
-    assert "GPHDT not used" in " ".join(trial.source.notes)
+    assert "not used: GPHDT (1 a second" in " ".join(trial.source.notes)
 
 
 @pytest.mark.parametrize(("source", "heading"), [("GPHDT", 31), ("HDT", 30), ("THS", 32), ("HCHDM", 33)])

@@ -223,3 +223,17 @@ def test_no_time_at_all(log, stamped, basic):
 )
 def test_what_is_no_stamp(front, layout):
     assert stamp_reader(layout)(front) is None
+
+
+@pytest.mark.parametrize("wrong", ["09:00:03.000", "09:00:19.000", "23:00:08.000", "01:00:08.000"])
+@pytest.mark.parametrize("dated", [True, False])
+def test_a_stamp_that_was_garbled_is_not_used(log, stamped, basic, wrong, dated):
+    """The checksum of a sentence does not cover what the logger wrote before it."""
+    text = stamped(*basic, stamp=lambda s: f"{at(s):{'%Y-%m-%dT' if dated else ''}%H:%M:%S.%f}"[:-3] + " ")
+    lines = text.splitlines()
+    k = next(k for k, line in enumerate(lines) if "09:00:08.000 $IIRSA" in line)
+    lines[k] = lines[k].replace("09:00:08.000", wrong)
+    trial = read_trial(log("\n".join(lines) + "\n"), format="nmea")
+    note = f"1 stamps lie before or behind both of their neighbours and were not used, the first in line {k + 1}."
+    assert note in trial.source.notes
+    assert trial["t"][-1] == pytest.approx(20) and not any("midnight" in n for n in trial.source.notes)

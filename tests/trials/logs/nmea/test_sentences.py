@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from shipid.trials.logs.nmea.sentences.fields import CARRIED
 from shipid.trials.logs.reading import read_trial
 
 KNOT = 0.5144444444444445  # m/s
@@ -184,3 +185,49 @@ def test_other_sentences_are_counted(read):
     trial = read("GPGSA,A,3,01,02,,,,,,,,,,,2,1,2", "PXYZ,1,2", "!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24")
     text = note(trial, "Sentences that are not read")
     assert "GPGSA (21)" in text and "PXYZ (21)" in text and "AIVDM (21)" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ("HEHDT,123.4,T", {"heading": "headingT"}),
+        ("HETHS,123.4,A", {"heading": "headt"}),
+        ("HCHDM,123.4,M", {"heading": "headingM"}),
+        ("HEROT,-12.3,A", {"rate": "rot"}),
+        ("IIRSA,5.5,A,-3.5,A", {"starboard": "stbdangle", "port": "portangle"}),
+        ("IIROR,5.5,A,-3.5,A,B", {"starboard": "stbdrudderorder", "port": "portrudderorder"}),
+        ("VDVBW,10.1,-0.5,A,11.2,0.3,A", {"u": "longwaterspd", "v": "transwaterspd", "u_ground": "longgroundspd"}),
+        ("VWVHW,123.0,T,121.0,M,9.1,N,16.9,K", {"heading": "hdgT", "u": "spdN"}),
+        ("GPVTG,60.1,T,,M,10.2,N,18.9,K,A", {"sog": "sogn", "cog": "cogt"}),
+        (
+            "GPRMC,091530.25,A,6327.12345,S,01025.54321,W,9.5,45.5,040526,,,A",
+            {"lat": "lat", "lon": "lon", "sog": "spd", "cog": "cog"},
+        ),
+        (
+            "GNGGA,091530.25,6327.12345,N,01025.54321,E,4,9,1.0,5.0,M,40.0,M,,",
+            {"lat": "lat", "lon": "lon", "quality": "quality"},
+        ),
+        ("GPGLL,6327.12345,N,01025.54321,E,091530.25,A,A", {"lat": "lat", "lon": "lon"}),
+        ("WIMWV,33.5,R,12.5,N,A", {"angle": "angle", "speed": "speed"}),
+        ("SDDPT,12.5,0.0", {"depth": "depth"}),
+    ],
+)
+def test_fields_are_those_of_another_parser(sentence, text, fields):
+    """pynmeagps, which we did not write, finds the same numbers."""
+    pynmeagps = pytest.importorskip("pynmeagps")
+    names, read_fields = CARRIED[text[2:5]]
+    found = dict(zip(names, read_fields(text.split(","))))
+    other = pynmeagps.NMEAReader.parse(sentence(text))
+    for ours, theirs in fields.items():
+        assert found[ours] == pytest.approx(float(getattr(other, theirs)), abs=1e-8), ours
+    if "utc" in names:
+        assert found["utc"] == 9 * 3600 + 15 * 60 + 30.25
+        assert other.time.isoformat() == "09:15:30.250000"
+
+
+@pytest.mark.parametrize(
+    "text", ["HEHDT,1_0,T", "HEHDT,abc,T", "GPGGA,0915xx,6327.1,N,01025.5,E,1", "GPGLL,63x7.1,N,01025.5,E,091530,A"]
+)
+def test_text_where_a_number_has_to_stand(text):
+    with pytest.raises(ValueError, match=r"."):
+        CARRIED[text[2:5]][1](text.split(","))

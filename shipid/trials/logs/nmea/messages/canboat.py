@@ -89,6 +89,9 @@ class _Collector:
             self.broken.append(number)
             return
         pgn, source, data = int(match[3]), int(match[4]), bytes.fromhex(match[7].replace(",", ""))
+        if len(data) != int(match[6]):
+            self.broken.append(number)
+            return
         if pgn not in CARRIED:
             self.others[f"PGN {pgn}"] += 1
             return
@@ -98,11 +101,14 @@ class _Collector:
                 return
             data = whole
         width = CARRIED[pgn][0]
+        if len(data) < width:
+            self.broken.append(number)
+            return
         order, sources, content = self.found.setdefault(pgn, (array("q"), array("q"), bytearray()))
         order.append(len(self.numbers))
         # An instance of its own is a source of its own.
         sources.append(source * 256 + (data[0] if pgn in INSTANCES else 0))
-        content.extend(data[:width].ljust(width, b"\xff"))
+        content.extend(data[:width])
         self.numbers.append(number)
         self.stamps.append(stamp.time)
 

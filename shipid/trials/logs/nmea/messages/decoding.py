@@ -111,7 +111,7 @@ CARRIED: dict[int, tuple[int, tuple[str, ...], Callable[[Bytes], tuple[np.ndarra
     128259: (8, ("u",), _speed),
     129025: (8, ("lat", "lon"), _position),
     129026: (8, ("sog", "cog"), _course),
-    129029: (43, ("lat", "lon", "utc", "day", "quality"), _fix),
+    129029: (33, ("lat", "lon", "utc", "day", "quality"), _fix),
     130306: (8, ("angle", "speed", "true_angle", "true_speed", "north_angle", "north_speed"), _wind),
 }
 #: PGNs with several devices behind one source, told apart by the first byte: rudders and engines.
@@ -128,7 +128,7 @@ def decoded(pgn: int, data: Bytes) -> np.ndarray:
     pgn : int
         One of `CARRIED`.
     data : ndarray of uint8, shape (n, width)
-        Their bytes; all ones where a message is shorter.
+        Their bytes.
     """
     columns = np.column_stack(CARRIED[pgn][2](data))
     names = CARRIED[pgn][1]

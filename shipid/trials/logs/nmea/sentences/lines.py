@@ -16,7 +16,8 @@ DAY = 86400.0
 _SENTENCE = re.compile(
     r"[$!]([A-Z0-9]{3,15})((?:,[^*\x00-\x1f\x7f-\U0010ffff]*+)?+)(?:\*([0-9A-Fa-f]{2})(?![0-9A-Za-z])|\*?\s*$)"
 )
-_NEXT = re.compile(r"(?<=\*[0-9A-Fa-f]{2})[ \t]*(?=[$!]|\\[a-z]:)")
+# Behind a checksum, where another sentence follows; that of a TAG block belongs to the sentence behind it.
+_NEXT = re.compile(r"(?<=\*[0-9A-Fa-f]{2})(?!\\[$!\\])(?=[^$!]*[$!])")
 _TAG = re.compile(r"\\([^\\]*)\*([0-9A-Fa-f]{2})\\")
 _TAG_TIME = re.compile(r"(?:^|,)c:(\d{1,18}(?:\.\d{1,9})?)")
 _TAG_SOURCE = re.compile(r"(?:^|,)s:([A-Za-z0-9_-]{1,15})")
@@ -99,6 +100,11 @@ def sentences_of(line: str) -> list[str]:
     ----------
     line : str
         One line of the log.
+
+    Returns
+    -------
+    list of str
+        Each with what stands before it: a stamp, a TAG block.
     """
     return _NEXT.split(line) if line.count("$") + line.count("!") > 1 else [line]
 

@@ -96,7 +96,7 @@ def _candidate(sheet: Plain, file: Path, columns: Collection[str]) -> Candidate 
     numbered = list(itertools.islice(_rows(sheet, where), _HEAD))
     rows = _of_one_width([cells for _, cells in numbered])
     heading = find_heading(rows, columns, where)
-    if heading is None or heading.row is None:
+    if heading is None or heading.row is None or heading.sound <= 0.5:
         return None
     at = [number for number, _ in numbered]
     return Candidate(sheet.title, heading.names, partial(_read, sheet, file, heading, at))

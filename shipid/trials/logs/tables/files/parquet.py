@@ -14,6 +14,9 @@ from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.tables.opening import LARGEST
 from shipid.trials.logs.tables.table import MOST_COLUMNS, RawTable
 
+#: Letters of a cell of text.
+_LONGEST = 1_000
+
 
 def read_parquet(data: bytes, file: Path) -> RawTable:
     """Read a Parquet file.
@@ -55,6 +58,8 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         _check_size(opened.metadata, len(texts) + len(others), file)
         arrow = opened.read(columns=[*texts, *others], use_threads=False)
         arrow.validate(full=True)
+        long = [name for name in texts if _longest(arrow.column(name)) > _LONGEST]
+        arrow = arrow.drop_columns(long)
         frame = arrow.to_pandas()
         units = _units(arrow.schema, frame)
         comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
@@ -79,14 +84,29 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         columns=(*(() if clock is None else (clock,)), *(columns[k] for k in order)),
         units=tuple(units.get(header) for header in headers),
         comments=tuple(comment.splitlines()),
+        notes=(f"Columns of long texts were left out: {', '.join(map(repr, long))}.",) if long else (),
     )
 
 
 def _columns(schema: Plain, types: Plain) -> tuple[list[str], list[str]]:
     """The columns of text, and those of numbers and times; lists and structs are none."""
-    texts = [f.name for f in schema if types.is_string(f.type) or types.is_large_string(f.type)]
+    inner = {f.name: f.type.value_type if types.is_dictionary(f.type) else f.type for f in schema}
+    texts = [name for name, kind in inner.items() if types.is_string(kind) or types.is_large_string(kind)]
     plain = (types.is_integer, types.is_floating, types.is_boolean, types.is_temporal, types.is_decimal, types.is_null)
     return texts, [f.name for f in schema if any(is_kind(f.type) for is_kind in plain)]
+
+
+def _longest(column: Plain) -> int:
+    """Letters of the longest text of a column."""
+    return max((int(nbytes) for chunk in column.chunks for nbytes in _sizes(chunk)), default=0)
+
+
+def _sizes(chunk: Plain) -> list[int]:
+    import pyarrow.compute
+
+    texts = chunk.dictionary if hasattr(chunk, "dictionary") else chunk
+    longest = pyarrow.compute.max(pyarrow.compute.binary_length(texts)).as_py()
+    return [] if longest is None else [longest]
 
 
 def _check_size(metadata: Plain, width: int, file: Path) -> None:

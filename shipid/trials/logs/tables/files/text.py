@@ -58,6 +58,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         raise no_samples(file)
     _check_lines(text, file)
     layout = lay_out(text, file, fmt)
+    header = text.split(b"\n", layout.row)[max(layout.row - 1, 0)]
+    commented = layout.row > 0 and header.lstrip().startswith(layout.comment.encode())
     text, more = _without_garbled(text, layout, file)
     text = _without_comments(text, layout)
     columns = _columns(text, layout, file)
@@ -80,6 +82,8 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
         notes=(*notes, *layout.notes, *more),
         decimal=decimal,
         printed=lambda k: _columns(text, layout, file, as_text=True)[k],
+        separator=layout.separator,
+        skip=None if commented else layout.skip,
     )
 
 
@@ -101,7 +105,7 @@ def _in_utf8(data: bytes, stated: str | None) -> tuple[bytes, list[str]]:
 
 def _check_lines(text: bytes, file: Path) -> None:
     ends = np.flatnonzero(np.frombuffer(text, dtype=np.uint8) == 10)
-    lengths = np.diff(ends, prepend=-1, append=len(text))
+    lengths = np.diff(ends, prepend=-1, append=len(text)) - 1
     if lengths.max() > LONGEST_LINE:
         number = int(np.argmax(lengths > LONGEST_LINE)) + 1
         raise SeparatorError(
@@ -146,6 +150,7 @@ def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = Fal
     except pd.errors.EmptyDataError:
         raise no_samples(file) from None
     except (pd.errors.ParserError, pd.errors.ParserWarning, ValueError, OverflowError) as error:
+        _check_quotes(text, layout, file)
         widest = _widest(text, layout, file)
         try:
             table = _parsed(text, layout, max(widest, layout.width), as_text)
@@ -155,8 +160,7 @@ def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = Fal
             ) from None
     if table.empty:
         raise no_samples(file)
-    if b'"' in text:
-        _check_quotes(text, layout, file)
+    _check_quotes(text, layout, file)
     return {k: table[k] for k in range(layout.width)}
 
 
@@ -165,9 +169,8 @@ def _parsed(text: bytes, layout: TextLayout, width: int, as_text: bool) -> pd.Da
         warnings.simplefilter("error", pd.errors.ParserWarning)
         # No usecols: told which columns to use, pandas drops what a row has too much of without a word.
         return pd.read_csv(
-            io.BytesIO(text),
+            _body(text, layout.skip),
             sep=layout.separator,
-            skiprows=layout.skip,
             header=None,
             names=list(range(width)),
             index_col=False,
@@ -181,6 +184,14 @@ def _parsed(text: bytes, layout: TextLayout, width: int, as_text: bool) -> pd.Da
             engine="c",
             low_memory=False,
         )
+
+
+def _body(text: bytes, skip: int) -> io.BytesIO:
+    """The text behind some lines: a header in quotes may run over several, which pandas would count as one."""
+    body = io.BytesIO(text)
+    for _ in range(skip):
+        body.readline()
+    return body
 
 
 def _samples(text: bytes, layout: TextLayout) -> Iterator[tuple[int, str]]:
@@ -221,6 +232,8 @@ def _widest(text: bytes, layout: TextLayout, file: Path) -> int:
 
 def _check_quotes(text: bytes, layout: TextLayout, file: Path) -> None:
     """Refuse a quote that is not closed in its line, where the line is a whole row: it would swallow the rows behind it."""
+    if b'"' not in text:
+        return
     for number, line in _samples(text, layout):
         if line.count('"') % 2 and len(fields(line.replace('"', ""), layout.separator)) >= layout.width:
             raise RaggedRowError(

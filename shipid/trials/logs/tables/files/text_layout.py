@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,7 +19,8 @@ _NAMES = {pattern: name for name, pattern in SEPARATORS.items()}
 #: The surer ones first.
 _SEPARATORS = (";", "\t", ",", r"\s+")
 # A header in white space: a name, and after it perhaps a unit in brackets that belongs to it.
-_HEADER_WORD = re.compile(r"[^\s\[\(]+\s*(?:\[[^\]]*\]|\([^)]*\))|\S+")
+# Possessive and bounded: a line without a blank would take the square of its length.
+_HEADER_WORD = re.compile(r"[^\s\[\(]++\s*+(?:\[[^\]]{0,100}\]|\([^)]{0,100}\))|\S+")
 #: How much of a file is looked at to find its layout: lines, and characters.
 _HEAD_LINES, _HEAD_SIZE = 300, 400_000
 #: Header lines that a format file may state.
@@ -254,9 +256,10 @@ def _best(
     for separator in (fmt.separator,) if fmt and fmt.separator else _SEPARATORS:
         rows = _rows(lines, separator, comment)
         if separator == r"\s+":
-            width = max((len(row.cells) for row in rows), default=0)
-            words = [header_fields(row.text, separator, width) for row in rows]
             sample = [is_sample_row(row.cells) for row in rows]
+            lengths = Counter(len(row.cells) for row, plain in zip(rows, sample) if plain)
+            width = lengths.most_common(1)[0][0] if lengths else None
+            words = [header_fields(row.text, separator, width) for row in rows]
             cells = [row.cells if plain else head for row, plain, head in zip(rows, sample, words)]
             rows = [_Row(row.first, row.last, row.text, new) for row, new in zip(rows, cells)]
         heading = find_heading([row.cells for row in rows], wanted, f"'{path}'")

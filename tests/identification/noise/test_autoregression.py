@@ -7,8 +7,8 @@ import pytest
 from scipy.linalg import solve_discrete_lyapunov, toeplitz
 from scipy.signal import lfilter
 
-from shipid.identification.uncertainty.autoregression import Autoregression, autoregression_of, corrected
-from shipid.identification.uncertainty.covariance import gathered
+from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
+from shipid.identification.noise.residual_groups import gathered
 
 
 def first_order(phi: float, count: int, seed: int) -> np.ndarray:

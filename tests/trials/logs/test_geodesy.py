@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from mpmath import cos, mp, mpf, radians, sin, sqrt
 from scipy.integrate import quad
 
-from shipid.trials.logs.nmea.geodesy import to_geographic, to_local
+from shipid.trials.logs.geodesy import to_geographic, to_local
 
 E2 = 0.00669437999014132
 

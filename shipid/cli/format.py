@@ -1,0 +1,36 @@
+"""``shipid format``: the draft of a format file for a log."""
+
+from __future__ import annotations
+
+import click
+
+from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
+from shipid.cli.messages import say
+
+
+@click.command("format")
+@click.argument("log")
+@click.option("-o", "--output", metavar="FILE", help="TOML file to write; stdout by default.")
+@overwrite_option
+@json_option
+def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> None:
+    """Draft a format file for a log: its columns by the names in use, with a reason for each.
+
+    LOG is any table that the other commands read; FILE#SHEET names a sheet, struct or group. What nothing says is left open, and
+    the other commands refuse the format file until it is filled in.
+
+    \b
+    shipid format log.csv -o log.toml
+    shipid check log.csv --format log.toml
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.foundation.replacing import write_text
+    from shipid.trials.logs.drafting.draft import draft_format
+
+    path = output_file(output, overwrite) if output is not None else None
+    draft = draft_format(log)
+    if path is not None:
+        write_text(path, draft.text)
+    if as_json or path is None:
+        Delivery(as_json).hand_over_parts(draft.to_dict(), draft.text.rstrip("\n"))
+    if path is not None:
+        say(f"written: {path}." + (f" Fill in the unit of {', '.join(draft.open)}." if draft.open else ""))

@@ -1,0 +1,115 @@
+"""What filling the inputs between their samples may have done to the outputs: one of the errors behind the coefficients.
+
+A rudder that sets out or stops between two samples is not on the straight line between them. How far inputs are off such lines
+is seen where they do have samples: each is left out in turn and interpolated from its neighbours. Errors of that size are drawn
+for the gaps, and the model is run with them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.generation.ensemble import run_many
+from shipid.generation.record import make_record
+from shipid.generation.simulator import coefficient_vector, initial_state
+from shipid.identification.problem.output_error import Problem
+from shipid.parameters.draws import normal_draws
+from shipid.trials.filling import usual_interval
+
+#: Draws: enough for a variance to be known to a fifth, a standard deviation to a tenth.
+_DRAWS = 64
+
+
+def effects_of(problem: Problem, q: np.ndarray, index: int) -> np.ndarray | None:
+    """Return changes of the weighted residuals of one trial by errors of its filled inputs.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    q : ndarray, shape (unknowns,)
+        Its unknowns.
+    index : int
+        Which trial.
+
+    Returns
+    -------
+    ndarray, shape (draws, signals, N), or None
+        None where every input is whole and no row is missing, or the model runs away.
+    """
+    data, model = problem.trials[index], problem.model
+    between = _between_rows(data.t)
+    if data.sampled is None and not between.size:
+        return None
+    t = np.sort(np.concatenate([data.t, between]))
+    rows = np.searchsorted(t, data.t)
+    recorded = np.array([np.interp(t, data.t, row) for row in data.inputs])
+    errors = np.zeros((_DRAWS, *recorded.shape))
+    for k, values in enumerate(recorded):
+        sampled = np.zeros(t.size, dtype=bool)
+        sampled[rows] = True if data.sampled is None else data.sampled[k]
+        if sampled.any():
+            errors[:, k] = errors_between(t, values, sampled, seed=k)
+    if not errors.any():
+        return None
+    record = make_record(model, problem.signals)
+    x0 = initial_state(model, problem.start(q, index))
+    p, bias = coefficient_vector(model, problem.values(q)), problem.bias_vector(q[problem.own(index)])
+    # The first run is without errors.
+    inputs = np.concatenate([recorded[None], recorded + errors])
+    x0, p, bias = (np.broadcast_to(v, (len(inputs), v.size)) for v in (x0, p, bias))
+    y = run_many(record, x0, inputs, np.diff(t, append=t[-1]), p, bias)[0][:, :, rows]
+    if not np.isfinite(y).all():
+        return None
+    change = np.where(data.there, (y[1:] - y[0]) / problem.sigma[:, None], 0.0)
+    if problem.weights is not None:
+        change = change * np.sqrt(problem.weights[index])
+    return np.asarray(change)
+
+
+def _between_rows(t: np.ndarray) -> np.ndarray:
+    """Times in the middle of the intervals in which rows are missing."""
+    steps = np.diff(t)
+    if not steps.size:
+        return steps
+    usual, median = usual_interval(t), float(np.median(steps))
+    # Rows of several sensors come close to each other: the interval of one of them counts.
+    long = steps > 1.5 * (usual if usual > 3 * median else median)
+    return np.asarray((t[:-1] + 0.5 * steps)[long])
+
+
+def errors_between(t: np.ndarray, values: np.ndarray, sampled: np.ndarray, seed: int = 0) -> np.ndarray:
+    """Return draws of the error of an input between its samples, shape (draws, N).
+
+    Parameters
+    ----------
+    t : ndarray, shape (N,)
+        Times in s.
+    values : ndarray, shape (N,)
+        The input, interpolated between its samples.
+    sampled : ndarray of bool, shape (N,)
+        Where it has a sample.
+    seed : int
+        Of the draws.
+
+    Returns
+    -------
+    ndarray, shape (draws, N)
+        Zero at the samples. In a gap it rises to the middle and falls; gaps are independent.
+    """
+    own = np.flatnonzero(sampled)
+    if own.size < 3:
+        return np.zeros((_DRAWS, t.size))
+    when, shown = t[own], values[own]
+    # Each sample left out, against the line between its neighbours.
+    span = when[2:] - when[:-2]
+    share = (when[1:-1] - when[:-2]) / span
+    missed = shown[1:-1] - (1 - share) * shown[:-2] - share * shown[2:]
+    # A parabola through the same three points is this high above the line in the middle of a gap of unit length.
+    bend = np.pad(missed / (4 * share * (1 - share)) / span, 1, mode="edge")
+    length = np.diff(when)
+    size = length * np.sqrt(0.5 * (bend[:-1] ** 2 + bend[1:] ** 2))
+    gap = np.clip(np.searchsorted(own, np.arange(t.size), side="right") - 1, 0, length.size - 1)
+    at = np.clip((t - when[gap]) / length[gap], 0.0, 1.0)
+    shape = np.where(sampled, 0.0, size[gap] * 2 * np.minimum(at, 1 - at))
+    return np.asarray(normal_draws(length.size, _DRAWS, seed)[:, gap] * shape)

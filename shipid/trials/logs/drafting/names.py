@@ -1,0 +1,109 @@
+"""What loggers, bridges and yards call the columns of a trial."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from shipid.declaration.vocabulary import FIELDS
+from shipid.trials.columns import split_header
+
+#: Names in use by field of the vocabulary, in small letters without blanks and signs: English, German, Dutch and Scandinavian.
+_IN_USE: dict[str, str] = {
+    "x": "xpositionmid north northing xnorth posnorth positionnorth xpos posx x0 xposition nordwert hochwert",
+    "y": "ypositionmid e east easting yeast poseast positioneast ypos posy y0 yposition ostwert rechtswert",
+    "psi": "psihat heading hdg hdt headingtrue trueheading hdgtrue gyro gyroheading compass compassheading yaw yawangle psi steuerkurs "
+    "kompasskurs kompass kreisel kreiselkompass headingtru shipheading vesselheading stevning koers",
+    "r": "rangvelo rot rateofturn turnrate yawrate yawvelocity rate gyrorate drehrate gierrate wendegeschwindigkeit drehgeschwindigkeit rotation "
+    "angvelz rz",
+    "u": "uvelo stw speedthroughwater waterspeed logspeed surge surgespeed surgevelocity vx fdw fahrtdurchswasser longspeed sogwater",
+    "v": "vmvelo sway swayspeed swayvelocity vy transspeed transversespeed",
+    "SOG": "sog speedoverground groundspeed gpsspeed fug fahrtüberground fahrtübergrund vog",
+    "COG": "cog courseoverground gpscourse kug kursübergrund trackmadegood tmg",
+    "delta": "deltarudder rudder rudderangle rudderfeedback rudderactual rudderposition rudderpos rud rsa ruder ruderwinkel ruderlage ruderistwert "
+    "helmangle rorvinkel ror roer roerhoek roerstand delta azimuth azimuthangle azi",
+    "delta_order": "rudderorder ruddercommand ruddercmd ruddersetpoint ruddersp rudderdemand orderedrudder commandedrudder rudderset "
+    "rudersollwert sollruder ruderbefehl deltaorder deltac deltacmd",
+    "n": "nprop rpm shaftrpm propellerrpm proprpm shaftspeed propspeed rev revs revolutions drehzahl wellendrehzahl propellerdrehzahl "
+    "omdreiningar toerental",
+    "phi": "roll rollangle heel heelangle krängung rollwinkel slagside",
+    "p": "rollrate rollvelocity rollgeschwindigkeit",
+    "wind_speed": "truewindspeed tws windspeedtrue",
+    "wind_direction": "truewinddirection twd winddirectiontrue",
+    "wind_speed_relative": "relativewindspeed apparentwindspeed aws rws windspeedrelative windspeedapparent",
+    "wind_direction_relative": "relativewinddirection apparentwindangle awa rwd relativewindangle winddirectionrelative",
+    "thrust": "propellerthrust schub", "torque": "propellertorque shafttorque drehmoment",
+    "beta": "drift driftangle driftwinkel",
+    "lat": "lat latitude gpslat breite geographischebreite", "lon": "lon lng long longitude gpslon länge geographischelänge laenge",
+}  # fmt: skip
+_FIELDS = {alias: name for name, aliases in _IN_USE.items() for alias in aliases.split()}
+_FIELDS |= {name.lower().replace("_", ""): name for name in FIELDS if name not in ("u", "U", "n", "t")}
+
+#: Names that mean more than one field, and which.
+AMBIGUOUS: dict[str, tuple[str, ...]] = {
+    "speed": ("u", "SOG"), "vesselspeed": ("u", "SOG"), "shipspeed": ("u", "SOG"), "geschwindigkeit": ("u", "SOG"),
+    "fahrt": ("u", "SOG"), "fart": ("u", "SOG"), "snelheid": ("u", "SOG"), "velocity": ("u", "SOG"),
+    "kurs": ("psi", "COG"), "course": ("psi", "COG"), "cap": ("psi", "COG"), "track": ("COG", "psi"),
+    "windspeed": ("wind_speed_relative", "wind_speed"), "winddirection": ("wind_direction_relative", "wind_direction"),
+    "windangle": ("wind_direction_relative", "wind_direction"), "enginerpm": ("n",), "enginespeed": ("n",),
+    "n": ("n", "x"),
+}  # fmt: skip
+#: Words at the end of a name that say its unit.
+_UNITS = {
+    "deg": "deg", "degs": "deg/s", "degmin": "deg/min", "degpermin": "deg/min", "degpersec": "deg/s", "degrees": "deg", "grad": "deg",
+    "rad": "rad", "rads": "rad/s", "kn": "kn", "kt": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "ms": "m/s", "kmh": "km/h",
+    "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn",
+}  # fmt: skip
+_SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a header can mean.
+
+    Attributes
+    ----------
+    fields : tuple of str
+        The fields of the vocabulary, the likeliest first; none, where the name is not in use.
+    reason : str
+        What says so.
+    unit : str or None
+        The unit that the name says, as in ``Heading_deg``.
+    doubtful : bool
+        Whether somebody has to decide which field it is, or whether it is one at all.
+    """
+
+    fields: tuple[str, ...]
+    reason: str = ""
+    unit: str | None = None
+    doubtful: bool = False
+
+
+def meaning_of(header: str) -> Meaning:
+    """Return what a header can mean.
+
+    Parameters
+    ----------
+    header : str
+        As it stands in the log.
+    """
+    name = split_header(header)[0]
+    if name in FIELDS:
+        return Meaning((name,), "the name of the field itself", _unit_of(name))
+    words = [word for word in re.split(r"[\W_]+|(?<=[a-zäöü])(?=[A-Z])", name) if word]
+    tail = words[-1].lower() if len(words) > 1 else ""
+    unit = _UNITS.get(tail)
+    whole, kept = "".join(words).lower(), "".join(words[:-1] if unit else words).lower()
+    for text, side in ((whole, ""), (kept, ""), (_SIDE.sub("", kept), " of one side")):
+        if text in AMBIGUOUS:
+            fields = AMBIGUOUS[text]
+            doubt = f"can be {' or '.join(fields)}" if len(fields) > 1 else "is not always of the shaft"
+            return Meaning(fields, f"'{name}'{side} {doubt}", unit or _unit_of(text), True)
+        if text in _FIELDS:
+            return Meaning((_FIELDS[text],), f"'{name}' is a usual name{side}", unit or _unit_of(text))
+    return Meaning(())
+
+
+def _unit_of(text: str) -> str | None:
+    """The unit that a name itself is."""
+    return "rpm" if text.lower().endswith("rpm") else None

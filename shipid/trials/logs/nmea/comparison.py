@@ -1,0 +1,108 @@
+"""What another source of a signal shows against the one that is taken: how much later, and how far off."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import correlate
+
+from shipid.trials.logs.geodesy import to_local
+from shipid.trials.logs.nmea.sources import SignalSource
+
+_FEWEST = 60
+"""Fewer common instants say nothing about a delay."""
+_ALIKE = 0.95
+"""A delay is told where the other source, shifted by it, correlates with this one by so much."""
+_UNLIKE = 0.8
+"""Below this correlation, sources of one signal do not agree."""
+_LONGEST = 20.0
+"""Longest delay that is looked for [s]."""
+
+
+def described(taken: SignalSource) -> str:
+    """Return what a source is, and the others of its signal with what they show against it, in words.
+
+    Parameters
+    ----------
+    taken : SignalSource
+        The source.
+
+    Returns
+    -------
+    str
+    """
+    others = ", ".join(f"{other.origin.name} ({compared(taken, other)})" for other in taken.others)
+    return taken.describe() + (f"; not used: {others}" if others else "")
+
+
+def compared(taken: SignalSource, other: SignalSource) -> str:
+    """Return what another source shows against the one that is taken, in words.
+
+    Parameters
+    ----------
+    taken, other : SignalSource
+        Of one signal; positions in degrees, headings in degrees.
+
+    Returns
+    -------
+    str
+        Its rate, and where they tell it the delay and the distance: ``10 a second, 8.9 s later``.
+    """
+    words = [f"{1 / other.interval:.3g} a second"]
+    step = max(taken.interval, other.interval, 0.05)
+    t = np.arange(max(taken.t[0], other.t[0]), min(taken.t[-1], other.t[-1]), step)
+    if taken.fields[0] == "lat":
+        if t.size:
+            apart = np.hypot(*(_metres(taken, other, t)))
+            words.append(f"{float(np.median(apart)):.2g} m away")
+        return ", ".join(words)
+    if t.size < _FEWEST or len(taken.fields) > 1 or len(other.fields) > 1:
+        return ", ".join(words)
+    turns = taken.fields[0] in ("heading", "magnetic", "yaw")
+    one, two = (np.interp(t, s.t, _scalar(s, turns)) for s in (taken, other))
+    if turns:
+        apart = float(np.median((two - one + 180) % 360 - 180))
+        words.append(f"{apart:+.2g} deg off")
+        one, two = np.gradient(one), np.gradient(two)
+    delay, likeness = _delay(one, two, step)
+    if likeness >= _ALIKE:
+        if abs(delay) >= 2 * step:
+            words.append(f"{abs(delay):.2g} s {'later' if delay > 0 else 'earlier'}")
+    elif likeness < _UNLIKE:
+        words.append(f"does not show the same: correlation {likeness:.2g} at best")
+    return ", ".join(words)
+
+
+def _scalar(source: SignalSource, turns: bool) -> np.ndarray:
+    values = source.values[:, 0]
+    return np.asarray(np.unwrap(values, period=360) if turns else values)
+
+
+def _metres(taken: SignalSource, other: SignalSource, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    origin = float(np.radians(taken.values[0, 0])), float(np.radians(taken.values[0, 1]))
+    tracks = [to_local(np.radians(s.values[:, 0]), np.radians(s.values[:, 1]), origin) for s in (taken, other)]
+    places = [[np.interp(t, s.t, axis) for axis in track] for s, track in zip((taken, other), tracks)]
+    return places[1][0] - places[0][0], places[1][1] - places[0][1]
+
+
+def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[float, float]:
+    """By how much the second comes after the first [s], where their correlation has its peak, and the correlation there."""
+    n = one.size
+    one, two = one - one.mean(), two - two.mean()
+    most = min(round(_LONGEST / step), n // 3)
+    lags = np.arange(-most, most + 1)
+    count = n - np.abs(lags)
+    # What of each is compared at a lag: the first of the one and the last of the other, or the reverse.
+    head, tail = np.maximum(-lags, 0), np.minimum(n, n - lags)
+    sums = [_between(s, head + k * lags, tail + k * lags) for k, s in ((0, one), (0, one**2), (1, two), (1, two**2))]
+    both = correlate(two, one, mode="full")[n - 1 - most : n + most]
+    spread = (sums[1] - sums[0] ** 2 / count) * (sums[3] - sums[2] ** 2 / count)
+    moves = spread > 1e-12 * max(float(spread.max()), 1e-300)
+    likeness = np.where(moves, both - sums[0] * sums[2] / count, 0.0) / np.sqrt(np.where(moves, spread, 1.0))
+    best = int(np.argmax(likeness))
+    return float(lags[best] * step), float(likeness[best])
+
+
+def _between(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Sums of stretches of a series."""
+    total = np.append(0.0, np.cumsum(values))
+    return np.asarray(total[stop] - total[start])

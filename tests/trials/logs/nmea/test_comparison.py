@@ -1,0 +1,54 @@
+"""Other sources of a signal: their delay and their distance are told where the record shows them."""
+
+import numpy as np
+import pytest
+
+from shipid.trials.logs.nmea.comparison import compared
+from shipid.trials.logs.nmea.log import Origin
+from shipid.trials.logs.nmea.sources import SignalSource
+
+
+def source(field, t, *values):
+    fields = ("lat", "lon") if field == "lat" else (field,)
+    return SignalSource(Origin("X"), fields, t, np.column_stack(values), np.arange(len(t)), 0, 0)
+
+
+def turning(t):
+    return 60 * np.sin(t / 9) * np.exp(-t / 200) + 20 * np.sin(t / 4)
+
+
+T, SLOW = np.arange(0, 180, 0.05), np.arange(0.03, 170, 0.2)
+
+
+@pytest.mark.parametrize("late", [8.9, 2.0, -3.0])
+def test_a_delay_is_told(late):
+    taken, other = source("rate", T, turning(T)), source("rate", SLOW, 0.7 * turning(SLOW - late) + 3)
+    said = compared(taken, other)
+    assert said.startswith("5 a second, ")
+    number, way = said.removeprefix("5 a second, ").split(" s ")
+    assert float(number) == pytest.approx(abs(late), abs=0.25)
+    assert way == ("later" if late > 0 else "earlier")
+
+
+def test_sources_that_agree_and_those_that_do_not():
+    taken = source("rate", T, turning(T))
+    assert compared(taken, source("rate", SLOW, turning(SLOW))) == "5 a second"
+    noise = np.random.default_rng(1).normal(size=SLOW.size)
+    assert "does not show the same: correlation 0." in compared(taken, source("rate", SLOW, noise))
+    assert "does not show the same: correlation 0 at best" in compared(taken, source("rate", SLOW, 0 * noise))
+    few = SLOW[:20]
+    assert compared(taken, source("rate", few, noise[:20])) == "5 a second"
+
+
+def test_headings_off_by_an_angle_across_north():
+    taken = source("heading", T, (5 + turning(T)) % 360)
+    assert compared(taken, source("heading", SLOW, (2.5 + turning(SLOW)) % 360)) == "5 a second, -2.5 deg off"
+
+
+def test_positions_apart():
+    t = np.arange(0, 50, 1.0)
+    taken = source("lat", t, 59.5 + 1e-5 * t, np.full_like(t, 10.5))
+    other = source("lat", t + 0.5, 59.5 + 1e-5 * (t + 0.5), np.full_like(t, 10.5 + 1e-4))
+    # A degree of longitude at 59.5 deg is 56.7 km.
+    assert compared(taken, other) == "1 a second, 5.7 m away"
+    assert compared(taken, source("lat", t + 100, 59.5 + 1e-5 * t, np.full_like(t, 10.5))) == "1 a second"

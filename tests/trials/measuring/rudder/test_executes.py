@@ -1,0 +1,98 @@
+"""The execute is the order: logged, or read back from the ramp of the rudder."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from shipid.trials.measuring.measure import measure
+from shipid.trials.trial import Trial
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("rudder_rate", [1.0, 3.0])
+@pytest.mark.parametrize("order", [False, True])
+def test_order_read_back_from_the_ramp(logged, interval, rudder_rate, order):
+    """With the order logged beside it, the ramp says when within its interval."""
+    trial, orders, overshoots = logged(interval, order=order, rudder_rate=rudder_rate, duration=300.0)
+    found = measure(trial)
+    n = len(found.executes)
+    assert n >= 3 and found.execute == "order"
+    assert np.degrees(found.rudder_rate) == pytest.approx(rudder_rate, rel=1e-6)
+    assert found.first_execute == pytest.approx(orders[0], abs=0.02)
+    # The model is sailed in steps of 0.01 s.
+    np.testing.assert_allclose(found.executes, orders[1 : n + 1], atol=0.02)
+    known = found.leading_overshoots
+    np.testing.assert_allclose(np.degrees(known), overshoots[: len(known)], atol=0.05)
+    assert len(known) >= n - 1
+
+
+def test_slow_rudder_by_default_is_not_read_too_small(logged):
+    """At 1 deg/s the rudder takes 3 s for 15 % of its plate, in which this ship turns by 3.5 deg."""
+    trial, _, overshoots = logged(1.0, rudder_rate=1.0, duration=300.0, course=90.0)
+    np.testing.assert_allclose(overshoots[:2], [27.2, 30.0], atol=0.1)
+    found = measure(trial)
+    assert overshoots[0] - np.degrees(found.overshoots_moved[0]) == pytest.approx(3.5, abs=0.3)
+    assert measure(trial, execute="moved").overshoots[0] == pytest.approx(found.overshoots_moved[0], abs=1e-3)
+    assert "ramp of the rudder (1 deg/s)" in repr(found) and "the order is not logged" in repr(found)
+
+
+@pytest.mark.parametrize("interval", [0.5, 1.0, 2.0])
+def test_logged_order_is_in_the_middle_of_its_interval(logged, interval):
+    trial, orders, overshoots = logged(interval, order=True, rudder=False)
+    found = measure(trial)
+    n = len(found.executes)
+    assert found.execute_within == pytest.approx(interval / 2)
+    assert np.all(np.abs(np.array(found.executes) - orders[1 : n + 1]) <= interval / 2 + 0.01)
+    error = np.abs(np.degrees(found.overshoots) - overshoots[:n])
+    # 95 % of a uniform interval is stated, so the worst case lies 5 % beyond.
+    assert np.all(error <= 1.1 * np.degrees(found.overshoot_uncertainties))
+    assert "middle of the interval" in found.read_from
+
+
+def test_overshoots_of_a_logged_order_are_not_small_on_average(logged):
+    """Over many phases of the sampling the mean error vanishes: 12 zig-zags of four reversals, +-0.64 deg each."""
+    errors = []
+    for k in range(12):
+        trial, _, overshoots = logged(1.0, order=True, rudder=False, start=10.0 + 0.08 * k)
+        found = measure(trial)
+        errors += list(np.degrees(found.overshoots) - overshoots[: len(found.overshoots)])
+    assert abs(np.mean(errors)) < 3 * 0.45 / np.sqrt(len(errors))
+
+
+def test_order_written_on_change_says_when(logged):
+    """Its stamps are the orders: nothing is halved."""
+    trial, orders, overshoots = logged(1.0)
+    stamps = np.union1d(trial["t"], orders)
+    frame = pd.DataFrame({"t [s]": stamps})
+    for name, unit, scale in (("psi", "deg", 57.29577951), ("u", "m/s", 1.0)):
+        column = np.full(len(stamps), np.nan)
+        column[np.searchsorted(stamps, trial["t"])] = trial[name] * scale
+        frame[f"{name} [{unit}]"] = column
+    order = np.full(len(stamps), np.nan)
+    order[0] = 0.0
+    order[np.searchsorted(stamps, orders)] = 20.0 * (-1.0) ** np.arange(len(orders))
+    frame["delta_order [deg]"] = order
+    found = measure(Trial.from_frame(frame))
+    assert found.execute_within == 0.0 and "written when it changes" in found.read_from
+    np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=1e-9)
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.05)
+
+
+@pytest.mark.parametrize("where", [0, 100, -1])
+def test_one_wild_sample_of_the_rudder_changes_nothing(logged, where):
+    trial, orders, _ = logged(0.5)
+    frame = trial.to_frame()
+    frame.loc[frame.index[where], "delta [deg]"] = 400.0 if where != 100 else -80.0
+    found = measure(Trial.from_frame(frame))
+    np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=0.02)
+
+
+def test_a_helm_that_wanders_before_the_first_execute(logged):
+    trial, orders, _ = logged(0.1, start=40.0)
+    frame = trial.to_frame()
+    t = trial["t"]
+    frame.loc[t < 40.0, "delta [deg]"] = (4 * np.sin(t / 5))[t < 40.0]
+    found = measure(Trial.from_frame(frame))
+    # It leaves 3.96 deg of rudder there, and the ramp of the model starts from 0.
+    assert found.first_execute == pytest.approx(orders[0], abs=1.5)
+    np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=0.02)

@@ -1,0 +1,182 @@
+"""What the doctor finds bears on the numbers: not known, with the reason, never a bare wrong one."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from shipid.trials.doctor.findings import Diagnosis
+from shipid.trials.measuring.measure import measure
+from shipid.trials.trial import Trial
+
+
+def without(trial, start, end, *columns):
+    """The trial with samples missing."""
+    frame = trial.to_frame()
+    t = trial["t"]
+    for column in columns or [c for c in frame if c != "t [s]"]:
+        frame.loc[(t > start) & (t < end), column] = np.nan
+    return Trial.from_frame(frame, name="holed")
+
+
+def test_a_gap_over_a_peak_leaves_the_overshoot_unknown(logged):
+    trial, orders, overshoots = logged(1.0)
+    found = measure(without(trial, 37.0, 70.0, "psi [deg]"))
+    assert found.overshoots[0] is None and found.extreme_headings[0] is None and found.times_to_check_yaw[0] is None
+    assert found.reasons["overshoots[1]"] == "gap 37 to 70 s in the heading"
+    # The execute before the gap is known, and so are the later swings.
+    assert found.executes[0] == pytest.approx(orders[1], abs=0.02)
+    np.testing.assert_allclose(np.degrees(found.overshoots[1:]), overshoots[1 : len(found.overshoots)], atol=0.05)
+    assert "not known: gap 37 to 70 s in the heading" in repr(found)
+    plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert plain["overshoots"]["value"][0] is None and plain["overshoots"]["reason"] == "gap 37 to 70 s in the heading"
+    assert found.leading_overshoots == () and len(found.leading_executes) == len(found.executes)
+
+
+def test_rows_that_are_not_there_are_a_gap_too(logged):
+    trial, *_ = logged(1.0)
+    frame = trial.to_frame()
+    found = measure(Trial.from_frame(frame[(trial["t"] < 37) | (trial["t"] > 70)]))
+    assert found.overshoots[0] is None and "gap 36 to 71 s" in found.reasons["overshoots[1]"]
+
+
+def test_a_gap_beside_the_peak_leaves_it_known(logged):
+    """From 60 to 85 s the heading falls all the way: the peak at 51 s and the reversal at 96 s are outside."""
+    trial, _, overshoots = logged(0.5)
+    found = measure(without(trial, 60.0, 85.0, "psi [deg]"))
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.1)
+    assert found.reach is None and "gap 60 to 85 s" in found.reasons["reach"]
+
+
+@pytest.mark.parametrize("middle", [51.0, 36.0])
+def test_a_short_gap_is_bridged_and_told(logged, middle):
+    trial, _, overshoots = logged(0.5)
+    found = measure(without(trial, middle - 1.6, middle + 1.6, "psi [deg]"))
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.15)
+    assert any("bridged" in note for note in found.notes)
+
+
+def test_a_gap_of_the_rudder_leaves_the_execute_unknown(logged):
+    trial, *_ = logged(1.0)
+    found = measure(without(trial, 30.0, 48.0, "delta [deg]"))
+    assert found.executes[0] is None and found.overshoots[0] is None
+    assert found.reasons["executes[1]"] == "gap 30 to 48 s in the rudder"
+    assert found.executes[1] is not None and found.overshoots[1] is not None
+
+
+def test_marks_of_a_missing_heading_are_no_heading(logged):
+    trial, _, overshoots = logged(0.5)
+    frame = trial.to_frame()
+    frame.loc[(trial["t"] >= 50) & (trial["t"] <= 52.5), "psi [deg]"] = -9999.0
+    found = measure(Trial.from_frame(frame))
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.15)
+
+
+def test_single_wild_headings_are_left_out(logged):
+    trial, _, overshoots = logged(0.5, noise=0.05)
+    frame = trial.to_frame()
+    frame.loc[[60, 102, 200], "psi [deg]"] += [40.0, 15.0, -60.0]
+    found = measure(Trial.from_frame(frame))
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.2)
+    assert any("3 single wild samples of psi" in note for note in found.notes)
+
+
+def test_a_heading_that_stands_still_over_a_peak(logged):
+    """The gyro holds the value it had at 45 s until 62 s: 20 deg of the swing are not seen."""
+    trial, *_ = logged(0.5, noise=0.02)
+    frame = trial.to_frame()
+    stuck = (trial["t"] >= 45) & (trial["t"] <= 62)
+    frame.loc[stuck, "psi [deg]"] = frame.loc[stuck, "psi [deg]"].iloc[0]
+    frame["r [deg/s]"] = np.degrees(np.gradient(trial["psi"], trial["t"]))
+    found = measure(Trial.from_frame(frame))
+    assert found.overshoots[0] is None and "frozen" in found.reasons["overshoots[1]"]
+    assert found.overshoots[1] is not None
+    # A sound verdict, handed in, is believed: nobody looks again.
+    assert measure(Trial.from_frame(frame), diagnosis=Diagnosis("sound")).overshoots[0] is not None
+
+
+def test_signals_on_clocks_of_their_own(logged):
+    """Heading at 2 Hz, rudder at 1 Hz between those stamps, speed every 5 s: each is read by its own samples."""
+    fine, orders, overshoots = logged(0.1)
+    t = fine["t"]
+    frame = fine.to_frame()
+    step = np.arange(len(t))
+    for column, every, offset in (("psi [deg]", 5, 0), ("delta [deg]", 10, 3), ("u [m/s]", 50, 2)):
+        frame.loc[step % every != offset, column] = np.nan
+    trial = Trial.from_frame(frame.dropna(how="all", subset=["psi [deg]", "delta [deg]", "u [m/s]"]))
+    found = measure(trial)
+    assert found.reasons == {}
+    np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=0.02)
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.05)
+    assert found.initial_turning_distance == pytest.approx(8.0 * (orders[1] - orders[0]), rel=1e-3)
+
+
+def test_a_compass_that_writes_only_on_change_holds_its_value(logged):
+    """At full degrees it is silent for 10 s before the manoeuvre and for some seconds at each peak."""
+    fine, _, overshoots = logged(0.1)
+    degrees = np.round(np.degrees(fine["psi"]))
+    written = np.concatenate(([True], np.diff(degrees) != 0))
+    frame = fine.to_frame()
+    frame["psi [deg]"] = np.where(written, degrees, np.nan)
+    found = measure(Trial.from_frame(frame))
+    # Half a degree at the execute and half a degree at the peak.
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=1.0)
+    assert np.all(np.degrees(found.overshoot_uncertainties) >= 0.5)
+
+
+def test_approach_that_is_not_recorded(logged):
+    trial, *_ = logged(0.5)
+    found = measure(trial.window(15, 240))
+    assert found.first_execute is None and "does not show the rudder" in found.reasons["reach"]
+    assert any("does not show the approach" in note for note in found.notes)
+    assert "not known: the record does not show" in repr(found)
+
+
+def test_a_gap_in_the_turn(circle_log):
+    trial = circle_log()
+    found = measure(without(trial, 120.0, 165.0, "x [m]", "y [m]"))
+    # 90 deg are reached at 144 s.
+    assert found.advance is None and found.transfer is None and found.tactical_diameter is not None
+    assert found.reasons["advance"] == "gap 120 to 165 s in the position"
+    assert found.times[0] is not None
+    blind = measure(without(trial, 120.0, 165.0, "psi [deg]"))
+    assert blind.advance is None and blind.times[0] is None and "heading" in blind.reasons["advance"]
+
+
+@pytest.fixture
+def circle_log():
+    def make(interval=0.5, current=(0.0, 0.0), turns=2.0):
+        rate, radius = 5.0 / 300.0, 300.0
+        t = np.arange(0, 50 + turns * 2 * np.pi / rate, interval)
+        arc = rate * np.clip(t - 50, 0, None)
+        frame = pd.DataFrame({
+            "t [s]": t, "psi [deg]": np.degrees(arc),
+            "x [m]": 5 * np.minimum(t, 50) + radius * np.sin(arc) + current[0] * t,
+            "y [m]": radius * (1 - np.cos(arc)) + current[1] * t,
+            "u [m/s]": 5.0, "delta [deg]": np.clip(2.5 * (t - 50), 0, 35),
+        })  # fmt: skip
+        return Trial.from_frame(frame, name="circle")
+
+    return make
+
+
+def test_turning_circle_in_a_current_gives_both(circle_log):
+    found = measure(circle_log(current=(0.3, -0.8)))
+    assert found.drift_speed == pytest.approx(np.hypot(0.3, 0.8), rel=1e-3)
+    assert np.degrees(found.drift_direction) == pytest.approx(np.degrees(np.arctan2(-0.8, 0.3)) % 360, abs=0.1)
+    assert found.advance_still_water == pytest.approx(300, rel=0.01)
+    assert found.transfer_still_water == pytest.approx(300, rel=0.01)
+    assert found.tactical_diameter_still_water == pytest.approx(600, rel=0.01)
+    # Over the ground: 94 s of 0.3 m/s, and 188 s of -0.8 m/s.
+    assert found.advance == pytest.approx(300 + 0.3 * 94.2, rel=0.01)
+    assert found.tactical_diameter == pytest.approx(600 - 0.8 * 188.5, rel=0.01)
+    assert any("drifts at" in note for note in found.notes)
+
+
+def test_still_water_values_are_not_made_up(circle_log):
+    short = measure(circle_log(current=(0.3, -0.8), turns=1.1))
+    assert short.drift_speed is None and short.advance_still_water is None
+    assert "its drift shows from 465 deg on" in short.reasons["advance_still_water"]
+    still = measure(circle_log())
+    assert still.advance_still_water is None and "not beyond its scatter" in still.reasons["advance_still_water"]
