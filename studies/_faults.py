@@ -31,6 +31,7 @@ class Log:
         self.ship = ship
         self.length = shipid.find_ship(ship).particular("L", "m")
         self.rng = np.random.default_rng(seed)
+        self.text: tuple[str, np.ndarray] | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.values[name]
@@ -66,7 +67,12 @@ class Log:
     def frame(self) -> pd.DataFrame:
         """Return the table as it is printed, the claimed units in the headers."""
         factor = {c: shipid.trials.columns.to_inside(c, FIELDS[c].display) for c in self.values}
-        return pd.DataFrame({f"{c} [{self.units[c]}]": v / factor[c] for c, v in self.values.items()})
+        table = pd.DataFrame({f"{c} [{self.units[c]}]": v / factor[c] for c, v in self.values.items()})
+        if self.text is not None:
+            header = f"{self.text[0]} [{self.units[self.text[0]]}]"
+            table[header] = table[header].astype(object)
+            table.loc[self.text[1], header] = "1.002.564"
+        return table
 
 
 def decimal(value: float) -> float:
@@ -320,6 +326,61 @@ def latency_rudder(log: Log, size: float) -> None:
         log[c] = np.interp(log["t"] - late, log["t"], log[c])
 
 
+def text_cells(log: Log, size: float) -> None:
+    """Numbers written with two points: decimal sign and thousands."""
+    column = log["x" if "x" in log.values else "psi"]
+    log.text = ("x" if "x" in log.values else "psi", log.rng.choice(log.n, max(1, int(size * log.n)), replace=False))
+    column[log.text[1]] = np.nan
+
+
+def sentinel(log: Log, size: float) -> None:
+    log["psi"][log.rng.choice(log.n, max(1, int(size * log.n)), replace=False)] = np.radians(-9999.0)
+
+
+def hole(log: Log, size: float) -> None:
+    width = max(6, int(size * log.n))
+    log["psi"][log.turning : log.turning + width] = np.nan
+
+
+def track_direction(log: Log, size: float) -> None:
+    place = log["x"] + 1j * log["y"]
+    if size > 2:  # the names of x and y are exchanged
+        log["x"], log["y"] = place.imag, place.real
+    else:
+        turned = place * np.exp(1j * np.radians({1: 20.0, 2: 60.0}[int(size)]))
+        log["x"], log["y"] = turned.real, turned.imag
+
+
+def speed_stands(log: Log, size: float) -> None:
+    scale = float(np.quantile(log["u"], 0.9))
+    for c in ("u", "v"):
+        if c in log.values:
+            log[c] = 0.03 / size * scale * log.rng.standard_normal(log.n)
+
+
+def rudder_early(log: Log, size: float) -> None:
+    over = np.flatnonzero(np.abs(log["delta"]) > 0.5 * np.quantile(np.abs(log["delta"]), 0.99))
+    turns = over[1:][np.diff(np.sign(log["delta"][over])) != 0]
+    early = size * float(np.median(np.diff(log["t"][turns])))
+    for c in ("delta", "delta_order"):
+        log[c] = np.interp(log["t"] + early, log["t"], log[c])
+
+
+def closed_loop(log: Log, size: float) -> None:
+    """An autopilot steers a first-order ship in gusts, over the time of the log and at its interval."""
+    n, dt, tau = log.n, log.dt, 12 * log.dt
+    gust = np.zeros(n)
+    psi, r, delta = (np.zeros(n) for _ in range(3))
+    push = size * 0.004 * log.rng.standard_normal(n)
+    for k in range(1, n):
+        gust[k] = 0.9 * gust[k - 1] + push[k]
+        delta[k] = np.clip(-(psi[k - 1] + 8 * dt * r[k - 1]), -0.6, 0.6)
+        r[k] = r[k - 1] + dt * ((0.08 / dt * delta[k - 1] - r[k - 1]) / tau + gust[k] / (dt * tau))
+        psi[k] = psi[k - 1] + dt * r[k]
+    kept = {"t": log["t"], "psi": psi, "r": r, "delta": delta, "delta_order": delta.copy()}
+    log.values = {c: kept[c] for c in log.values if c in kept} | {"delta_order": kept["delta_order"]}
+
+
 Plant = tuple[Callable[[Log, float], None], tuple[float, float, float], str, str]
 #: Row: what plants it, mild, clear and gross, the kind asked for, and what it needs ("zigzag", or "v": a sway).
 FAULTS: dict[str, Plant] = {
@@ -329,6 +390,9 @@ FAULTS: dict[str, Plant] = {
     "gap": (gap, (0.003, 0.03, 0.15), "gap", ""),
     "resampled": (resampled, (2, 4, 8), "resampled", ""),
     "missing samples": (missing, (0.001, 0.01, 0.1), "missing", ""),
+    "text": (text_cells, (0.002, 0.02, 0.3), "text", ""),
+    "sentinel": (sentinel, (0.001, 0.01, 0.05), "sentinel", ""),
+    "hole": (hole, (0.01, 0.05, 0.2), "hole", ""),
     "trailing-empty": (trailing_empty, (0.001, 0.02, 0.2), "trailing-empty", ""),
     "outlier": (outlier, (0.03, 0.3, 2.0), "outlier", ""),
     "frozen": (frozen, (0.02, 0.06, 0.15), "frozen", ""),
@@ -358,6 +422,10 @@ FAULTS: dict[str, Plant] = {
     "coarse-sampling": (coarse_sampling, (0.25, 0.5, 1.0), "coarse-sampling", ""),
     "quantised": (quantised, (0.005, 0.02, 0.06), "quantised", ""),
     "latency of the rate": (latency_rate, (1, 4, 12), "latency", ""),
+    "track-direction": (track_direction, (1, 2, 3), "track-direction", "positions"),
+    "speed-stands": (speed_stands, (1, 2, 3), "speed-stands", "positions"),
+    "early rudder": (rudder_early, (0.03, 0.1, 0.2), "latency", "zigzag"),
+    "closed-loop": (closed_loop, (0.5, 2.0, 5.0), "closed-loop", "steered"),
     "latency of the rudder": (latency_rudder, (0.02, 0.08, 0.2), "latency", "zigzag"),
 }  # fmt: skip
 

@@ -1,7 +1,8 @@
 """The trial doctor: faults planted in simulated and real trials at three severities, and false alarms on clean trials.
 
 Asked: 95 % of the clear and gross ones found, all kinds together (a kind that stays below that by itself is marked); at
-most 2 % of the clean trials with a finding of confidence 0.5 or more; every trap of the real campaigns named. A fault counts
+most 2 % of the clean trials with a finding of confidence 0.5 or more; a wild sample in the first and last rows of each
+channel found, and answered by no repair of another kind; every trap of the real campaigns named. A fault counts
 as found when a finding of its kind says so with that confidence; a finding beside it does not count against it. Mild faults
 are printed and not asked for: some are smaller than the noise.
 
@@ -20,6 +21,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
+from _edges import edge_table
 from _faults import FAULTS, SHIPS, Log, lopsided, noise_for
 
 import shipid
@@ -179,16 +181,19 @@ def main() -> int:
         real = [] if options.short else real_trials(options.data)
         counts = plant_all(options.short, scratch, real)
         asked, wrong, kinds = alarms(options.short, scratch)
+        clean = [(trial, ship) for _, trial, ship, _ in base_trials(True)[:: 4 if options.short else 2]]
+        edges = edge_table(clean, scratch)
         seen = campaigns(options.data, scratch) if options.data.exists() else {}
     misses = [what for what, rows in counts.items() if rows[1][0] + rows[2][0] < 0.95 * (rows[1][1] + rows[2][1])]
     named = {c: sorted(set(TRAPS[c]) - {k for found in files.values() for k in found}) for c, files in seen.items()}
     total = np.array(list(counts.values())).sum(axis=0)
     share = total[1:, 0].sum() / total[1:, 1].sum()
-    holds = bool(share >= 0.95) and wrong <= 0.02 * asked and not any(named.values())
+    at_edges = all(row["found"] == row["asked"] and not row["other repairs"] for row in edges.values())
+    holds = bool(share >= 0.95) and wrong <= 0.02 * asked and not any(named.values()) and at_edges
     if options.json:
         print(
             json.dumps(
-                {"planted": counts, "clean": {"asked": asked, "alarms": wrong, "kinds": kinds}, "real": seen,
+                {"planted": counts, "clean": {"asked": asked, "alarms": wrong, "kinds": kinds}, "edges": edges, "real": seen,
                  "below": misses, "traps_missed": named, "holds": holds}, indent=1,
             )
         )  # fmt: skip
@@ -199,6 +204,10 @@ def main() -> int:
         print(f"{what:<24s}{cells}   {'below' if what in misses else 'holds'}")
     print(f"{len(counts)} faults; clear and gross together: {total[1:, 0].sum()} of {total[1:, 1].sum()} ({share:.1%})")
     print(f"clean trials: {wrong} of {asked} with a finding ({wrong / asked:.1%}; asked: at most 2 %) {kinds or ''}")
+    print("one wild sample in the first, second, last but one or last row: found, and repairs of another kind")
+    for channel, row in edges.items():
+        other = ", ".join(sorted(set(row["other repairs"]))) or "none"
+        print(f"  {channel:<8s}{row['found']:>4d} of {row['asked']:<4d}{other}")
     if not seen:
         print("real trials: not on this machine, left out")
     for campaign, files in seen.items():

@@ -257,16 +257,19 @@ class Fit:
     def __repr__(self) -> str:
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         trials = ", ".join(c.trial.name for c in self.fitted)
-        findings = None if self.assessment is None else self.assessment.findings
+        findings = (None if self.assessment is None else self.assessment.findings) or ()
+        serious = [f for f in findings if f.finding.serious]
         return "\n".join(
             [
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
+                # Before the coefficients: who reads only those has read it.
+                *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
-                *(f"  check     {f}" for f in findings or ()),
+                *(f"  check     {f}" for f in findings if f not in serious),
                 *(f"  {line}" for line in ([] if self.posterior is None else repr(self.posterior).splitlines())),
             ]
         )

@@ -135,7 +135,11 @@ def examine(
         for examination in _EXAMINATIONS:
             if len(copy) < 4 or copy.clockless:
                 break
-            examination(copy)
+            try:
+                examination(copy)
+            except np.linalg.LinAlgError:
+                # Numbers no matrix can hold: the other examinations go on, and the reader is told.
+                copy.unexamined.append(examination.__name__.removeprefix("examine_").replace("_", " "))
         if not any(f.kind == "short" for f in copy.findings) and len(copy) < 30:
             sampling.examine_length(copy)
         if not conducted or copy.clockless or len(copy) < 4:
@@ -168,6 +172,8 @@ def diagnose(copy: WorkingCopy, stretches: list[Stretch], handled: list[Finding]
     ordered = sorted(findings.values(), key=lambda f: (not f.serious, -f.confidence))
     record = copy.record
     refused = tuple(f"read_trial refuses the log: {f}" for f in record.faults if not isinstance(f, _EXAMINED))
+    told = f"Not examined, for its numbers overflow: {', '.join(copy.unexamined)}."
+    refused = (*refused, told) if copy.unexamined else refused
     return Diagnosis(
         record.title,
         (*ordered, *(handled or [])),

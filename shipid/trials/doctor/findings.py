@@ -134,6 +134,8 @@ class Finding:
             "fix": None if self.fix is None else dict(self.fix),
             "spoils": self.spoils,
             "handled": self.handled,
+            "serious": self.serious,
+            "repaired": self.repaired,
         }
 
     def __str__(self) -> str:

@@ -10,6 +10,7 @@ import pandas as pd
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import OverwriteError
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials import checks
 from shipid.trials.doctor.check_trial import examine
 from shipid.trials.doctor.findings import LEAST, Finding
 from shipid.trials.doctor.guesses import from_trial, guessed
@@ -18,6 +19,7 @@ from shipid.trials.errors import TrialError
 from shipid.trials.logs.conversion import unwrapped
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.reading import read_record
+from shipid.trials.logs.record import same_row
 from shipid.trials.logs.writing import write_trial
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
@@ -60,7 +62,8 @@ def fix_trial(
     Raises
     ------
     NoSafeRepairError
-        If a finding that would spoil an identification has no safe repair; nothing is written.
+        If a finding that would spoil an identification has no safe repair, or `shipid.read_trial` would refuse what comes of
+        the repairs; nothing is written.
     OverwriteError
         If the file exists.
     """
@@ -81,6 +84,7 @@ def fix_trial(
     remaining = [f for f in copy.findings if not f.repaired and f.confidence >= LEAST]
     table = _table(copy)
     extra = [c for c in table if c not in FIELDS]
+    _check_readable(table, path)
     fixed = Trial(record.title, table, Source(path=source.path), record.ship, {c: copy.unit(c) for c in extra})
     lines = ["Simulated; repaired by shipid check --fix"] if source.simulated else ["Repaired by shipid check --fix"]
     lines[0] += f" from {Path(source.path).name if source.path else record.name}"
@@ -91,6 +95,17 @@ def fix_trial(
     lines += [f"rows: {len(record)} read, {len(table)} written", *(f"rows: {part}" for part in copy.left_out)]
     lines += source.comment.splitlines()
     return write_trial(fixed, path, comment="\n".join(lines)), repaired
+
+
+def _check_readable(table: pd.DataFrame, path: Path) -> None:
+    """Refuse to write a table that `shipid.read_trial` would refuse."""
+    values = {name: table[name].to_numpy() for name in table}
+    try:
+        checks.check_length(len(table), "the repaired record")
+        checks.check_clock(values["t"], "the repaired record", same_row)
+        checks.check_angles(values, {c: FIELDS[c].display for c in table if c in FIELDS}, "the repaired record")
+    except TrialError as error:
+        raise NoSafeRepairError(f"'{path}' is not written, because read_trial would refuse it: {error}") from None
 
 
 def _table(copy: WorkingCopy) -> pd.DataFrame:

@@ -41,6 +41,8 @@ class WorkingCopy:
         Channels of so few samples that nothing can be said about them; a repair writes them as they were.
     clockless : bool
         Whether no time is known at all, so that nothing can be said about rates.
+    unexamined : list of str
+        Examinations that the numbers of the record did not allow.
     """
 
     record: LenientRecord
@@ -53,6 +55,7 @@ class WorkingCopy:
     left_out: list[LeftOut] = field(default_factory=list)
     sparse: dict[str, np.ndarray] = field(default_factory=dict)
     clockless: bool = False
+    unexamined: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.values = {name: values.copy() for name, values in self.record.values.items()}

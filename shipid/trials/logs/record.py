@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shipid.trials.errors import TextInColumnError, TrialError
+from shipid.trials.errors import TrialError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.source import Source
 
@@ -84,11 +84,6 @@ class LenientRecord:
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values()), ()))
-
-    @property
-    def text_fault(self) -> str | None:
-        """The fault of the first field in a column of numbers that is none; None where there is no such field."""
-        return next((str(fault) for fault in self.faults if isinstance(fault, TextInColumnError)), None)
 
     def refuse(self) -> None:
         """Refuse a log that has a fault.

@@ -30,6 +30,9 @@ def test_a_finding_is_in_the_result_and_nothing_is_repaired(mirrored):
     assert found[0]["kind"] == "rudder-sign" and found[0]["trial"] == "mirrored" and found[0]["repair"]
     line = next(x for x in repr(fit).splitlines() if "rudder-sign" in x)
     assert line.startswith("  check     mirrored: rudder-sign (delta")
+    # What spoils the fit stands before the coefficients, with what it does to them.
+    lines = repr(fit).splitlines()
+    assert lines.index(line) == 1 and "The gain comes out negative" in line and found[0]["serious"]
 
 
 def test_a_trial_kept_apart_is_looked_at_too(sail, mirrored):

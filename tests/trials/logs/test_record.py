@@ -33,14 +33,15 @@ def test_everything_is_kept_as_printed_and_every_fault_noted(log):
     assert record.stated == {"t": "s", "psi": "deg"}
     np.testing.assert_array_equal(record.values["psi"][[0, 1, 4]], [10, 11, np.nan])
     assert [type(fault) for fault in record.faults] == [e.NoUnitError, e.HeaderError, e.TextInColumnError]
-    assert "line 6, column 'psi [deg]': 'north'" in (record.text_fault or "")
+    assert "line 6, column 'psi [deg]': 'north'" in str(record.faults[-1])
+    assert record.words == {"psi": {4: "north"}}
     with pytest.raises(e.NoUnitError, match="line 1, column 'heading'"):
         read_trial(log(rows))
 
 
 def test_a_sound_log_has_no_fault(log):
     record = read_record(log([row.rpartition(",")[0].rpartition(",")[0] for row in lines()]))
-    assert record.faults == () and record.text_fault is None
+    assert record.faults == () and record.words == {}
     record.refuse()
 
 

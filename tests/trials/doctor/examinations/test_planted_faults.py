@@ -15,7 +15,8 @@ SIMPLE = [
     "speed-scale", "rate-scale", "mislabelled", "rudder-sign", "rate-sign", "earth-fixed-velocity", "heading-wrap",
     "heading-interpolated", "heading-glitch", "order-not-feedback", "accelerating", "bias of the rudder",
     "bias of the rate", "position-jump", "short", "no-rudder-movement", "coarse-sampling", "quantised",
-    "latency of the rate", "latency of the rudder",
+    "latency of the rate", "latency of the rudder", "text", "sentinel", "hole", "track-direction", "speed-stands",
+    "early rudder", "closed-loop",
 ]  # fmt: skip
 
 

@@ -54,7 +54,7 @@ def examine_course(p: WorkingCopy) -> None:
     names = "x,y" if p.has("x", "y") else "COG"
     if varied and ratio > 1.6 and mirrored.misfit < 0.3 * usual:
         _mirrored(p, names, mirrored, ratio)
-    elif plain.misfit < 0.5 * usual:
+    elif plain.misfit < 0.2 * usual + 3 * way.rough:
         if p.has("u", "v"):
             # In body axes the sway says how far the course is off the heading.
             body = vector_fit(way, way.integral(p.t, (p["u"] + 1j * p["v"]) * heads), varied)
@@ -129,12 +129,12 @@ def _turned(p: WorkingCopy, names: str, way: Way, fit: VectorFit, varied: bool) 
     astern = p.has("u") and float(np.median(p["u"])) < 0 and abs(turn) > np.radians(150)
     psi = p["psi"][way.at]
     steady_turn = abs(float(psi[-1] - psi[0])) > np.pi
-    limit = max(6 * fit.std, np.radians(4.0), _DRIFTING if steady_turn or not varied else 0.0)
+    limit = max(5 * fit.std, np.radians(4.0), _DRIFTING if steady_turn or not varied else 0.0)
     if abs(turn) < limit or astern:
         return
     side = "starboard" if turn > 0 else "port"
     p.add(
-        "track-direction", names, robust.confidence_of(abs(turn) / limit, 0.9, 1.8),
+        "track-direction", names, robust.confidence_of(abs(turn) / limit, 0.9, 1.5),
         f"the track is turned by {angle(abs(turn), 3)} to {side} of the heading throughout, and its length is "
         f"{abs(fit.factor):.4g} times what the speed says",
         "The ship seems to slip sideways all the time: drift, currents and sway come out wrong.",

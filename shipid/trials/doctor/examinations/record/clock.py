@@ -33,6 +33,7 @@ def examine_clock(p: WorkingCopy) -> None:
         return
     _unsorted(p)
     _doubled_rows(p)
+    _several_sensors(p)
     if not _quantised(p):
         _repeats(p)
     _gaps(p)
@@ -131,13 +132,11 @@ def _quantised(p: WorkingCopy) -> bool:
     return True
 
 
-def _repeats(p: WorkingCopy) -> None:
-    same = np.diff(p.t) == 0
-    if not same.any():
-        return
-    index = np.flatnonzero(same) + 1
-    mask = np.concatenate(([False], same))
-    if _complementary(p, mask):
+def _several_sensors(p: WorkingCopy) -> None:
+    """Make one row of those that share a stamp and have no channel in common: each sensor wrote its own."""
+    mask = np.concatenate(([False], np.diff(p.t) == 0))
+    if mask.any() and _complementary(p, mask):
+        index = np.flatnonzero(mask)
         applied = p.add(
             "clock-repeats", "t", 0.97, f"{len(index)} rows share their stamp with the row before, and their channels complete one another",
             "None in shipid once they are one row: each sensor wrote a row of its own.",
@@ -145,7 +144,14 @@ def _repeats(p: WorkingCopy) -> None:
         )  # fmt: skip
         if applied:
             _merge(p, mask)
+
+
+def _repeats(p: WorkingCopy) -> None:
+    same = np.diff(p.t) == 0
+    if not same.any():
         return
+    index = np.flatnonzero(same) + 1
+    mask = np.concatenate(([False], same))
     stamp = p.t.copy()
     dt = float(np.median(np.diff(stamp)[~same]))
     spread = np.interp(np.arange(len(stamp)), np.flatnonzero(~mask), stamp[~mask])
@@ -237,5 +243,7 @@ def _bend(p: WorkingCopy, name: str, k: int) -> float:
     length = float(t[after[0]] - t[before[-1]])
     line = float(values[after[0]] - values[before[-1]]) / length
     slopes = [np.polyfit(t[part] - t[part[0]], values[part], 1)[0] for part in (before, after)]
-    bend = 4 / 27 * max(abs(float(slope) - line) for slope in slopes) * length / reach
+    # The slope through six samples is known to their noise only.
+    unsure = 3 * robust.noise(values[there]) / (4.2 * p.sampling)
+    bend = 4 / 27 * max(0.0, max(abs(float(slope) - line) for slope in slopes) - unsure) * length / reach
     return max(bend, abs(line) * length / reach if name == "delta" and abs(line) * length > 0.2 * reach else 0.0)

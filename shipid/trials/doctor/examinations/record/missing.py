@@ -51,7 +51,8 @@ def examine_missing(p: WorkingCopy) -> None:
 
 def _share(p: WorkingCopy, name: str) -> float:
     """Share of the samples that are missing, on the channel's own clock."""
-    expected = float(p.t[-1] - p.t[0]) / max(p.interval(name), 1e-300) + 1
+    times = p.t[p.own(name)]
+    expected = float(times[-1] - times[0]) / max(p.interval(name), 1e-300) + 1
     return max(0.0, 1 - len(p.own(name)) / min(max(expected, 1.0), float(len(p))))
 
 
@@ -107,6 +108,8 @@ def _missed_across(p: WorkingCopy, name: str, index: np.ndarray, holes: list[int
         slopes = [float(np.polyfit(t[part] - t[part[0]], values[part], 1)[0]) for part in (before, after)]
         line = float(values[b] - values[a]) / length
         bend = max(abs(slope - line) for slope in slopes)
+        # The slope through six samples is known to their noise only.
+        bend = max(0.0, bend - 3 * p.noise(name) / (4.2 * p.interval(name)))
         # The cubic that leaves with one slope and arrives with the other departs by 4/27 of slope times length.
         worst = max(worst, 4 / 27 * bend * length / reach)
         jump = abs(float(values[b] - values[a])) / reach

@@ -11,8 +11,8 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 _FOLLOWS = 0.45
 """The helm law has to explain this share of the rudder's movements."""
-_DISTURBED = 0.05
-"""Below this share of the turning that is left throughout, there is no disturbance that could mislead."""
+_DETERMINED = 0.7
+"""From this share of the turning explained by the rudder on, what disturbs the ship misleads little."""
 
 
 def examine_closed_loop(p: WorkingCopy) -> None:
@@ -35,10 +35,10 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     if share < _FOLLOWS:
         return
     answer = answer_to(p, name)
-    if answer is None or answer.disturbed < _DISTURBED:
+    if answer is None or answer.explained > _DETERMINED:
         return
     p.add(
-        "closed-loop", name, min(robust.confidence_of(share, 0.35, 0.65), robust.confidence_of(answer.disturbed, 0.07, 0.2)),
+        "closed-loop", name, min(robust.confidence_of(share, 0.35, 0.65), robust.confidence_of(1 - answer.explained, 0.3, 0.5)),
         f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
         f"steers, and the rudder explains only {max(answer.explained, 0):.0%} of the turning; the rest is disturbance that the rudder "
         "reacts to",

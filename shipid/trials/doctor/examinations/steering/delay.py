@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, residuals, settled, squares
+from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -33,8 +33,6 @@ class Answer:
         As `slow`, the rate of the rudder allowed for as well: it explains small shifts of either sign.
     explained : float
         Share of the acceleration in turning that rudder and damping explain at the best shift.
-    disturbed : float
-        Share of that acceleration which even a second-order answer leaves, and throughout the record.
     step : float
         Interval of the shifts that were tried [s].
     """
@@ -46,7 +44,6 @@ class Answer:
     slow: float
     free: float
     explained: float
-    disturbed: float
     step: float
 
 
@@ -95,15 +92,10 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
     total = float(np.sum((target - target.mean()) ** 2))
-    throughout = robust.spread(residuals(np.column_stack([delta, bend, rate, *rest])[use], target)) ** 2
-    # What the noise of the sensor alone makes of it: the energy of the filter's answer to one wild sample.
-    impulse = np.zeros_like(r)
-    impulse[1] = robust.noise(signals.r[signals.known])
-    sensor = float(np.sum(filtered(signals, impulse, constant)[1] ** 2))
     return Answer(
         usual,
         len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
-        misfit(delta, bend, rate) / least, 1 - least / total, max(throughout - sensor, 0.0) * len(target) / total, step,
+        misfit(delta, bend, rate) / least, 1 - least / total, step,
     )  # fmt: skip
 
 

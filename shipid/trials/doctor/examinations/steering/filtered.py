@@ -60,7 +60,7 @@ def regular_signals(p: WorkingCopy, name: str) -> Signals | None:
     span = float(p.t[-1] - p.t[0])
     heading = "r" if p.has("r") else "psi"
     step = max(p.interval(name), p.interval(heading), span / _MOST)
-    if not step > 0 or span / step < 40:
+    if not 0 < step < np.inf or not np.isfinite(span) or span / step < 40:
         return None
     t = p.t[0] + step * np.arange(int(span / step))
     r = np.interp(t, p.t, p[heading])
@@ -86,14 +86,16 @@ def filtered(signals: Signals, values: np.ndarray, constant: float) -> tuple[np.
     -------
     tuple of ndarray, shape (m,)
     """
-    denominator = np.poly([-1 / constant] * _ORDER)
-    gain = constant**-_ORDER
+    # In units of the sampling interval: the numbers stay near one whatever the clock counts in.
+    width = constant / signals.step
+    denominator = np.poly([-1 / width] * _ORDER)
+    gain = width**-_ORDER
     start = float(values[0])
     found = []
     for numerator in ([gain], [gain, 0.0], [gain, 0.0, 0.0]):
-        b, a, _ = signal.cont2discrete((numerator, denominator), signals.step, method="foh")
+        b, a, _ = signal.cont2discrete((numerator, denominator), 1.0, method="foh")
         found.append(signal.lfilter(np.ravel(b), a, values - start))
-    return found[0] + start, found[1], found[2]
+    return found[0] + start, found[1] / signals.step, found[2] / signals.step**2
 
 
 def settled(signals: Signals, constant: float) -> np.ndarray:
@@ -117,8 +119,8 @@ def settled(signals: Signals, constant: float) -> np.ndarray:
     return result
 
 
-def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """Return what a linear model leaves of the target.
+def squares(design: np.ndarray, target: np.ndarray) -> float:
+    """Return the sum of squares of what a linear model leaves of the target.
 
     Parameters
     ----------
@@ -128,17 +130,5 @@ def residuals(design: np.ndarray, target: np.ndarray) -> np.ndarray:
         What they explain.
     """
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
-    rest: np.ndarray = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
-    return rest
-
-
-def squares(design: np.ndarray, target: np.ndarray) -> float:
-    """Return the sum of squares of what a linear model leaves of the target.
-
-    Parameters
-    ----------
-    design, target
-        As for `residuals`.
-    """
-    rest = residuals(design, target)
+    rest = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
     return float(rest @ rest)
