@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from shipid.trials import errors as e
+from shipid.trials.logs import reading
 from shipid.trials.logs.nmea.errors import NoTimeError
 from shipid.trials.logs.nmea.sentences.lines import stamp_reader
-from shipid.trials.logs import reading
 
 START = datetime(2026, 5, 4, 9, 0)
 
