@@ -133,7 +133,7 @@ def _unformatted(raw: RawTable) -> LenientRecord:
     notes = [f"Columns of text were left out: {', '.join(map(repr, left_out))}."] if left_out else []
     notes += [f"Columns without a sample were left out: {', '.join(map(repr, empty))}."] if empty else []
     # By header: a name may be that of two columns, of which the first is kept.
-    own = {name: next((k for h, k in indices.items() if kept.get(h) is column), None) for name, column in found.items()}
+    own = {name: next((k for h, k in indices.items() if table[h] is column), None) for name, column in found.items()}
     faults += cells.faults([k for k in own.values() if k is not None])
     return LenientRecord(
         raw.name,
