@@ -104,6 +104,39 @@ def held(t: np.ndarray, values: np.ndarray, at: np.ndarray | None = None) -> np.
     return _between(t, values, at, held=True)
 
 
+def slope(t: np.ndarray, values: np.ndarray, over: float) -> np.ndarray:
+    """Return the slope of a measurement at its samples, from the difference between a sample before and one behind.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    values : ndarray, shape (n,)
+        The channel, NaN where a sample is missing; an angle unwrapped.
+    over : float
+        How far the two samples are apart [s]; two usual intervals at least.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        NaN where the channel has no sample, and where a hole lies between the two.
+    """
+    result = np.full(t.shape, np.nan)
+    there = np.isfinite(values)
+    times, samples = t[there], values[there]
+    if times.size < 2:
+        return result
+    usual = usual_interval(times)
+    half = max(1, round(0.5 * over / usual))
+    place = np.arange(times.size)
+    before, behind = np.maximum(place - half, 0), np.minimum(place + half, times.size - 1)
+    span = times[behind] - times[before]
+    found = (samples[behind] - samples[before]) / span
+    found[span > (2 * half - 1 + GAP) * usual] = np.nan
+    result[there] = found
+    return result
+
+
 def _between(t: np.ndarray, values: np.ndarray, at: np.ndarray | None, *, held: bool) -> np.ndarray:
     at = t if at is None else np.asarray(at, dtype=float)
     there = np.isfinite(values)

@@ -19,8 +19,13 @@ from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_ta
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.trials.filling import slope
+from shipid.trials.logs.conversion import unwrapped
 from shipid.trials.stretches import is_order
 from shipid.trials.trial import Trial
+
+_TURN = 2.0
+"""The slope of the heading is taken over so long [s]: headings are printed to 0.1 deg, and ships turn slowly."""
 
 #: What can be filtered: a trial, or SI columns with ``t`` in which NaN stands for a sample that is missing.
 FilterRecord = Trial | Mapping[str, np.ndarray]
@@ -76,6 +81,8 @@ class Arrangement:
         Where the filter starts anew, behind the hole.
     filled : mapping of str to int
         Samples between those of an input, by input.
+    turned : bool
+        Whether the rate of turn that drives the model is the slope of the heading.
     """
 
     t: np.ndarray
@@ -90,6 +97,7 @@ class Arrangement:
     unknown: np.ndarray
     holes: tuple[Hole, ...] = ()
     filled: Mapping[str, int] = field(default_factory=dict)
+    turned: bool = False
 
     @property
     def pieces(self) -> list[slice]:
@@ -105,6 +113,8 @@ class Arrangement:
             f"{name} is {'held' if is_order(name) else 'interpolated'} between its samples at {count} of {rows} times."
             for name, count in self.filled.items()
         ]
+        if self.turned:
+            said.insert(0, f"r is not recorded: what drives the model is the slope of psi over {_TURN:g} s.")
         if self.unknown.any():
             count = int(self.unknown.sum())
             said.append(
@@ -201,6 +211,9 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
         )
     columns = {n: np.asarray(c, dtype=float)[forward] for n, c in columns.items()} | {"t": t}
     z, there, limited = _sensor_table(instruments, columns, name)
+    turned = _turned(instruments, columns)
+    if turned:
+        columns["r"] = slope(t, unwrapped(columns["psi"]), _TURN)
     table = input_table(instruments, columns, name)
     whole = table if filled or np.isfinite(table).all() else filled_inputs(instruments, t, table)
     known = np.isfinite(whole[:, ruled(instruments)]).all(axis=1)
@@ -232,8 +245,15 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
     intervals[[hole.row for hole in holes]] = 0.0
     forward = forward & ~unknown
     return Arrangement(
-        rows, intervals, inputs, full_z, full_there, lost, shown, limited, forward, unknown, holes, counted
+        rows, intervals, inputs, full_z, full_there, lost, shown, limited, forward, unknown, holes, counted, turned
     )
+
+
+def _turned(instruments: Instruments, columns: Mapping[str, np.ndarray]) -> bool:
+    """Whether a rate of turn drives the model that the record does not hold, and of which it holds the integral."""
+    missing = "r" not in columns or not np.isfinite(columns["r"]).any()
+    wanted = "r" in instruments.model.inputs and "r" not in instruments.inputs and "r" not in instruments.lost
+    return missing and wanted and "psi" in columns
 
 
 def _sensor_table(

@@ -1,7 +1,8 @@
-"""Read an NMEA 0183 log: from the file to raw columns on one clock."""
+"""Read an NMEA log: from the file to raw columns."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -9,17 +10,15 @@ import numpy as np
 
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
+from shipid.trials.filling import interpolated
 from shipid.trials.logs.nmea.channels import is_magnetic, nothing_read, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
 from shipid.trials.logs.nmea.opening import read_log
-from shipid.trials.logs.nmea.resampling import Signal, resample
+from shipid.trials.logs.nmea.resampling import Channel, Signal, resample, united
 from shipid.trials.logs.nmea.settings import NmeaFormat
 from shipid.trials.logs.nmea.streams import separated
 from shipid.trials.logs.record import LenientRecord
-
-SHORTEST = 0.1
-"""Shortest sampling interval that is taken by itself [s]."""
 
 _UNITS = {
     "t": "s", "psi": "deg", "r": "deg/s", "delta": "deg", "delta_order": "deg", "u": "m/s", "v": "m/s", "SOG": "m/s",
@@ -42,14 +41,14 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     Returns
     -------
     record : LenientRecord
-        The columns on one clock, with notes on where each comes from and what was left out.
+        The columns, each at its own stamps or on one clock, with notes on where each comes from and what was left out.
     comments : tuple of str
         The comment lines at the head of the file.
 
     Raises
     ------
     NoOverlapError
-        If heading and rudder are nowhere known together.
+        If the format file asks for one clock, and heading and rudder are nowhere known together.
     NmeaError
         One class a cause (`shipid.trials.logs.nmea.errors`).
     EmptyFileError, ClockError
@@ -61,22 +60,18 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     clock = read_clock(log, fmt)
     log = separated(log, clock.times)
     signals = read_signals(log, clock.times, fmt)
-    leading = [name for name in signals if name in ("psi", "delta", "delta_order")][:2]
-    leading = leading or [max(signals, key=lambda name: len(signals[name].t))]
-    step = fmt.step or max(SHORTEST, round(signals[leading[0]].interval, 2))
-    t, found, left_out = resample(signals, leading, step, fmt.gap)
-    if not t.size:
-        ends = "; ".join(f"{n} from {signals[n].t[0]:.4g} to {signals[n].t[-1]:.4g} s" for n in leading)
-        raise NoOverlapError(
-            f"{log.where}: heading and rudder are nowhere known together ({ends}). Check that both sensors were logged "
-            "at once; a longer gap in [nmea] of a format file lets sparse sentences be interpolated."
-        )
-    columns = {"t": t} | _columns(t, found, fmt, signals)
+    standard = "NMEA 2000" if all(origin.kind.isdigit() for origin in log.records) else "NMEA 0183"
+    notes = [f"{standard}.", *clock.notes]
+    left_out: list[str] = []
+    if fmt.step is not None:
+        signals, left_out = _resampled(signals, fmt.step, fmt.gap, log.where)
+        notes[0] = f"{standard}, resampled to {fmt.step:.4g} s by linear interpolation."
+    t, columns, rule = united(_channels(signals, fmt))
+    columns = {"t": t} | columns
     # Sentences count in degrees, and so does what is said of these columns.
     columns |= {name: np.degrees(columns[name]) for name in columns if _UNITS[name].startswith("deg")}
-    notes = [f"NMEA 0183, resampled to {step:.4g} s by linear interpolation.", *clock.notes]
-    notes += [note for name, signal in signals.items() if name in found for note in signal.notes]
-    notes += _derived(columns, found, fmt, signals)
+    notes += rule + [note for signal in signals.values() for note in signal.notes]
+    notes += _derived(columns, fmt, signals)
     notes += [*left_out, *log.notes]
     if log.others:
         seen = ", ".join(f"{address} ({n})" for address, n in log.others.most_common(10))
@@ -87,53 +82,78 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     return LenientRecord(file.stem, columns, stated, log.where, notes=tuple(notes), faults=faults), log.head
 
 
-def _columns(
-    t: np.ndarray, found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
-) -> dict[str, np.ndarray]:
-    """Return the trial's columns, of signals that have its clock."""
-    psi = found["psi"][:, 0] if "psi" in found else None
+def _resampled(
+    signals: dict[str, Signal], step: float, gap: float | None, where: str
+) -> tuple[dict[str, Signal], list[str]]:
+    """Signals on one clock of multiples of `step`, and what was left out for it."""
+    leading = [name for name in signals if name in ("psi", "delta", "delta_order")][:2]
+    leading = leading or [max(signals, key=lambda name: len(signals[name].t))]
+    t, found, left_out = resample(signals, leading, step, gap)
+    if len(t) < 2:
+        ends = "; ".join(f"{n} from {signals[n].t[0]:.4g} to {signals[n].t[-1]:.4g} s" for n in leading)
+        raise NoOverlapError(
+            f"{where}: {' and '.join(leading)} are nowhere known together ({ends}). Leave out interval in [nmea] of the format "
+            "file, so that each signal keeps its own clock; or a longer gap lets sparse sentences be interpolated."
+        )
+    return {name: replace(signals[name], t=t, values=values) for name, values in found.items()}, left_out
+
+
+def _channels(signals: dict[str, Signal], fmt: NmeaFormat) -> dict[str, Channel]:
+    """Return the trial's columns, each at the times of its own signal."""
     plain = ("psi", "r", "delta", "delta_order", "depth", "phi", "n_engine")
-    result: dict[str, np.ndarray] = {name: found[name][:, 0] for name in plain if name in found}
-    forward, starboard = fmt.antenna or (0.0, 0.0)
-    if "position" in found:
-        x, y = found["position"].T
-        if psi is not None:
-            x = x - forward * np.cos(psi) + starboard * np.sin(psi)
-            y = y - forward * np.sin(psi) - starboard * np.cos(psi)
-        result |= {"x": x, "y": y}
-    if "speeds" in found:
-        result |= dict(zip(("u", "v"), found["speeds"].T))
-    if "course" in found or "bottom track" in found:
-        speed, course = found["course" if "course" in found else "bottom track"].T
+    result = {name: (signals[name].t, signals[name].values[:, 0]) for name in plain if name in signals}
+    antenna = fmt.antenna if "psi" in signals else None
+    if "position" in signals:
+        t, (x, y) = signals["position"].t, signals["position"].values.T
+        if antenna is not None and any(antenna):
+            psi = _at(signals["psi"], t)
+            x = x - antenna[0] * np.cos(psi) + antenna[1] * np.sin(psi)
+            y = y - antenna[0] * np.sin(psi) - antenna[1] * np.cos(psi)
+        result |= {"x": (t, x), "y": (t, y)}
+    if "speeds" in signals:
+        speeds = signals["speeds"]
+        result |= {name: (speeds.t, values) for name, values in zip(("u", "v"), speeds.values.T)}
+    over_ground = signals.get("course", signals.get("bottom track"))
+    if over_ground is not None:
+        t, (speed, course) = over_ground.t, over_ground.values.T
         north, east = speed * np.cos(course), speed * np.sin(course)
-        if "course" in found and psi is not None and (forward or starboard):
+        if over_ground.name == "course" and antenna is not None and any(antenna):
             # The antenna goes round midship.
-            r, c, s = _turning(t, found, signals["psi"]), np.cos(psi), np.sin(psi)
-            north, east = north + r * (forward * s + starboard * c), east + r * (starboard * s - forward * c)
-        result["SOG"] = np.hypot(north, east)
-        result["COG"] = np.mod(np.arctan2(east, north), 2 * pi)
-        if fmt.speed == "ground" and "speeds" not in found and psi is not None and not is_magnetic(signals["psi"]):
-            c, s = np.cos(psi), np.sin(psi)
-            result |= {"u": north * c + east * s, "v": east * c - north * s}
+            psi, r = _at(signals["psi"], t), _turning(t, signals)
+            north = north + r * (antenna[0] * np.sin(psi) + antenna[1] * np.cos(psi))
+            east = east + r * (antenna[1] * np.sin(psi) - antenna[0] * np.cos(psi))
+        result["SOG"] = t, np.hypot(north, east)
+        result["COG"] = t, np.mod(np.arctan2(east, north), 2 * pi)
+        psi_known = "psi" in signals and not is_magnetic(signals["psi"])
+        if fmt.speed == "ground" and "speeds" not in signals and psi_known:
+            psi = _at(signals["psi"], t)
+            result["u"] = t, north * np.cos(psi) + east * np.sin(psi)
+            result["v"] = t, east * np.cos(psi) - north * np.sin(psi)
     for name, tail in (("wind", "_relative"), ("true wind", "")):
-        if name in found:
-            speed, along, across = found[name].T
-            result["wind_speed" + tail] = speed
-            result["wind_direction" + tail] = np.mod(np.arctan2(across, along), 2 * pi)
+        if name in signals:
+            t, (speed, along, across) = signals[name].t, signals[name].values.T
+            result["wind_speed" + tail] = t, speed
+            result["wind_direction" + tail] = t, np.mod(np.arctan2(across, along), 2 * pi)
     return result
 
 
-def _turning(t: np.ndarray, found: dict[str, np.ndarray], psi: Signal) -> np.ndarray:
+def _at(signal: Signal, t: np.ndarray) -> np.ndarray:
+    """A signal between its samples; NaN in its holes."""
+    return interpolated(signal.t, signal.values[:, 0], t)
+
+
+def _turning(t: np.ndarray, signals: dict[str, Signal]) -> np.ndarray:
     """Rate of turn [rad/s]; the slope of the heading where there is no ROT."""
-    return found["r"][:, 0] if "r" in found else np.interp(t, psi.t, np.gradient(psi.values[:, 0], psi.t))
+    if "r" in signals:
+        return _at(signals["r"], t)
+    psi = signals["psi"]
+    return interpolated(psi.t, np.gradient(psi.values[:, 0], psi.t), t)
 
 
-def _derived(
-    columns: dict[str, np.ndarray], found: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]
-) -> list[str]:
+def _derived(columns: dict[str, np.ndarray], fmt: NmeaFormat, signals: dict[str, Signal]) -> list[str]:
     """Say what was computed of several signals, and what is missing for it."""
     notes = []
-    if "u" in columns and "speeds" not in found:
+    if "u" in columns and "speeds" not in signals:
         notes.append(
             "u, v: of SOG, COG and psi, over ground, as the format file asks for (speed = 'ground'); a current is in them."
         )
@@ -149,16 +169,17 @@ def _derived(
         )
     if fmt.antenna is not None and "psi" not in columns:
         notes.append("WARNING: x, y, SOG, COG are of the antenna: without a heading they cannot be brought to midship.")
-    elif fmt.antenna is not None and {"position", "course"} & set(found):
+    elif fmt.antenna is not None and {"position", "course"} & set(signals):
         notes.append(
             f"x, y, SOG, COG are of midship: the antenna stands {fmt.antenna[0]:g} m forward and {fmt.antenna[1]:g} m to starboard "
             "of it."
         )
-    elif "position" in found:
+    elif "position" in signals:
         notes.append("x, y are of the antenna; state [nmea.antenna] for those of midship.")
     if {"delta", "psi"} <= set(columns) and "r" not in columns:  # with ROT, every trial is checked
-        slope = np.gradient(columns["psi"], columns["t"]) if len(columns["t"]) > 1 else columns["t"]
-        if checks.turns_to_port(columns["t"], np.radians(columns["delta"]), np.radians(slope)):
+        rudder, psi = signals["delta"], signals["psi"]
+        slope = np.gradient(psi.values[:, 0], psi.t)
+        if checks.turns_to_port(psi.t, _at(rudder, psi.t), slope):
             notes.append(
                 "WARNING: positive RSA turns this ship to port: state sign = -1 in [nmea.rudder] of a format file."
             )

@@ -1,4 +1,4 @@
-"""Signals with clocks of their own, brought to one."""
+"""Signals with clocks of their own, in one table: each at its own stamps, or interpolated onto one clock."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ import numpy as np
 
 from shipid.trials.filling import GAP
 
+TOGETHER = 0.02
+"""Stamps that follow each other by less than this share of the shortest usual interval are one row of the table."""
 COVERAGE = 0.9
 """A signal that covers less of heading and rudder is left out, so that it does not cost the others their samples."""
 
@@ -38,6 +40,52 @@ class Signal:
     def interval(self) -> float:
         """Median interval [s]."""
         return float(np.median(np.diff(self.t)))
+
+
+#: Times [s] and values of a column, shapes (n,).
+Channel = tuple[np.ndarray, np.ndarray]
+
+
+def united(channels: Mapping[str, Channel]) -> tuple[np.ndarray, dict[str, np.ndarray], list[str]]:
+    """Put channels that keep their own clocks into one table: the union of their stamps, NaN where a channel has no sample.
+
+    Stamps that are less than `TOGETHER` of the shortest usual interval behind the first one of a row belong to it.
+
+    Parameters
+    ----------
+    channels : Mapping of str to (ndarray, ndarray)
+        Times [s], strictly increasing, and values.
+
+    Returns
+    -------
+    t : ndarray, shape (m,)
+        The first stamp of each row [s].
+    columns : dict of str to ndarray, shape (m,)
+        The channels.
+    notes : list of str
+        The rule, where it is needed, and the samples that have no row of their own.
+    """
+    stamps = np.unique(np.concatenate([t for t, _ in channels.values()]))
+    together = TOGETHER * min(float(np.median(np.diff(t))) for t, _ in channels.values())
+    # A run of stamps close together is cut into rows of that length.
+    run = np.append(True, np.diff(stamps) > together)
+    place = np.floor((stamps - stamps[run][np.cumsum(run) - 1]) / together)
+    first = run | np.append(True, np.diff(place) != 0)
+    row = np.cumsum(first) - 1
+    columns, notes = {}, []
+    for name, (t, values) in channels.items():
+        columns[name] = np.full(int(first.sum()), np.nan)
+        at = row[np.searchsorted(stamps, t)]
+        columns[name][at] = values
+        if twice := int(np.sum(np.diff(at) == 0)):
+            notes.append(f"{twice} samples of {name} lie within {together:.2g} s of the next one and were left out.")
+    if any(np.isnan(column).any() for column in columns.values()):
+        notes.insert(
+            0,
+            f"Each signal keeps its own clock: a row is a stamp of any of them (stamps within {together:.2g} s are one), and a "
+            "signal is missing where it has no sample.",
+        )
+    return stamps[first], columns, notes
 
 
 def resample(

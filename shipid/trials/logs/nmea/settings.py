@@ -6,8 +6,8 @@ Everything is optional; ``--format nmea`` alone stands for an empty table::
     stamp = "iso"              # the logger's stamp: auto, iso, epoch, hh:mm:ss, seconds, milliseconds, none (not used:
                                # the UTC of the sentences counts), or a strptime layout: "%m/%d/%Y,%H:%M:%S.%f"
     date = 2026-05-04          # where neither stamp nor sentence says it
-    interval = "0.2 s"         # of the trial; the median interval of the heading by default
-    gap = "3 s"                # nothing is interpolated across more; five intervals of the sentence by default
+    interval = "0.2 s"         # one clock for all signals, interpolated; by default each signal keeps its own
+    gap = "3 s"                # nothing is interpolated onto that clock across more; five intervals of the sentence by default
     speed = "ground"           # or water, the default: u and v over ground, for a log without a speed through the water
     leave_out = ["depth"]      # signals that are not wanted
 
@@ -117,9 +117,9 @@ class NmeaFormat(TrialFormat):
     date : date or None
         Of the first line.
     step : float or None
-        Sampling interval of the trial [s]; None is the median interval of the heading, 0.1 s at least.
+        Interval of the one clock for all signals [s]; None is each signal's own clock.
     gap : float or None
-        Longest interval to interpolate across [s]; None is five intervals of the sentence.
+        Longest interval to interpolate across onto that clock [s]; None is five intervals of the sentence.
     speed : str
         What u and v are: through the ``water``, or over ``ground``.
     leave_out : tuple of str

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import datetime, timedelta
 
+import numpy as np
 import pytest
 
 START = datetime(2026, 5, 4, 9, 0)
@@ -22,6 +24,23 @@ def iso(seconds: float) -> str:
 @pytest.fixture
 def sentence():
     return summed
+
+
+@pytest.fixture
+def dense():
+    """The function that brings a trial to the stamps of its heading."""
+    return at_the_heading
+
+
+def at_the_heading(trial):
+    """The trial at the stamps of its heading (of another column where it has none), the others interpolated."""
+    lead = next(name for name in ("psi", *trial.table.columns[1:]) if trial.has(name))
+    t, rows = trial["t"], np.isfinite(trial[lead])
+    table = trial.table[rows].reset_index(drop=True)
+    for name in table:
+        there = np.isfinite(trial[name])
+        table[name] = np.interp(t[rows], t[there], trial[name][there])
+    return replace(trial, table=table)
 
 
 @pytest.fixture

@@ -14,9 +14,11 @@ KNOT = 1852 / 3600
 
 
 @pytest.fixture
-def read(log, stamped, toml):
+def read(log, stamped, toml, dense):
     def run(*sentences, text="", seconds=20.0):
-        return read_trial(log(stamped(*sentences, seconds=seconds), "trial.nmea"), format=toml("[nmea]\n" + text))
+        return dense(
+            read_trial(log(stamped(*sentences, seconds=seconds), "trial.nmea"), format=toml("[nmea]\n" + text))
+        )
 
     return run
 
@@ -143,26 +145,59 @@ def test_rate_of_the_other_sign(read):
     assert np.degrees(trial["r"][0]) == pytest.approx(-0.1)
 
 
-def test_interval(read):
-    assert read(HDT, RSA).sampling == pytest.approx(0.2)
-    assert read(HDT, RSA, text='interval = "0.5 s"').sampling == pytest.approx(0.5)
-    assert read(steady("HEHDT,30.0,T", 50), RSA).sampling == pytest.approx(0.1)  # a tenth at least
+def test_each_signal_keeps_its_own_clock(log, stamped):
+    """Rows are the stamps of all signals; nothing is made up between them."""
+    path = log(stamped(HDT, RSA, steady("HEROT,6.0,A", 1)))
+    trial = read_trial(path, format="nmea")
+    t = trial["t"]
+    for name, rate in (("psi", 5), ("delta", 2), ("r", 1)):
+        np.testing.assert_allclose(t[np.isfinite(trial[name])], np.arange(20 * rate + 1) / rate, atol=1e-3)
+    assert len(trial) == 121 and trial.sampling == pytest.approx(
+        0.2
+    )  # of five and two a second, one stamp in five is common
+    assert any(
+        n.startswith("Each signal keeps its own clock: a row is a stamp of any of them") for n in trial.source.notes
+    )
+    assert not any("gap" in n for n in trial.source.notes)
+
+
+def test_stamps_close_to_each_other_are_one_row(log, stamped):
+    text = stamped(HDT, stamp=lambda t: f"2026-05-04T09:00:{t:06.3f}Z ", seconds=20)
+    close = stamped(
+        steady("HEROT,6.0,A"), stamp=lambda t: f"2026-05-04T09:00:{t + 0.003:06.3f}Z ", seconds=20, comment=""
+    )
+    apart = stamped(
+        steady("IIRSA,5.0,A,,V"), stamp=lambda t: f"2026-05-04T09:00:{t + 0.01:06.3f}Z ", seconds=20, comment=""
+    )
+    lines = sorted((text + close + apart).splitlines()[1:])
+    trial = read_trial(log("\n".join(lines) + "\n"), format="nmea")
+    assert len(trial) == 202
+    assert np.isfinite(trial["psi"][::2]).all() and np.isfinite(trial["r"][::2]).all()
+    assert np.isfinite(trial["delta"][1::2]).all() and np.isnan(trial["delta"][::2]).all()
+
+
+def test_one_clock_for_all_where_it_is_asked_for(read):
+    trial = read(HDT, RSA, text='interval = "0.5 s"')
+    assert trial.sampling == pytest.approx(0.5) and np.isfinite(trial["delta"]).all()
+    assert trial.source.notes[0] == "NMEA 0183, resampled to 0.5 s by linear interpolation."
 
 
 def test_nothing_is_interpolated_across_a_gap(read):
     heading = (lambda t: "HEHDT,30.0,T" if t <= 20 or t >= 26 else "GPXXX,1", 5)
-    trial = read(heading, RSA, seconds=60)
+    trial = read(heading, RSA, seconds=60, text='interval = "0.2 s"')
     t = trial["t"]
     assert not ((t > 20.001) & (t < 25.999)).any()
     notes = " ".join(trial.source.notes)
     assert "29 samples were left out because psi has gaps of more than 1 s" in notes
     assert "The clock has 1 gaps, the longest from 20 to 26 s" in notes
-    assert np.diff(read(heading, RSA, seconds=60, text='gap = "7 s"')["t"]).max() == pytest.approx(0.2)
+    assert np.diff(read(heading, RSA, seconds=60, text='interval = "0.2 s"\ngap = "7 s"')["t"]).max() == pytest.approx(
+        0.2
+    )
 
 
 def test_a_signal_that_is_mostly_missing_is_left_out(read):
     wind = (lambda t: "WIMWV,30.0,R,10.0,N,A" if t < 10 else "GPXXX,1", 1)
-    trial = read(HDT, RSA, wind, seconds=60)
+    trial = read(HDT, RSA, wind, seconds=60, text='interval = "0.2 s"')
     assert not trial.has("wind_speed_relative") and trial["t"][-1] == pytest.approx(60)
     assert any(
         n.startswith("WARNING: wind was left out: it is known for 15 % of the time only") for n in trial.source.notes

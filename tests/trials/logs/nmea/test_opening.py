@@ -5,6 +5,7 @@ import gzip
 import io
 import zipfile
 
+import numpy as np
 import pytest
 
 from shipid.trials import errors as e
@@ -15,8 +16,8 @@ from shipid.trials.logs.reading import read_trial
 def test_a_log_of_sentences_needs_no_option(log, stamped, basic):
     path = log(stamped(*basic), "log.txt")
     trial = read_trial(path)
-    assert trial.source.format == "nmea" and len(trial) == 101
-    assert len(read_trial(f"{path}@5:10")) == 26
+    assert trial.source.format == "nmea" and np.isfinite(trial["psi"]).sum() == 101
+    assert np.isfinite(read_trial(f"{path}@5:10")["psi"]).sum() == 26
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le"])
@@ -69,6 +70,6 @@ def zipped(data):
 def test_compressed(log, stamped, basic, compress):
     text = stamped(*basic).encode()
     trial = read_trial(log(compress(text), "log.nmea.gz"))
-    assert len(trial) == 101
+    assert np.isfinite(trial["psi"]).sum() == 101
     with pytest.raises(e.ForeignFileError, match=r"damaged|cannot be opened"):
         read_trial(log(compress(text)[:-30], "cut.nmea.gz"))

@@ -73,13 +73,14 @@ def test_written_and_read(tmp_path, heading, turning, rudder, speed, drift, stam
     rates = {kind: 5.0, **{k: v for k, v in RATES.items() if k != "HEHDT"}}
     path = write_nmea(trial, tmp_path / "made.nmea", rates, stamp=stamp, overwrite=True)
     back = read_trial(path, format="nmea")
-    t = back["t"]
     for name, within in WITHIN.items():
+        there = np.isfinite(back[name])
+        t, found = back["t"][there], back[name][there]
         if name == "SOG":
             expected = np.interp(t, trial["t"], np.hypot(trial["u"], trial["v"]))
         else:
             expected = np.interp(t, trial["t"], trial[name])
-        error = back[name] - expected
+        error = found - expected
         if name in ("x", "y"):
             error -= np.median(error)  # the origin is the first fix
         if name in ("psi", "wind_direction_relative"):
@@ -119,8 +120,8 @@ def test_other_sentences_of_the_writer(tmp_path):
     rates = {"HETHS": 5.0, "IIRSA": 2.0, "VWVHW": 1.0, "GPRMC": 1.0, "GPGLL": 1.0}
     path = write_nmea(trial, tmp_path / "made.nmea", rates, stamp="none")
     back = read_trial(path, format="nmea")
-    assert back["u"][5] == pytest.approx(6, abs=0.03)
-    assert back["SOG"][5] == pytest.approx(np.hypot(6, 0.5), abs=0.03)
+    assert back["u"][np.isfinite(back["u"])][1] == pytest.approx(6, abs=0.03)
+    assert back["SOG"][np.isfinite(back["SOG"])][1] == pytest.approx(np.hypot(6, 0.5), abs=0.03)
     assert any("UTC of GPRMC" in n for n in back.source.notes)
     with pytest.raises(UnknownNameError, match="XTE"):
         list(nmea_lines(trial, {"GPXTE": 1.0}))

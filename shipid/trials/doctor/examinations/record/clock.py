@@ -194,10 +194,10 @@ def _usual(p: WorkingCopy) -> tuple[float, float]:
     """Median interval of the clock, and from which length on an interval is a gap, signals with clocks of their own considered [s]."""
     d = np.diff(p.t)
     dt = float(np.median(d))
-    if robust.spread(d) < 0.2 * dt:
-        return dt, 2.5 * dt
     own = [np.diff(p.t[np.isfinite(values)]) for name, values in p.values.items() if name != "t"]
     usual = min((float(np.median(steps)) for steps in own if steps.size > 3), default=dt)
+    if robust.spread(d) < 0.2 * dt and usual < 1.5 * dt:
+        return dt, 2.5 * dt
     return max(usual, dt), GAP * max(usual, dt, float(np.quantile(d, 0.9)))
 
 

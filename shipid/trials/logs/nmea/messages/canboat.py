@@ -136,8 +136,7 @@ class _Collector:
                 f"{where}: {len(self.broken)} of {self.lines} lines are broken, the first in lines {first}. Check how the file "
                 "was written and copied."
             )
-        notes = ["NMEA 2000 in canboat's form."]
-        notes += named_lines(list(self.broken), "left out as broken (not a whole message)")
+        notes = named_lines(list(self.broken), "left out as broken (not a whole message)")
         records = dict(self._records())
         n = len(self.numbers)
         return NmeaLog(
