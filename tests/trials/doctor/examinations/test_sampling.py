@@ -35,3 +35,22 @@ def test_digits_far_finer_than_the_record_are_no_finding(simulated, tmp_path):
     assert step < 0.002 * float(np.ptp(trial["psi"]))
     diagnosis = with_column(trial, tmp_path / "log.csv", "psi", step * np.round(trial["psi"] / step))
     assert not [f for f in diagnosis.findings if f.kind == "quantised" and "psi" in f.channel]
+
+
+@pytest.mark.parametrize("digit", [0.1, 0.05])
+def test_a_compass_that_prints_tenths_is_not_resampled(simulated, tmp_path, digit):
+    """Steps of a few digits are often equal: three samples on a line are no sign of interpolation."""
+    trial = simulated("zigzag:20/20", "none")
+    step = np.deg2rad(digit)
+    printed = step * np.round(trial["psi"] / step)
+    assert np.mean(np.abs(np.diff(printed, 2)) < 1e-9) > 0.25
+    diagnosis = with_column(trial, tmp_path / "log.csv", "psi", printed)
+    assert not [f for f in diagnosis.findings if f.kind == "resampled"]
+
+
+def test_interpolation_leaves_the_digits_of_a_slower_sensor(simulated, tmp_path):
+    trial = simulated("zigzag:20/20", "none")
+    step, t = np.deg2rad(0.1), trial["t"]
+    slow = step * np.round(trial["psi"][::4] / step)
+    diagnosis = with_column(trial, tmp_path / "log.csv", "psi", np.interp(t, t[::4], slow))
+    assert [f.channel for f in diagnosis.findings if f.kind == "resampled" and f.confidence > 0.5] == ["psi"]

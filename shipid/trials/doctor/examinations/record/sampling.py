@@ -10,6 +10,8 @@ from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
+#: Where the slope of a channel changes by fewer digits from sample to sample, equal steps are no sign of interpolation.
+_FEW_DIGITS = 3
 
 
 def examine_resampling(p: WorkingCopy) -> None:
@@ -66,8 +68,11 @@ def _made_up(values: np.ndarray) -> float:
         moves = np.abs(d1[~held & under_way])
         ragged = robust.spread(moves) > 0.2 * float(np.median(moves))
         return held_share if np.median(steps) >= 2 and beat > 0.85 and ragged else 0.0
-    digits = grid > 0 and still > 0.1
-    return line if not digits else 0.0
+    # Where the slope changes by a digit or two, steps are often equal, and three samples on a line say nothing.
+    steps = (values - values[0]) / grid if grid > 0 else values
+    bends = float(np.median(np.abs(d2[index])))
+    printed = grid > 0 and float(np.abs(steps - np.round(steps)).max()) < 0.01 and bends < _FEW_DIGITS * grid
+    return line if not printed and not (grid > 0 and still > 0.1) else 0.0
 
 
 def _dilated(mask: np.ndarray, width: int) -> np.ndarray:
