@@ -84,7 +84,8 @@ def watched() -> Iterator[None]:
         yield
     finally:
         for number, handler in replaced.items():
-            signal.signal(number, handler)
+            if signal.getsignal(number) is _note:  # and not ignored from now on
+                signal.signal(number, handler)
         sys.unraisablehook = hook
         _noted = None
 

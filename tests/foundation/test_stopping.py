@@ -9,7 +9,15 @@ from collections.abc import Iterator
 import pytest
 
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.stopping import Interrupted, Terminated, stop_if_asked, undisturbed, watched, why_stopped
+from shipid.foundation.stopping import (
+    Interrupted,
+    Terminated,
+    ignore_from_now,
+    stop_if_asked,
+    undisturbed,
+    watched,
+    why_stopped,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -75,3 +83,11 @@ def test_a_process_that_is_to_ignore_a_signal_goes_on() -> None:
         signal.raise_signal(signal.SIGINT)
         stop_if_asked()
     assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+
+
+def test_a_command_that_is_done_stays_done() -> None:
+    """A signal while the process ends would change the exit code of work that was done and written."""
+    with watched():
+        ignore_from_now()
+    signal.raise_signal(signal.SIGINT)
+    signal.raise_signal(signal.SIGTERM)
