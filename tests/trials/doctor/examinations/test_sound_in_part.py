@@ -184,6 +184,13 @@ def test_a_wild_sample_at_either_end_draws_no_other_repair(simulated, tmp_path, 
     assert {f.kind for f in diagnosis.findings if f.repaired} <= {"outlier", "heading-glitch", "heading-wrap"}
 
 
+def test_a_rudder_that_goes_over_within_the_last_sample_is_wild(simulated, tmp_path):
+    log = columns(simulated("zigzag:-20/10", "none", "nomoto", "kvlcc2"))
+    log["delta"][-1] = -log["delta"][-1]
+    finding = found(check(log, tmp_path / "log.csv", "kvlcc2"), "outlier")
+    assert finding.channel == "delta" and finding.rows == (len(log["t"]) - 1,) * 2
+
+
 def test_small_glitches_are_no_matter(simulated, tmp_path):
     log = columns(simulated(noise="none"))
     log["psi"][200:202] += np.radians(0.03)
