@@ -96,6 +96,8 @@ def check_trial(
         # What is still there after the treatment is not handled; what the treatment settles is.
         left = {(f.kind, f.channel) for f in copy.findings}
         handled = [replace(f, handled=True) for f in logged.findings if (f.kind, f.channel) not in left and f.spoils]
+    if record.format is not None and record.format.drop_trailing:
+        copy.findings = [replace(f, handled=True) if f.kind == "trailing-empty" else f for f in copy.findings]
     return diagnose(copy, stretches, handled)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError
-from shipid.trials.logs.conversion import in_si, put_right, without_trailing
+from shipid.trials.logs.conversion import in_si, put_right
 from shipid.trials.logs.missing import marked_samples
 from shipid.trials.logs.record import LenientRecord, inside
 from shipid.trials.trial import Trial
@@ -106,8 +106,6 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError))
     record, assumed = _with_units(record)
     notes, faults = record.notes, record.faults
-    if treated:
-        record = without_trailing(record)
     if record.window is not None and (fmt is None or fmt.interval is None):
         # Whether a number stands for a missing sample is judged by the samples of the window.
         clock = record.values["t"] * columns.to_inside("t", record.stated["t"])

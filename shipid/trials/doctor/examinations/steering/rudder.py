@@ -41,9 +41,8 @@ def examine_sign(p: WorkingCopy) -> None:
     name = p.rudder
     if name is None or len(p) < 30 or not p.has("r") or p.found("no-rudder-movement"):
         return
-    sign = _sign(p, name)
-    if sign and p.has("delta", "delta_order") and _sign(p, "delta_order", say=False):
-        p["delta_order"] = -p["delta_order"]
+    if _sign(p, name) and p.has("delta", "delta_order"):
+        _sign(p, "delta_order", say=False)
 
 
 def _unit(p: WorkingCopy, name: str) -> None:
