@@ -43,7 +43,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
         "closed-loop", name, robust.confidence_of(share, 0.35, 0.65),
         f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
         f"steers, and the rudder explains {'only ' if disturbed else ''}{max(answer.explained, 0):.0%} of the turning; the rest is "
-        "disturbance that the rudder reacts to",
+        "disturbance that the rudder reacts to, or what a simple model of the ship leaves out",
         "Output error is biased: rudder and disturbance are correlated, the gain comes out far too small or with the wrong sign, "
         "and its interval does not say so."
         if disturbed
