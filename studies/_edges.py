@@ -18,7 +18,9 @@ SIZES = (1.0, 3.0, 30.0)
 NAMED = ("outlier", "heading-glitch", "heading-interpolated", "position-jump")
 
 
-def edge_table(trials: list[tuple[shipid.Trial, str]], folder: Path) -> dict[str, dict[str, int | list[str]]]:
+def edge_table(
+    trials: list[tuple[shipid.Trial, str]], folder: Path, sizes: tuple[float, ...] = SIZES
+) -> dict[str, dict[str, int | list[str]]]:
     """Plant one wild sample at a time.
 
     Parameters
@@ -27,6 +29,8 @@ def edge_table(trials: list[tuple[shipid.Trial, str]], folder: Path) -> dict[str
         Clean trials, each with the name of its ship.
     folder : Path
         For the logs.
+    sizes : tuple of float
+        Sizes of the wild samples, in ranges of the channel.
 
     Returns
     -------
@@ -37,10 +41,10 @@ def edge_table(trials: list[tuple[shipid.Trial, str]], folder: Path) -> dict[str
     for channel in CHANNELS:
         asked, found, others = 0, 0, []
         for k, (trial, ship) in enumerate(trials):
-            if not trial.has(channel) or float(np.ptp(trial[channel])) == 0:
+            if not trial.has(channel) or (channel != "u" and float(np.ptp(trial[channel])) == 0):
                 continue
             for row in ROWS:
-                for s, size in enumerate(SIZES):
+                for s, size in enumerate(sizes):
                     log = Log(trial, ship, k)
                     # The sizes of a steady speed and of a position are those of the number itself.
                     reach = max(

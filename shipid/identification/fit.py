@@ -22,6 +22,7 @@ from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
+from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.trial import Trial
 
@@ -269,7 +270,7 @@ class Fit:
                 *comparison_lines(self.validation, "predicted"),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
-                *(f"  check     {f}" for f in findings if f not in serious),
+                *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),
                 *(f"  {line}" for line in ([] if self.posterior is None else repr(self.posterior).splitlines())),
             ]
         )

@@ -12,6 +12,9 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import SURE, Finding
 
+_FULLY_TOLD = 2
+"""Up to so many findings of one kind are told one by one."""
+
 
 @dataclass(frozen=True)
 class TrialFinding:
@@ -63,3 +66,29 @@ def findings_of(
             diagnosis = check_trial(c.trial, ship)
             found += [TrialFinding(c.trial.name, role, f) for f in diagnosis.findings if f.confidence >= SURE]
     return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))
+
+
+def lines_of(findings: Sequence[TrialFinding]) -> list[str]:
+    """Return findings in words: one line each, or one line a kind where a kind is found many times.
+
+    Parameters
+    ----------
+    findings : sequence of TrialFinding
+        In the order in which they are told.
+
+    Returns
+    -------
+    list of str
+    """
+    lines = []
+    for kind in dict.fromkeys(f.finding.kind for f in findings):
+        same = [f for f in findings if f.finding.kind == kind]
+        if len(same) <= _FULLY_TOLD:
+            lines += [str(f) for f in same]
+            continue
+        channels = ", ".join(dict.fromkeys(f.finding.channel for f in same[1:]))
+        trials = len(dict.fromkeys(f.trial for f in same[1:]))
+        lines.append(
+            f"{same[0]}; and {len(same) - 1} more of this kind in {trials} trial{'s' * (trials > 1)} ({channels})"
+        )
+    return lines

@@ -12,7 +12,7 @@ import numpy as np
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
-from shipid.trials.doctor.examinations.motion import course, heading, track
+from shipid.trials.doctor.examinations.motion import course, heading, over_ground, track
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.examinations.record import clock, frozen, missing, outliers, rows, sampling
 from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay
@@ -40,6 +40,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     rates.examine_lag,
     course.examine_course,
     track.examine_track,
+    over_ground.examine_over_ground,
     frozen.examine_frozen,
     steering.examine_movement,
     closed_loop.examine_closed_loop,

@@ -16,7 +16,7 @@ _SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jum
 #: Kinds that spoil no identification, and are said beside the distances of a turn all the same.
 _BESIDE = ("track-inconsistent",)
 #: Kinds that are told at the numbers they touch.
-_TOLD = ("gap", "hole", "missing", "sentinel", "short", "not-finite")
+_TOLD = ("gap", "hole", "missing", "sentinel", "short")
 #: A finding about single samples that are scattered says where they begin and end, not which they are.
 _TOGETHER = 0.8
 _NAMES = {

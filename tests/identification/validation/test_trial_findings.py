@@ -7,6 +7,8 @@ import json
 import pytest
 
 import shipid
+from shipid.identification.validation.trial_findings import TrialFinding, lines_of
+from shipid.trials.doctor.findings import Finding
 
 UNITS = {"t": "s", "delta": "rad", "psi": "rad", "r": "rad/s", "u": "m/s"}
 
@@ -52,3 +54,18 @@ def test_it_can_be_left_out(mirrored):
     fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1)
     for unasked in (fit, shipid.assess(fit, bands=False, findings=False)):
         assert unasked.to_dict()["findings"] is None and "check" not in repr(unasked)
+
+
+def test_a_kind_found_many_times_takes_one_line():
+    def finding(trial, kind, channel):
+        return TrialFinding(
+            trial, "fitted", Finding(kind, channel, (0, 9), (0.0, 9.0), 3, 0.9, "", "", "3 samples", spoils=False)
+        )
+
+    many = [finding(trial, "missing", channel) for trial in ("a", "b") for channel in ("r", "psi")]
+    lines = lines_of([many[0], finding("a", "hole", "u"), *many[1:]])
+    assert lines == [
+        "a: missing (r, 90%, 0 to 9 s): 3 samples; and 3 more of this kind in 2 trials (psi, r)",
+        "a: hole (u, 90%, 0 to 9 s): 3 samples",
+    ]
+    assert lines_of(many[:2]) == [str(f) for f in many[:2]]

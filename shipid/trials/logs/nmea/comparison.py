@@ -10,10 +10,12 @@ from shipid.trials.logs.nmea.sources import SignalSource
 
 _FEWEST = 60
 """Fewer common instants say nothing about a delay."""
-_ALIKE = 0.95
-"""A delay is told where the other source, shifted by it, correlates with this one by so much."""
 _UNLIKE = 0.8
 """Below this correlation, sources of one signal do not agree."""
+_BETTER = 0.7
+"""A delay is told where it lets at most this share of the disagreement stand that there is without it."""
+_HARDLY_MORE = 1.05
+"""A delay is not excluded where the sources disagree by at most so much more than at the best one."""
 _LONGEST = 20.0
 """Longest delay that is looked for [s]."""
 
@@ -63,11 +65,13 @@ def compared(taken: SignalSource, other: SignalSource) -> str:
         apart = float(np.median((two - one + 180) % 360 - 180))
         words.append(f"{apart:+.2g} deg off")
         one, two = np.gradient(one), np.gradient(two)
-    delay, likeness = _delay(one, two, step)
-    if likeness >= _ALIKE:
-        if abs(delay) >= 2 * step:
-            words.append(f"{abs(delay):.2g} s {'later' if delay > 0 else 'earlier'}")
-    elif likeness < _UNLIKE:
+    (first, delay, last), likeness, without = _delay(one, two, step)
+    if likeness >= _UNLIKE:
+        if abs(delay) >= 2 * step and 1 - likeness < _BETTER * (1 - without):
+            near, far = sorted((abs(first), abs(last)))
+            known = f"{abs(delay):.2g}" if far - near < 0.2 * abs(delay) else f"{near:.2g} to {far:.2g}"
+            words.append(f"{known} s {'later' if delay > 0 else 'earlier'}")
+    else:
         words.append(f"does not show the same: correlation {likeness:.2g} at best")
     return ", ".join(words)
 
@@ -84,8 +88,11 @@ def _metres(taken: SignalSource, other: SignalSource, t: np.ndarray) -> tuple[np
     return places[1][0] - places[0][0], places[1][1] - places[0][1]
 
 
-def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[float, float]:
-    """By how much the second comes after the first [s], where their correlation has its peak, and the correlation there."""
+def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[tuple[float, float, float], float, float]:
+    """By how much the second comes after the first [s], by the peak of their correlation; the correlation there and without.
+
+    The delay stands between the least and the largest one at which the two disagree hardly more.
+    """
     n = one.size
     one, two = one - one.mean(), two - two.mean()
     most = min(round(_LONGEST / step), n // 3)
@@ -99,7 +106,11 @@ def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[float, float]
     moves = spread > 1e-12 * max(float(spread.max()), 1e-300)
     likeness = np.where(moves, both - sums[0] * sums[2] / count, 0.0) / np.sqrt(np.where(moves, spread, 1.0))
     best = int(np.argmax(likeness))
-    return float(lags[best] * step), float(likeness[best])
+    near = np.flatnonzero(1 - likeness <= _HARDLY_MORE * (1 - likeness[best]))
+    # A flat peak, as of a damped sensor in a steady turn, does not tell the delay closely.
+    same = near[np.sign(lags[near]) == np.sign(lags[best])]
+    found = tuple(float(lags[k] * step) for k in (same[0], best, same[-1]))
+    return (found[0], found[1], found[2]), float(likeness[best]), float(likeness[most])
 
 
 def _between(values: np.ndarray, start: np.ndarray, stop: np.ndarray) -> np.ndarray:

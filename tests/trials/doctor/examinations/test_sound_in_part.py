@@ -96,6 +96,23 @@ def test_an_autopilot_in_gusts_is_named(faults, simulated, tmp_path):
     assert finding.serious and "Output error is biased" in finding.effect
 
 
+@pytest.mark.parametrize("gust", [0.0005, 0.001, 0.002])
+@pytest.mark.parametrize("course", [0, 10])
+def test_an_autopilot_is_named_however_mild_the_disturbance(tmp_path, gust, course):
+    rng, n = np.random.default_rng(4), 1200
+    wanted = np.radians(course) * np.sign(np.sin(2 * np.pi * np.arange(n) / 300))
+    psi, r, delta, push = (np.zeros(n) for _ in range(4))
+    for k in range(1, n):
+        push[k] = 0.95 * push[k - 1] + gust * rng.standard_normal()
+        delta[k] = np.clip(1.4 * (wanted[k] - psi[k - 1]) - 8 * r[k - 1], -0.6, 0.6)
+        r[k] = r[k - 1] + (0.08 * delta[k - 1] - r[k - 1] + push[k]) / 12
+        psi[k] = psi[k - 1] + r[k]
+    log = {"t": np.arange(float(n)), "psi": psi, "r": r, "delta": delta}
+    finding = found(check(log, tmp_path / "log.csv"), "closed-loop")
+    explained = float(finding.message.split("% of the turning")[0].split()[-1])
+    assert finding.confidence > 0.5 and finding.spoils == (explained < 90)
+
+
 def test_holes_are_told_by_what_they_hide(simulated, tmp_path):
     log = columns(simulated())
     turning = int(np.argmax(np.abs(log["r"])))
@@ -182,6 +199,13 @@ def test_a_wild_sample_at_either_end_draws_no_other_repair(simulated, tmp_path, 
     named = [f for f in diagnosis.findings if f.kind in ("outlier", "heading-glitch") and channel in f.channels]
     assert named and named[0].repaired
     assert {f.kind for f in diagnosis.findings if f.repaired} <= {"outlier", "heading-glitch", "heading-wrap"}
+
+
+def test_a_rudder_that_goes_over_within_the_last_sample_is_wild(simulated, tmp_path):
+    log = columns(simulated("zigzag:-20/10", "none", "nomoto", "kvlcc2"))
+    log["delta"][-1] = -log["delta"][-1]
+    finding = found(check(log, tmp_path / "log.csv", "kvlcc2"), "outlier")
+    assert finding.channel == "delta" and finding.rows == (len(log["t"]) - 1,) * 2
 
 
 def test_small_glitches_are_no_matter(simulated, tmp_path):

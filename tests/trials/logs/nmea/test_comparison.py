@@ -30,6 +30,17 @@ def test_a_delay_is_told(late):
     assert way == ("later" if late > 0 else "earlier")
 
 
+def test_the_delay_of_a_damped_source_is_a_span():
+    rate = np.where(T % 60 < 30, 8.0, -8.0)
+    damped = np.convolve(rate, np.exp(-np.arange(0, 60, 0.05) / 6) * 0.05 / 6)[: T.size]
+    rng = np.random.default_rng(3)
+    said = compared(source("rate", T, rate + rng.normal(size=T.size)), source("rate", SLOW, np.interp(SLOW, T, damped)))
+    span, way = said.removeprefix("5 a second, ").split(" s ")
+    near, far = (float(number) for number in span.split(" to "))
+    # The half of a step is reached after 0.69 time constants.
+    assert near < 6 * np.log(2) < far < 8 and way == "later"
+
+
 def test_sources_that_agree_and_those_that_do_not():
     taken = source("rate", T, turning(T))
     assert compared(taken, source("rate", SLOW, turning(SLOW))) == "5 a second"

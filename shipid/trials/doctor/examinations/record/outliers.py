@@ -11,6 +11,8 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 #: The least that counts as wild, by the unit inside a trial: below it nobody cares.
 _LEAST = {"rad": np.radians(0.2), "rad/s": np.radians(0.005), "m": 0.05, "rps": 0.005}
+_FARTHER = 3.0
+"""A jump at either end of a record is wild where it is so many times the largest step in between."""
 
 
 def examine_outliers(p: WorkingCopy) -> None:
@@ -27,7 +29,7 @@ def examine_outliers(p: WorkingCopy) -> None:
             continue
         index = p.own(name)
         values = p[name][index]
-        mask = wild(values) | (outliers(values) if name != "psi" or not p.has("r") else False)
+        mask = wild(values) | (outliers(values) | ends(values) if name != "psi" or not p.has("r") else False)
         if not mask.any() or mask.mean() > 0.1:
             continue
         size = np.abs(values - median_filter(values, 5, mode="mirror"))[mask]
@@ -102,6 +104,22 @@ def outliers(values: np.ndarray) -> np.ndarray:
     window = np.lib.stride_tricks.sliding_window_view(padded, 9)[mask]
     before, after = np.median(window[:, :3], axis=1), np.median(window[:, -3:], axis=1)
     mask[np.flatnonzero(mask)] = np.abs(after - before) < 0.5 * rest[mask]
+    return mask
+
+
+def ends(values: np.ndarray) -> np.ndarray:
+    """Return the mask of a first or last sample that jumps farther than the channel does anywhere else.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The channel.
+    """
+    mask = np.zeros(len(values), dtype=bool)
+    step = np.abs(np.diff(values))
+    usual = float(step[1:-1].max())
+    if usual > 0:
+        mask[0], mask[-1] = step[0] > _FARTHER * usual, step[-1] > _FARTHER * usual
     return mask
 
 

@@ -11,12 +11,12 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 _FOLLOWS = 0.45
 """The helm law has to explain this share of the rudder's movements."""
-_DETERMINED = 0.7
+_DETERMINED = 0.9
 """From this share of the turning explained by the rudder on, what disturbs the ship misleads little."""
 
 
 def examine_closed_loop(p: WorkingCopy) -> None:
-    """Find a rudder that is a function of heading and rate of turn while disturbances turn the ship.
+    """Find a rudder that is a function of heading and rate of turn; it spoils a fit where disturbances turn the ship.
 
     Parameters
     ----------
@@ -35,16 +35,20 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     if share < _FOLLOWS:
         return
     answer = answer_to(p, name)
-    if answer is None or answer.explained > _DETERMINED:
+    if answer is None:
         return
+    # The orders of a zig-zag or a turn are steps, and no law of heading and rate explains them: the law alone tells.
+    disturbed = answer.explained < _DETERMINED
     p.add(
-        "closed-loop", name, min(robust.confidence_of(share, 0.35, 0.65), robust.confidence_of(1 - answer.explained, 0.3, 0.5)),
+        "closed-loop", name, robust.confidence_of(share, 0.35, 0.65),
         f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
-        f"steers, and the rudder explains only {max(answer.explained, 0):.0%} of the turning; the rest is disturbance that the rudder "
-        "reacts to",
+        f"steers, and the rudder explains {'only ' if disturbed else ''}{max(answer.explained, 0):.0%} of the turning; the rest is "
+        "disturbance that the rudder reacts to, or what a simple model of the ship leaves out",
         "Output error is biased: rudder and disturbance are correlated, the gain comes out far too small or with the wrong sign, "
-        "and its interval does not say so.",
-        "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.",
+        "and its interval does not say so."
+        if disturbed
+        else "Rudder and disturbance are correlated: a fit is biased by a little more than its interval says.",
+        "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.", spoils=disturbed,
     )  # fmt: skip
 
 

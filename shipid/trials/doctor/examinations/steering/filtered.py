@@ -7,6 +7,7 @@ derivatives are states of the filter.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import signal
@@ -87,15 +88,21 @@ def filtered(signals: Signals, values: np.ndarray, constant: float) -> tuple[np.
     tuple of ndarray, shape (m,)
     """
     # In units of the sampling interval: the numbers stay near one whatever the clock counts in.
-    width = constant / signals.step
+    start = float(values[0])
+    found = [signal.lfilter(b, a, values - start) for b, a in _coefficients(constant / signals.step)]
+    return found[0] + start, found[1] / signals.step, found[2] / signals.step**2
+
+
+@lru_cache(maxsize=64)
+def _coefficients(width: float) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """Numerators and denominators of the filter and its first two derivatives, for a width in samples."""
     denominator = np.poly([-1 / width] * _ORDER)
     gain = width**-_ORDER
-    start = float(values[0])
     found = []
     for numerator in ([gain], [gain, 0.0], [gain, 0.0, 0.0]):
         b, a, _ = signal.cont2discrete((numerator, denominator), 1.0, method="foh")
-        found.append(signal.lfilter(np.ravel(b), a, values - start))
-    return found[0] + start, found[1] / signals.step, found[2] / signals.step**2
+        found.append((np.ravel(b), a))
+    return tuple(found)
 
 
 def settled(signals: Signals, constant: float) -> np.ndarray:
