@@ -174,10 +174,11 @@ def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
     by_rudder = _held(rudder.t, rudder.y)
     psi = channel_of(trial, "psi", faults.wrong.get("psi"))
     by_rate: list[_Stage] = []
-    if len(psi.t) >= 50:
-        width = 0.3 * _SHORTEST * float(psi.t[-1] - psi.t[0])
-        rate = series.smoothed(psi.t, np.gradient(series.smoothed(psi.t, psi.y, width), psi.t), width)
-        by_rate = _held(psi.t, rate)
+    t, y = _once(psi.t, psi.y)
+    if len(t) >= 50:
+        width = 0.3 * _SHORTEST * float(t[-1] - t[0])
+        rate = series.smoothed(t, np.gradient(series.smoothed(t, y, width), t), width)
+        by_rate = _held(t, rate)
     # What is held is at its level first: the rudder in a direct spiral, the rate of turn in a reversed one.
     first = sum(s.end - s.start for s in by_rudder) >= sum(s.end - s.start for s in by_rate)
     for method, found in (("direct", by_rudder), ("reversed", by_rate))[:: 1 if first else -1]:
@@ -188,6 +189,7 @@ def _stages(trial: Trial, faults: Faults) -> tuple[str, list[_Stage]]:
 
 def _held(t: np.ndarray, y: np.ndarray) -> list[_Stage]:
     """Stretches at one level."""
+    t, y = _once(t, y)
     if len(t) < 50:
         return []
     least = _SHORTEST * float(t[-1] - t[0])
@@ -205,6 +207,12 @@ def _held(t: np.ndarray, y: np.ndarray) -> list[_Stage]:
         elif t[last] - t[first] >= least:
             result.append(_Stage(float(t[first]), float(t[last]), level))
     return result
+
+
+def _once(t: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """One value a moment, the last: an order that steps has two at the moment of the step."""
+    after = np.append(np.diff(t) > 1e-9, np.ones(min(len(t), 1), dtype=bool))
+    return t[after], y[after]
 
 
 def _goes_through(stages: list[_Stage]) -> bool:

@@ -79,8 +79,8 @@ class Channel:
         if len(times) == 1:
             return self
         t, y = np.concatenate(times), np.concatenate(values)
-        order = np.argsort(t, kind="stable")
-        return Channel(self.name, t[order], y[order], tuple(left), self.interval, self.digit, self.spikes)
+        t, order = np.unique(t, return_index=True)
+        return Channel(self.name, t, y[order], tuple(left), self.interval, self.digit, self.spikes)
 
 
 def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spikes: bool = True) -> Channel:
@@ -156,8 +156,8 @@ def _held(t: np.ndarray, y: np.ndarray, silent: np.ndarray, usual: float) -> tup
     times = [np.arange(t[k] + usual, t[k + 1] - 0.5 * usual, usual) for k in silent]
     values = [np.full(len(times[i]), y[k]) for i, k in enumerate(silent)]
     everything = np.concatenate([t, *times])
-    order = np.argsort(everything, kind="stable")
-    return everything[order], np.concatenate([y, *values])[order]
+    everything, order = np.unique(everything, return_index=True)
+    return everything, np.concatenate([y, *values])[order]
 
 
 def _cubic(t: np.ndarray, y: np.ndarray, a: float, b: float, usual: float) -> tuple[np.ndarray, np.ndarray] | None:
