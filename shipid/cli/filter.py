@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -18,6 +19,7 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
+from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 
 if TYPE_CHECKING:
@@ -84,7 +86,7 @@ def filter_trial(
     follow: str | None,
     wait: str,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Filter a trial with an extended Kalman filter generated from a model.
 
     Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other model works too. Prints the last
@@ -113,18 +115,17 @@ def filter_trial(
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
         _recursively(read, str(trial), found, known, method, measured, settings, delivery)
-        return
+        return ExitCode.DONE
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
         run_follow(follow, found, known, measured, settings, read.format, wait, delivery.as_json)
-        return
+        return ExitCode.DONE
     with delivery.progress() as tell:
         tell("reading")
         record = read(str(trial))
-        tell("filtering")
-        _filter(found, known, record, measured, settings, delivery)
+        return _filter(found, known, record, measured, settings, delivery, tell)
 
 
 def _filter(
@@ -134,9 +135,11 @@ def _filter(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
-    """Run the extended Kalman filter over a record."""
+    tell: Callable[[str], None],
+) -> ExitCode:
+    """Run the extended Kalman filter over a record, with noise levels from it where none are given."""
     from shipid.estimation.kalman import ExtendedKalmanFilter
+    from shipid.estimation.levels.judge_filter import judge_filter
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.report.write_report import write_report
@@ -144,11 +147,22 @@ def _filter(
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    run = kalman.filter(record)
+    # What the user gave stays, and so does what a model declares to drive its states.
+    kept = [f"sensor:{n}" for n in measured or ()]
+    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    tell("finding the noise levels")
+    levels = kalman.learn_levels(record, kept)
+    kalman = kalman.with_levels(levels)
+    tell("filtering")
+    run = judge_filter(kalman.filter(record), levels)
     seen = kalman.observability(run)
+    text = repr(run)
+    if levels.learnt:
+        text += f"\n  noise from the record: {levels}"
+    text = "\n".join([text, *(f"  {'NOT RIGHT' if d.serious else 'note'}: {d}" for d in run.doubts)])
     delivery.hand_over_parts(
-        run.to_dict() | {"observability": seen.to_dict()},
-        repr(run),
+        run.to_dict() | {"noise_levels": levels.to_dict(), "observability": seen.to_dict()},
+        text,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(seen, path),
@@ -156,6 +170,10 @@ def _filter(
     )
     for message in seen.messages:
         say(message)
+    if not run.reliable:
+        say(" ".join(d.message for d in run.doubts if d.serious))
+        return ExitCode.NO_CONVERGENCE
+    return ExitCode.DONE
 
 
 def _recursively(

@@ -365,6 +365,33 @@ def design_filter(
     )
 
 
+def with_levels(design: FilterDesign, sensors: Mapping[str, float], noise: Mapping[str, float]) -> FilterDesign:
+    """Return a design with other noise levels; all that was generated for it serves again.
+
+    Parameters
+    ----------
+    design : FilterDesign
+        The design.
+    sensors : mapping of str to float
+        Standard deviation of one sample of each sensor, SI.
+    noise : mapping of str to float
+        Level of each noise of states and inputs, SI, as the design takes it: a sample's, or a density.
+    """
+    sources = tuple(
+        replace(s, level=noise[s.name], assumed=s.assumed and noise[s.name] == s.level) for s in design.sources
+    )
+    other = replace(
+        design,
+        sources=sources,
+        q=np.array([s.level for s in sources]),
+        r=np.array([sensors[n] for n in design.measured]),
+    )
+    # Levels are constants of the generated step: the same compiled code takes the new ones.
+    other._loops.update(design._loops)
+    other._quantities.update(design._quantities)
+    return other
+
+
 def _gate(given: FilterSettings) -> Gate | None:
     """Return the gate of the settings; raise an error for a form or a gate that does not fit."""
     if given.form not in FORMS:

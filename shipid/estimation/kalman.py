@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -10,8 +11,10 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
+from shipid.estimation.design import FilterDesign, FilterSettings, design_filter, with_levels
 from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.levels.learn_levels import learn_levels
+from shipid.estimation.levels.record_levels import RecordLevels
 from shipid.estimation.online.online_filter import OnlineFilter
 from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
 from shipid.estimation.records.controls import controls_of
@@ -90,6 +93,8 @@ class ExtendedKalmanFilter:
     ----------
     design : FilterDesign
         The settings, read and checked once.
+    settings : FilterSettings
+        As they were given.
 
     Raises
     ------
@@ -129,34 +134,31 @@ class ExtendedKalmanFilter:
         compiled: bool = True,
         single: bool = False,
     ) -> None:
-        self.design: FilterDesign = design_filter(
-            model,
-            ship,
-            FilterSettings(
-                values=values,
-                measured=measured,
-                estimated=estimated,
-                noise=noise,
-                initial=initial,
-                start=start,
-                rates=rates,
-                inputs=inputs,
-                lost=lost,
-                ranges=ranges,
-                gate=gate,
-                patience=patience,
-                log=log,
-                shared_noise=shared_noise,
-                model_noise=model_noise,
-                switchable=switchable,
-                method=method,
-                hold=hold,
-                substeps=substeps,
-                form=form,
-                compiled=compiled,
-                single=single,
-            ),
+        self.settings = FilterSettings(
+            values=values,
+            measured=measured,
+            estimated=estimated,
+            noise=noise,
+            initial=initial,
+            start=start,
+            rates=rates,
+            inputs=inputs,
+            lost=lost,
+            ranges=ranges,
+            gate=gate,
+            patience=patience,
+            log=log,
+            shared_noise=shared_noise,
+            model_noise=model_noise,
+            switchable=switchable,
+            method=method,
+            hold=hold,
+            substeps=substeps,
+            form=form,
+            compiled=compiled,
+            single=single,
         )
+        self.design: FilterDesign = design_filter(model, ship, self.settings)
 
     def __repr__(self) -> str:
         return repr(self.design)
@@ -277,6 +279,35 @@ class ExtendedKalmanFilter:
             Whether the inputs of the record are known to be whole.
         """
         return make_likelihood(self.design, record, unknowns, filled=filled)
+
+    def learn_levels(self, record: FilterRecord, kept: Sequence[str] = ()) -> RecordLevels:
+        """Return the noise levels under which a record is most probable, and what it says of the coefficients.
+
+        Parameters
+        ----------
+        record : Trial or mapping of str to ndarray
+            What is filtered.
+        kept : sequence of str
+            ``sensor:NAME`` and ``noise:NAME`` that stay as they are.
+
+        Returns
+        -------
+        RecordLevels
+            For `with_levels`.
+        """
+        return learn_levels(self.design, self.settings, record, kept)
+
+    def with_levels(self, levels: RecordLevels) -> ExtendedKalmanFilter:
+        """Return the same filter with other noise levels.
+
+        Parameters
+        ----------
+        levels : RecordLevels
+            Of every sensor and of all that drives the states.
+        """
+        other = copy.copy(self)
+        other.design = with_levels(self.design, levels.sensors, levels.noise)
+        return other
 
     def start(self, lag: Amount | None = None) -> OnlineFilter:
         """Return the filter for samples that arrive one by one.

@@ -1,0 +1,157 @@
+"""Whether a filter fits its record: what was rejected, the size of the innovations, and where the coefficients ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from shipid.declaration.units import pretty
+from shipid.estimation.doubt import Doubt
+from shipid.estimation.levels.record_levels import RecordLevels
+from shipid.estimation.records.run import FilterRun
+from shipid.estimation.recursion.gate import REJECTED, TAKEN
+from shipid.foundation.numbers import uncertain_text
+
+#: A larger share of a sensor's samples beyond the gate is no accident.
+REJECTED_SHARE = 0.1
+#: Mean squared normalised innovations that still fit a filter: standard deviations right to 40 %.
+FITTING = (0.5, 2.0)
+#: Innovations so many times larger than expected say nothing any more: intervals are withheld.
+_HOPELESS = 5.0
+#: So many standard deviations of output error off, a coefficient is another one; less than two, as both know the same record.
+_APART = 1.75
+#: So many standard deviations off its most probable value, the recursion has not come to it.
+_UNFINISHED = 2.0
+#: Intervals that grow by more are told of.
+_WIDER = 1.5
+
+
+def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRun:
+    """Return a run with the doubts about it, and with intervals as wide as its innovations ask for.
+
+    Parameters
+    ----------
+    run : FilterRun
+        What the filter made of the record.
+    levels : RecordLevels, optional
+        What the record says of the noise of the filter.
+
+    Returns
+    -------
+    FilterRun
+    """
+    sizes = {n: _squares(run, i) for i, n in enumerate(run.design.measured)}
+    all_ = max((float(np.mean(s)) for s, _ in sizes.values() if s.size), default=1.0)
+    common = np.sqrt(max(1.0, all_))
+    own = {} if levels is None else {n: j.widening for n, j in levels.coefficients.items()}
+    widening = {n: float(max(common, own.get(n, 1.0))) for n in run.design.parameters}
+    withheld = ""
+    if common > _HOPELESS:
+        withheld = f"the innovations are {common:.0f} times as large as this filter expects them"
+    judged = replace(run, widening=widening, withheld=withheld)
+    return replace(judged, doubts=tuple(_doubts(judged, levels, sizes)))
+
+
+def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:
+    """Squared normalised innovations of a sensor, before the gate was opened for any, and which samples were beyond the gate."""
+    e, spread, fate, opened = (run.rows(n)[:, i] for n in ("e", "S", "fate", "inflation"))
+    there = (fate == TAKEN) | (fate == REJECTED)
+    forced = opened[there] > 1
+    squares = np.where(forced, opened[there] ** 2, e[there] ** 2 / spread[there])
+    return squares, forced | (fate[there] == REJECTED)
+
+
+def _doubts(
+    run: FilterRun, levels: RecordLevels | None, sizes: dict[str, tuple[np.ndarray, np.ndarray]]
+) -> Iterator[Doubt]:
+    yield from _about_search(levels)
+    for name, (squares, beyond) in sizes.items():
+        yield from _about_sensor(run, levels, name, squares, beyond)
+    yield from _about_coefficients(run, levels)
+
+
+def _about_search(levels: RecordLevels | None) -> Iterator[Doubt]:
+    if levels is not None and levels.learnt and not levels.converged:
+        yield Doubt(
+            "levels",
+            f"The noise levels could not be found from the record in {levels.evaluations} passes: give --measured and --noise.",
+        )
+
+
+def _about_sensor(
+    run: FilterRun, levels: RecordLevels | None, name: str, squares: np.ndarray, beyond: np.ndarray
+) -> Iterator[Doubt]:
+    if not squares.size:
+        return
+    count, share = int(np.count_nonzero(beyond)), float(np.mean(beyond))
+    taken = count - run.innovations[name].rejected
+    kept = squares[~beyond] if (~beyond).any() else squares
+    size = float(np.mean(kept))
+    if share > REJECTED_SHARE:
+        opened = f" The gate was opened for {taken} of them." if taken else ""
+        yield Doubt(
+            "rejected",
+            f"{count} of {squares.size} samples of {name} ({share:.0%}) are beyond the gate: so many are rarely wrong, and the "
+            f"noise levels or the model do not fit.{opened}{_advice(levels, name)}",
+        )
+    elif size > FITTING[1]:
+        yield Doubt(
+            "noise",
+            f"The innovations of {name} are {np.sqrt(size):.1f} times as large as this filter expects them: its noise levels are "
+            f"too small, and so are its standard deviations.{_advice(levels, name)}",
+        )
+    elif size < FITTING[0]:
+        yield Doubt(
+            "noise",
+            f"The innovations of {name} are {np.sqrt(size):.2f} times as large as this filter expects them: its noise levels are "
+            f"too large, and intervals too wide.{_advice(levels, name)}",
+            serious=False,
+        )
+
+
+def _advice(levels: RecordLevels | None, name: str) -> str:
+    if levels is None or f"sensor:{name}" in levels.learnt:
+        return ""
+    return f" The noise of {name} was given; leave it out, and it is taken from the record."
+
+
+def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator[Doubt]:
+    wider = {n: w for n, w in run.widening.items() if w > _WIDER}
+    if wider and not run.withheld:
+        factor = max(wider.values())
+        yield Doubt(
+            "correlated",
+            f"The innovations are larger than expected or correlated: the interval{'s' if len(wider) > 1 else ''} of "
+            f"{' and '.join(wider)} {'are' if len(wider) > 1 else 'is'} {factor:.1f} times as wide as the filter's own.",
+            serious=False,
+        )
+    if run.withheld:
+        yield Doubt("noise", f"No interval is given: {run.withheld}.")
+    for name, judged in ({} if levels is None else levels.coefficients).items():
+        estimate = run.parameters[name]
+        if estimate.value is None:
+            continue
+        unit = pretty(run.design.base[name].unit)
+        if judged.simulated is not None and judged.simulated_std is not None:
+            if abs(estimate.value - judged.simulated) > _APART * judged.simulated_std:
+                yield Doubt(
+                    "coefficient",
+                    f"{name} of this filter is {uncertain_text(estimate.value, estimate.std)} {unit}, and by output error on the "
+                    f"same record {uncertain_text(judged.simulated, judged.simulated_std)} {unit}: the model is not exact, and "
+                    "what it leaves out counts as noise that drives the ship. For predictions take the coefficients of identify.",
+                )
+                continue
+        own = _own_deviation(run, name)
+        if own and abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * own:
+            yield Doubt(
+                "coefficient",
+                f"{name} of this filter is {estimate.value:.4g} {unit}, and {judged.value:.4g} {unit} is the most probable value: "
+                "it started too far away. Start closer to it (--start), or take the coefficients of identify.",
+            )
+
+
+def _own_deviation(run: FilterRun, name: str) -> float:
+    """The standard deviation of a coefficient by the filter's own covariance."""
+    return float(run.std_of(name)[-1])
