@@ -100,7 +100,9 @@ def measured(data: Path, short: bool) -> Iterator[Record]:
         for run in runs[:1] if short else runs:
             file = data / pattern.format(run)
             if Path(str(file).partition("@")[0]).is_file():
-                name = {"gunnerus": "gunnerus", "kvlcc2": "kvlcc2-marin", "kvlcc2-7m": "kvlcc2-hsva"}.get(ship, "esso-osaka")
+                name = {"gunnerus": "gunnerus", "kvlcc2": "kvlcc2-marin", "kvlcc2-7m": "kvlcc2-hsva"}.get(
+                    ship, "esso-osaka"
+                )
                 yield Record(f"{name} {run}", (str(file), "--format", str(FORMATS / f"{name}.toml")), ship)
 
 
@@ -151,7 +153,9 @@ def main() -> None:
         rows = [judged(r) for r in [*records, *real]]
     quiet = [r.measured.endswith("exit 0") for r, record in zip(rows, records) if record.exact]
     share = sum(quiet) / len(quiet)
-    rows.append(Row("simulated, own structure", "9 of 10 without a word", f"{sum(quiet)} of {len(quiet)}", share >= 0.9))
+    rows.append(
+        Row("simulated, own structure", "9 of 10 without a word", f"{sum(quiet)} of {len(quiet)}", share >= 0.9)
+    )
     absent = "" if real else f"The measured trials are not at {chosen.data}; they were left out."
     show("shipid filter with its defaults, beside output error", rows, absent, chosen.json)
 

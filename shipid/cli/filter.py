@@ -138,8 +138,9 @@ def _filter(
     tell: Callable[[str], None],
 ) -> ExitCode:
     """Run the extended Kalman filter over a record, with noise levels from it where none are given."""
+    from shipid.estimation.by_record import filter_by_record
     from shipid.estimation.kalman import ExtendedKalmanFilter
-    from shipid.estimation.levels.judge_filter import judge_filter
+    from shipid.estimation.records.observability import observability
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.report.write_report import write_report
@@ -150,18 +151,17 @@ def _filter(
     # What the user gave stays, and so does what a model declares to drive its states.
     kept = [f"sensor:{n}" for n in measured or ()]
     kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
-    tell("finding the noise levels")
-    levels = kalman.learn_levels(record, kept)
-    kalman = kalman.with_levels(levels)
-    tell("filtering")
-    run = judge_filter(kalman.filter(record), levels)
-    seen = kalman.observability(run)
-    text = repr(run)
-    if levels.learnt:
-        text += f"\n  noise from the record: {levels}"
-    text = "\n".join([text, *(f"  {'NOT RIGHT' if d.serious else 'note'}: {d}" for d in run.doubts)])
+    run, levels = filter_by_record(kalman, record, kept, tell)
+    seen = observability(run)
+    text = "\n".join(
+        [
+            repr(run),
+            *(f"  {sentence}" for sentence in levels.words),
+            *(f"  {'NOT RIGHT' if d.serious else 'note'}: {d}" for d in run.doubts),
+        ]
+    )
     delivery.hand_over_parts(
-        run.to_dict() | {"noise_levels": levels.to_dict(), "observability": seen.to_dict()},
+        run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
         text,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),

@@ -134,8 +134,8 @@ class FilterDesign:
     integration: tuple[str, str, int, bool]
     compiled: bool
     single: bool
-    _loops: dict[object, Loop] = field(default_factory=dict, init=False)
-    _quantities: dict[str, CasadiFunction] = field(default_factory=dict, init=False)
+    _loops: dict[object, Loop] = field(default_factory=dict)
+    _quantities: dict[str, CasadiFunction] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         kind = "Kalman filter" if self.linear else "extended Kalman filter"
@@ -263,7 +263,13 @@ class FilterDesign:
             sorted(self.parameters.items()),
             *(
                 sorted(each.items())
-                for each in (instruments.rates, instruments.ranges, instruments.inputs, instruments.lost)
+                for each in (
+                    instruments.rates,
+                    instruments.ranges,
+                    instruments.inputs,
+                    instruments.lost,
+                    instruments.biases,
+                )
             ),
         )
         return hashlib.sha256(repr(parts).encode()).hexdigest()
@@ -363,33 +369,6 @@ def design_filter(
         given.compiled,
         given.single,
     )
-
-
-def with_levels(design: FilterDesign, sensors: Mapping[str, float], noise: Mapping[str, float]) -> FilterDesign:
-    """Return a design with other noise levels; all that was generated for it serves again.
-
-    Parameters
-    ----------
-    design : FilterDesign
-        The design.
-    sensors : mapping of str to float
-        Standard deviation of one sample of each sensor, SI.
-    noise : mapping of str to float
-        Level of each noise of states and inputs, SI, as the design takes it: a sample's, or a density.
-    """
-    sources = tuple(
-        replace(s, level=noise[s.name], assumed=s.assumed and noise[s.name] == s.level) for s in design.sources
-    )
-    other = replace(
-        design,
-        sources=sources,
-        q=np.array([s.level for s in sources]),
-        r=np.array([sensors[n] for n in design.measured]),
-    )
-    # Levels are constants of the generated step: the same compiled code takes the new ones.
-    other._loops.update(design._loops)
-    other._quantities.update(design._quantities)
-    return other
 
 
 def _gate(given: FilterSettings) -> Gate | None:

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.estimation.design import FilterDesign, FilterSettings, design_filter, with_levels
+from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.levels.learn_levels import learn_levels
 from shipid.estimation.levels.record_levels import RecordLevels
@@ -25,6 +25,7 @@ from shipid.estimation.records.restart import restarted, run_stretches
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.smoother import Smoothed, smooth
 from shipid.estimation.recursion.layout import Form
+from shipid.estimation.redesign import started_at, with_levels
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.parameters.parameter_set import ParameterSet
@@ -298,7 +299,7 @@ class ExtendedKalmanFilter:
         return learn_levels(self.design, self.settings, record, kept)
 
     def with_levels(self, levels: RecordLevels) -> ExtendedKalmanFilter:
-        """Return the same filter with other noise levels.
+        """Return the same filter with other noise levels, and with the biases of its inputs taken out.
 
         Parameters
         ----------
@@ -306,7 +307,19 @@ class ExtendedKalmanFilter:
             Of every sensor and of all that drives the states.
         """
         other = copy.copy(self)
-        other.design = with_levels(self.design, levels.sensors, levels.noise)
+        other.design = with_levels(self.design, levels.sensors, levels.noise, levels.biases)
+        return other
+
+    def started_at(self, starts: Mapping[str, tuple[float, float]]) -> ExtendedKalmanFilter:
+        """Return the same filter with other first estimates of parameters.
+
+        Parameters
+        ----------
+        starts : mapping of str to tuple of float
+            First value and standard deviation by estimated parameter, SI.
+        """
+        other = copy.copy(self)
+        other.design = started_at(self.design, starts)
         return other
 
     def start(self, lag: Amount | None = None) -> OnlineFilter:

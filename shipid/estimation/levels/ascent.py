@@ -2,15 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-#: Value, gradient and information at a point.
-Objective = Callable[[np.ndarray], tuple[float, np.ndarray, np.ndarray]]
 #: Longest step of a logarithm, smallest gain of a step that is worth the next one, most evaluations.
-_LONGEST, _GAIN, _MOST = 1.5, 1e-2, 120
+_LONGEST, _GAIN, _MOST = 1.5, 1e-2, 150
+
+
+class Objective(Protocol):
+    """The logarithm of a likelihood."""
+
+    def value(self, z: np.ndarray) -> float:
+        """Return it at a point.
+
+        Parameters
+        ----------
+        z : ndarray, shape (unknowns,)
+            The point.
+        """
+
+    def slopes(self, z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return gradient and expected information at a point, shapes (unknowns,) and (unknowns, unknowns).
+
+        Parameters
+        ----------
+        z : ndarray, shape (unknowns,)
+            The point.
+        free : ndarray of bool, shape (unknowns,)
+            By which unknowns; the others have zeros.
+        """
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,62 +41,65 @@ class Summit:
 
     Attributes
     ----------
-    at, gradient : ndarray, shape (unknowns,)
-        The point, and the gradient there.
+    at : ndarray, shape (unknowns,)
+        The point.
     information : ndarray, shape (unknowns, unknowns)
-        Fisher's, there.
+        Fisher's, there; zero for unknowns that were held.
+    free : ndarray of bool, shape (unknowns,)
+        Which were not.
     value : float
         The logarithm of the likelihood.
     evaluations : int
-        How often it was evaluated.
+        How many steps were tried.
     converged : bool
         Whether a further step would gain nothing.
     """
 
     at: np.ndarray
-    gradient: np.ndarray
     information: np.ndarray
+    free: np.ndarray
     value: float
     evaluations: int
     converged: bool
 
 
-def climb(objective: Objective, start: np.ndarray, low: np.ndarray, high: np.ndarray) -> Summit:
+def climb(objective: Objective, start: np.ndarray, low: np.ndarray, high: np.ndarray, most: int = _MOST) -> Summit:
     """Return the maximum that a search from a start reaches.
 
     Parameters
     ----------
-    objective : callable
-        Value, gradient and information.
+    objective : Objective
+        The likelihood.
     start, low, high : ndarray, shape (unknowns,)
-        Where it begins, and the bounds; logarithms, or unknowns of size one.
+        Where it begins, and the bounds: logarithms, or unknowns of size one. One with equal bounds is held.
+    most : int
+        Largest number of steps that are tried.
     """
-    at = np.clip(start, low, high)
-    value, gradient, information = objective(at)
-    damping, evaluations, converged = 1e-2, 1, False
-    while evaluations < _MOST and np.isfinite(value):
-        held = (low >= high) | ((at <= low) & (gradient < 0)) | ((at >= high) & (gradient > 0))
-        free = np.flatnonzero(~held)
-        if not free.size:
-            converged = True
-            break
-        part = information[np.ix_(free, free)]
+    at, free = np.clip(start, low, high), low < high
+    value = objective.value(at)
+    information = np.zeros((at.size, at.size))
+    damping, evaluations, moved, converged = 1e-2, 1, True, False
+    while evaluations < most and np.isfinite(value):
+        if moved:
+            gradient, information = objective.slopes(at, free)
+        bound = ((at <= low) & (gradient < 0)) | ((at >= high) & (gradient > 0))
+        moving = np.flatnonzero(free & ~bound)
+        part = information[np.ix_(moving, moving)]
         step = np.zeros_like(at)
-        step[free] = np.linalg.solve(part + np.diag(damping * np.diag(part) + 1e-9), gradient[free])
+        step[moving] = np.linalg.solve(part + np.diag(damping * np.diag(part) + 1e-9), gradient[moving])
         after = np.clip(at + np.clip(step, -_LONGEST, _LONGEST), low, high)
-        found = objective(after)
+        reached = objective.value(after)
         evaluations += 1
-        if found[0] > value:
-            gain = found[0] - value
-            at, (value, gradient, information) = after, found
-            damping = max(damping / 5, 1e-6)
-            if gain < _GAIN:
-                converged = True
-                break
+        moved = reached > value
+        # What a step promises is worked out from the gradient: a short step because of the damping is no end.
+        promised = float(gradient[moving] @ step[moving])
+        if moved:
+            at, value, damping = after, reached, max(damping / 5, 1e-6)
         else:
             damping *= 4
-            if damping > 1e8:
-                # No step uphill is left: the gradient is zero to rounding.
-                converged = True
-                break
-    return Summit(at, gradient, information, value, evaluations, converged and bool(np.isfinite(value)))
+        if not moving.size or (promised < _GAIN and (damping < 1.0 or not moved)) or damping > 1e10:
+            converged = True
+            break
+    if moved and np.isfinite(value):
+        _, information = objective.slopes(at, free)
+    return Summit(at, information, free, value, evaluations, converged)

@@ -12,7 +12,7 @@ from shipid.trials.speed import speed_before_in
 _WILD, _LEVELS = 10.0, 5.0
 _NORMAL = 1.4826
 #: Longer records are learnt from in so many pieces of so many samples, evenly spaced.
-_PIECES, _SAMPLES = 6, 2000
+_PIECES, _SAMPLES = 6, 1000
 
 
 def cleaned(design: FilterDesign, record: FilterRecord) -> dict[str, np.ndarray]:

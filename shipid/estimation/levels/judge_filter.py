@@ -21,7 +21,8 @@ FITTING = (0.5, 2.0)
 #: Innovations so many times larger than expected say nothing any more: intervals are withheld.
 _HOPELESS = 5.0
 #: So many standard deviations of output error off, a coefficient is another one; less than two, as both know the same record.
-_APART = 1.75
+#: One that is a tenth off is another one already at the second number, where output error is good to the third.
+_APART, _TENTH_APART, _TENTH, _GOOD = 1.75, 0.9, 0.1, 0.15
 #: So many standard deviations off its most probable value, the recursion has not come to it.
 _UNFINISHED = 2.0
 #: Intervals that grow by more are told of.
@@ -129,29 +130,45 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
         )
     if run.withheld:
         yield Doubt("noise", f"No interval is given: {run.withheld}.")
-    for name, judged in ({} if levels is None else levels.coefficients).items():
-        estimate = run.parameters[name]
+    if levels is None or run.withheld:
+        return
+    other, missed = [], []
+    for name, judged in levels.coefficients.items():
+        estimate, unit = run.parameters[name], unit_text(run.design.base[name].unit)
         if estimate.value is None:
             continue
-        unit = pretty(run.design.base[name].unit)
-        if judged.simulated is not None and judged.simulated_std is not None:
-            if abs(estimate.value - judged.simulated) > _APART * judged.simulated_std:
-                yield Doubt(
-                    "coefficient",
-                    f"{name} of this filter is {uncertain_text(estimate.value, estimate.std)} {unit}, and by output error on the "
-                    f"same record {uncertain_text(judged.simulated, judged.simulated_std)} {unit}: the model is not exact, and "
-                    "what it leaves out counts as noise that drives the ship. For predictions take the coefficients of identify.",
-                )
-                continue
-        own = _own_deviation(run, name)
-        if own and abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * own:
-            yield Doubt(
-                "coefficient",
-                f"{name} of this filter is {estimate.value:.4g} {unit}, and {judged.value:.4g} {unit} is the most probable value: "
-                "it started too far away. Start closer to it (--start), or take the coefficients of identify.",
-            )
+        own = f"{name} {uncertain_text(estimate.value, estimate.std)}{unit}"
+        simulated, deviation = judged.simulated, judged.simulated_std
+        if simulated is not None and deviation is not None and _differ(estimate.value, simulated, deviation):
+            other.append(f"{own} (by output error {uncertain_text(simulated, deviation)}{unit})")
+        elif abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * float(run.std_of(name)[-1]) > 0:
+            missed.append(f"{own} (most probable {judged.value:.4g}{unit})")
+    if other:
+        yield Doubt(
+            "coefficient",
+            f"The model is not exact, and what it leaves out counts here as noise that drives the ship: {', '.join(other)}. For "
+            "predictions take the coefficients of shipid identify.",
+        )
+    if missed:
+        yield Doubt(
+            "coefficient",
+            f"The recursion did not come to the most probable coefficients: {', '.join(missed)}. Start closer to them (--start), "
+            "or take the coefficients of shipid identify.",
+        )
 
 
-def _own_deviation(run: FilterRun, name: str) -> float:
-    """The standard deviation of a coefficient by the filter's own covariance."""
-    return float(run.std_of(name)[-1])
+def _differ(value: float, other: float, deviation: float) -> bool:
+    off = abs(value - other)
+    much = off > max(_TENTH_APART * deviation, _TENTH * abs(other)) and deviation < _GOOD * abs(other)
+    return off > _APART * deviation or much
+
+
+def unit_text(unit: str) -> str:
+    """Return a unit as it stands behind a number: with a blank before it, or nothing for the unit 1.
+
+    Parameters
+    ----------
+    unit : str
+        The unit.
+    """
+    return "" if unit in ("", "1") else f" {pretty(unit)}"

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from shipid.declaration.units import factor, pretty
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import uncertain_text
 
 
 @dataclass(frozen=True)
@@ -15,8 +16,12 @@ class Judged:
 
     Attributes
     ----------
+    unit : str
+        Its unit.
     value : float
         Its most probable value, SI.
+    std : float
+        Its standard deviation if the innovations were white.
     widening : float
         Standard deviation under the innovations as they are, over the one if they were white; 1 or more.
     simulated : float or None
@@ -25,7 +30,9 @@ class Judged:
         Standard deviation of that one, under the residuals as they are.
     """
 
+    unit: str
     value: float
+    std: float
     widening: float
     simulated: float | None = None
     simulated_std: float | None = None
@@ -43,6 +50,8 @@ class RecordLevels:
         Level of what drives each state or input.
     learnt : tuple of str
         ``sensor:NAME`` and ``noise:NAME`` that come from the record; the others were given or declared.
+    biases : mapping of str to float
+        Constant bias of each input that may have one, SI: it is added to what the record holds.
     coefficients : mapping of str to Judged
         The estimated coefficients that are constants.
     converged : bool
@@ -50,16 +59,26 @@ class RecordLevels:
     evaluations : int
         How often the record was run through.
     units : mapping of str to tuple of str
-        Unit of each level, and the one it is shown in, by key.
+        Unit of each level and of each ``bias:NAME``, and the one it is shown in, by key.
     """
 
     sensors: Mapping[str, float]
     noise: Mapping[str, float]
     learnt: tuple[str, ...]
+    biases: Mapping[str, float]
     coefficients: Mapping[str, Judged]
     converged: bool
     evaluations: int
     units: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def simulated(self) -> dict[str, tuple[float, float]]:
+        """Value and standard deviation of each coefficient by output error, SI, where it was worked out."""
+        return {
+            n: (c.simulated, c.simulated_std)
+            for n, c in self.coefficients.items()
+            if c.simulated is not None and c.simulated_std is not None
+        }
 
     def level(self, key: str) -> float:
         """Return a level, SI.
@@ -75,15 +94,39 @@ class RecordLevels:
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI."""
         return {
-            key: {"value": self.level(key), "unit": unit, "from": "record" if key in self.learnt else "given"}
-            for key, (unit, _) in self.units.items()
+            "noise_levels": {
+                key: {"value": self.level(key), "unit": unit, "from": "record" if key in self.learnt else "given"}
+                for key, (unit, _) in self.units.items()
+                if not key.startswith("bias:")
+            },
+            "biases": {n: {"value": v, "unit": self.units[f"bias:{n}"][0]} for n, v in self.biases.items()},
+            "output_error": {
+                n: {"value": v, "std": s, "unit": self.coefficients[n].unit} for n, (v, s) in self.simulated.items()
+            },
         }
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What comes from the record, a line each."""
+        said = [f"noise from the record: {self}"] if self.learnt else []
+        if self.biases:
+            biases = (self._shown(f"bias:{n}", v) for n, v in self.biases.items())
+            said.append(f"added to inputs, from the record: {', '.join(biases)}")
+        if self.simulated:
+            values = (
+                f"{n} {uncertain_text(v, s)} {pretty(self.coefficients[n].unit)}"
+                for n, (v, s) in self.simulated.items()
+            )
+            said.append(f"output error on the same record: {', '.join(values)}")
+        return tuple(said)
+
+    def _shown(self, key: str, value: float) -> str:
+        unit, shown = self.units[key]
+        return f"{key.partition(':')[2]} {value * factor(unit, shown):.3g} {pretty(shown)}"
 
     def __str__(self) -> str:
         said = []
         for key in self.learnt:
-            kind, _, name = key.partition(":")
-            unit, shown = self.units[key]
-            level = f"{name} {self.level(key) * factor(unit, shown):.3g} {pretty(shown)}"
-            said.append(level if kind == "sensor" else f"noise that drives {level}")
+            level = self._shown(key, self.level(key))
+            said.append(level if key.startswith("sensor:") else f"noise that drives {level}")
         return ", ".join(said)

@@ -6,7 +6,7 @@ One pass over the record gives the value, the gradient and Fisher's expected inf
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -64,27 +64,6 @@ class Likelihood:
             Fisher's, summed over the record.
         """
         size = len(self.unknowns)
-        value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
-        # Behind a hole of an input everything starts anew.
-        for end, out in self._passes(q):
-            value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
-            information = information + unpacked(end[None, end.size - covariance_form.size(size) :], size)[0]
-        if not (np.isfinite(value) and np.isfinite(gradient).all()):
-            return -np.inf, np.zeros(size), np.zeros((size, size))
-        return value, gradient, information
-
-    def scores(self, q: np.ndarray) -> np.ndarray:
-        """Return the gradient of the log-likelihood of each row of the record, shape (rows, unknowns).
-
-        Parameters
-        ----------
-        q : ndarray, shape (unknowns,)
-            See `__call__`.
-        """
-        return np.concatenate([out[:, 1:] for _, out in self._passes(q)])
-
-    def _passes(self, q: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-        """What the loop carries out of each stretch, and what it returned of its rows."""
         first, constants = self._carried[0].copy(), self._constants.copy()
         shift = np.zeros(self._inputs)
         for value, place in zip(q, self._places):
@@ -96,11 +75,18 @@ class Likelihood:
                 first[place.at] = value
             else:
                 shift[place.at] += value
+        value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
+        # Behind a hole of an input everything starts anew.
         for z0, control in zip((first, *self._carried[1:]), self._controls):
             if shift.any():
                 control = control.copy()
                 control[:, : self._inputs] += shift
-            yield self._loop(z0, control, constants)
+            end, out = self._loop(z0, control, constants)
+            value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
+            information = information + unpacked(end[None, z0.size - covariance_form.size(size) :], size)[0]
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            return -np.inf, np.zeros(size), np.zeros((size, size))
+        return value, gradient, information
 
 
 def make_likelihood(
