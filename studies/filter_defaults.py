@@ -130,8 +130,8 @@ def judged(record: Record) -> Row:
         inside = inside and ends is not None and value is not None and ends[0] <= value <= ends[1]
     shares = [i["rejected"] / max(i["samples"], 1) for i in result.get("innovations", {}).values()]
     rejected = max(shares, default=1.0)
-    doubts = [d["message"] for d in result.get("doubts", []) if d["serious"]]
-    told = code != 0 and bool(doubts) and all(d in text for d in doubts)
+    serious = [d["message"] for d in result.get("warnings", []) if d["serious"]]
+    told = code != 0 and bool(serious) and all(d in text for d in serious)
     word = "inside" if inside else "outside"
     return Row(
         record.title,

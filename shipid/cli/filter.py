@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
     TrialReader,
@@ -114,14 +114,12 @@ def filter_trial(
     }
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
-        _recursively(read, str(trial), found, known, method, measured, settings, delivery)
-        return ExitCode.DONE
+        return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
-        run_follow(follow, found, known, measured, settings, read.format, wait, delivery.as_json)
-        return ExitCode.DONE
+        return run_follow(follow, found, known, measured, settings, read.format, wait, delivery)
     with delivery.progress() as tell:
         tell("reading")
         record = read(str(trial))
@@ -153,27 +151,17 @@ def _filter(
     kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
     run, levels = filter_by_record(kalman, record, kept, tell)
     seen = observability(run)
-    text = "\n".join(
-        [
-            repr(run),
-            *(f"  {sentence}" for sentence in levels.words),
-            *(f"  {'NOT RIGHT' if d.serious else 'note'}: {d}" for d in run.doubts),
-        ]
-    )
-    delivery.hand_over_parts(
+    for message in seen.messages:
+        warn(message)
+    said = [*levels.words, *(f"{'WARNING' if n.serious else 'note'}: {n}" for n in run.warnings)]
+    return delivery.hand_over_parts(
         run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
-        text,
+        "\n".join([repr(run), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(seen, path),
         },
     )
-    for message in seen.messages:
-        say(message)
-    if not run.reliable:
-        say(" ".join(d.message for d in run.doubts if d.serious))
-        return ExitCode.NO_CONVERGENCE
-    return ExitCode.DONE
 
 
 def _recursively(
@@ -185,7 +173,7 @@ def _recursively(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.report.write_report import write_report
@@ -195,12 +183,12 @@ def _recursively(
         tell(f"identifying by {method}")
         run = identify_recursively(model, record, ship=ship, method=method, measured=measured, **settings)
     assert not isinstance(run, list), "one record gives one result"
-    delivery.hand_over(
+    for sentence in run.warnings:
+        say(sentence)
+    return delivery.hand_over(
         run,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(run, path),
         },
     )
-    if run.diverged:
-        say(f"not reliable: {run.why_diverged}")

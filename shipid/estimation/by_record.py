@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from shipid.estimation.doubt import Doubt
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.levels.judge_filter import judge_filter, unit_text
 from shipid.estimation.levels.record_levels import RecordLevels
 from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.records.run import FilterRun
+from shipid.foundation.notices import Notice
 
 #: A recursion that ends so many standard deviations off the most probable value was linearised too far from it.
 _NEAR = 0.5
@@ -45,7 +45,7 @@ def filter_by_record(
     Returns
     -------
     run : FilterRun
-        With its doubts.
+        With its warnings.
     levels : RecordLevels
         The levels, and what else comes from the record.
 
@@ -70,13 +70,12 @@ def filter_by_record(
     if run is not None and not _missed(run, values):
         return judge_filter(run, levels), levels
     again = judge_filter(tuned.started_at(starts).filter(record), levels)
-    note = Doubt(
-        "start",
+    note = Notice(
         "From the first values the filter does not come to the most probable coefficients of the record, so it starts from "
         f"these: {', '.join(f'{n} {v:.4g}{unit_text(again.design.base[n].unit)}' for n, v in values.items())}.",
-        serious=False,
+        "started-at-most-probable",
     )
-    return replace(again, doubts=(*again.doubts, note)), levels
+    return replace(again, warnings=(*again.warnings, note)), levels
 
 
 def _missed(run: FilterRun, values: dict[str, float]) -> bool:

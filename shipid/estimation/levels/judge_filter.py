@@ -8,10 +8,10 @@ from dataclasses import replace
 import numpy as np
 
 from shipid.declaration.units import pretty
-from shipid.estimation.doubt import Doubt
 from shipid.estimation.levels.record_levels import RecordLevels
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
+from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import uncertain_text
 
 #: A larger share of a sensor's samples beyond the gate is no accident.
@@ -30,7 +30,7 @@ _WIDER = 1.5
 
 
 def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRun:
-    """Return a run with the doubts about it, and with intervals as wide as its innovations ask for.
+    """Return a run with what speaks against it, and with intervals as wide as its innovations ask for.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRu
     if common > _HOPELESS:
         withheld = f"the innovations are {common:.0f} times as large as this filter expects them"
     judged = replace(run, widening=widening, withheld=withheld)
-    return replace(judged, doubts=tuple(_doubts(judged, levels, sizes)))
+    return replace(judged, warnings=tuple(_notices(judged, levels, sizes)))
 
 
 def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:
@@ -64,26 +64,27 @@ def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:
     return squares, forced | (fate[there] == REJECTED)
 
 
-def _doubts(
+def _notices(
     run: FilterRun, levels: RecordLevels | None, sizes: dict[str, tuple[np.ndarray, np.ndarray]]
-) -> Iterator[Doubt]:
+) -> Iterator[Notice]:
     yield from _about_search(levels)
     for name, (squares, beyond) in sizes.items():
         yield from _about_sensor(run, levels, name, squares, beyond)
     yield from _about_coefficients(run, levels)
 
 
-def _about_search(levels: RecordLevels | None) -> Iterator[Doubt]:
+def _about_search(levels: RecordLevels | None) -> Iterator[Notice]:
     if levels is not None and levels.learnt and not levels.converged:
-        yield Doubt(
-            "levels",
+        yield Notice(
             f"The noise levels could not be found from the record in {levels.evaluations} passes: give --measured and --noise.",
+            "noise-not-found",
+            serious=True,
         )
 
 
 def _about_sensor(
     run: FilterRun, levels: RecordLevels | None, name: str, squares: np.ndarray, beyond: np.ndarray
-) -> Iterator[Doubt]:
+) -> Iterator[Notice]:
     if not squares.size:
         return
     count, share = int(np.count_nonzero(beyond)), float(np.mean(beyond))
@@ -92,23 +93,24 @@ def _about_sensor(
     size = float(np.mean(kept))
     if share > REJECTED_SHARE:
         opened = f" The gate was opened for {taken} of them." if taken else ""
-        yield Doubt(
-            "rejected",
+        yield Notice(
             f"{count} of {squares.size} samples of {name} ({share:.0%}) are beyond the gate: so many are rarely wrong, and the "
             f"noise levels or the model do not fit.{opened}{_advice(levels, name)}",
+            "rejected",
+            serious=True,
         )
     elif size > FITTING[1]:
-        yield Doubt(
-            "noise",
+        yield Notice(
             f"The innovations of {name} are {np.sqrt(size):.1f} times as large as this filter expects them: its noise levels are "
             f"too small, and so are its standard deviations.{_advice(levels, name)}",
+            "noise-does-not-fit",
+            serious=True,
         )
     elif size < FITTING[0]:
-        yield Doubt(
-            "noise",
+        yield Notice(
             f"The innovations of {name} are {np.sqrt(size):.2f} times as large as this filter expects them: its noise levels are "
             f"too large, and intervals too wide.{_advice(levels, name)}",
-            serious=False,
+            "noise-does-not-fit",
         )
 
 
@@ -118,18 +120,17 @@ def _advice(levels: RecordLevels | None, name: str) -> str:
     return f" The noise of {name} was given; leave it out, and it is taken from the record."
 
 
-def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator[Doubt]:
+def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator[Notice]:
     wider = {n: w for n, w in run.widening.items() if w > _WIDER}
     if wider and not run.withheld:
         factor = max(wider.values())
-        yield Doubt(
-            "correlated",
+        yield Notice(
             f"The innovations are larger than expected or correlated: the interval{'s' if len(wider) > 1 else ''} of "
             f"{' and '.join(wider)} {'are' if len(wider) > 1 else 'is'} {factor:.1f} times as wide as the filter's own.",
-            serious=False,
+            "interval-widened",
         )
     if run.withheld:
-        yield Doubt("noise", f"No interval is given: {run.withheld}.")
+        yield Notice(f"No interval is given: {run.withheld}.", "interval-withheld", serious=True)
     if levels is None or run.withheld:
         return
     other, missed = [], []
@@ -144,16 +145,18 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
         elif abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * float(run.std_of(name)[-1]) > 0:
             missed.append(f"{own} (most probable {judged.value:.4g}{unit})")
     if other:
-        yield Doubt(
-            "coefficient",
+        yield Notice(
             f"The model is not exact, and what it leaves out counts here as noise that drives the ship: {', '.join(other)}. For "
             "predictions take the coefficients of shipid identify.",
+            "coefficients-differ",
+            serious=True,
         )
     if missed:
-        yield Doubt(
-            "coefficient",
+        yield Notice(
             f"The recursion did not come to the most probable coefficients: {', '.join(missed)}. Start closer to them (--start), "
             "or take the coefficients of shipid identify.",
+            "coefficients-differ",
+            serious=True,
         )
 
 

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from shipid.estimation.design import FilterDesign
-from shipid.estimation.doubt import Doubt
 from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
@@ -18,6 +17,7 @@ from shipid.estimation.records.derived import named, published, quantity_along
 from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.statistics import interval_95
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: Largest standard deviation of a logarithm whose interval is still a number.
 _WIDEST = 150.0
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "meaning")
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class FilterRun:
         What it carried into the first row of each stretch between holes of an input (`StepLayout.carried`).
     out : ndarray, shape (rows, outputs)
         What it returned for each row (`StepLayout.full`).
-    doubts : tuple of Doubt
+    warnings : tuple of Notice
         What speaks against the result (`shipid.estimation.levels.judge_filter`); empty as long as nothing was examined.
     widening : mapping of str to float
         By estimated parameter: how many times wider its interval is than by the filter's own covariance.
@@ -103,7 +103,7 @@ class FilterRun:
     control: np.ndarray
     starts: tuple[np.ndarray, ...]
     out: np.ndarray
-    doubts: tuple[Doubt, ...] = field(default=(), kw_only=True)
+    warnings: tuple[Notice, ...] = field(default=(), kw_only=True)
     widening: Mapping[str, float] = field(default_factory=dict, kw_only=True)
     withheld: str = field(default="", kw_only=True)
     smoothable: ClassVar[bool] = True
@@ -266,7 +266,7 @@ class FilterRun:
             "innovations": {
                 n: {
                     "nis_mean": i.nis_mean,
-                    "nis_band95": None if i.nis_band is None else list(i.nis_band),
+                    "nis_interval_95": None if i.nis_band is None else list(i.nis_band),
                     "white_p": i.white_p,
                     "rejected": i.rejected,
                     "out_of_range": i.limited,
@@ -277,15 +277,14 @@ class FilterRun:
             "clock_went_back": self.arranged.back,
             "holes": self.arranged.to_dict(),
             "log_likelihood": self.log_likelihood,
-            "reliable": self.reliable,
-            "doubts": [d.to_dict() for d in self.doubts],
+            "warnings": plain_notices(self.warnings),
             "widening": dict(self.widening),
         }
 
     @property
     def reliable(self) -> bool:
         """Whether nothing serious speaks against the result, as far as it was examined."""
-        return not any(d.serious for d in self.doubts)
+        return not any(n.serious for n in self.warnings)
 
     def __repr__(self) -> str:
         lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
