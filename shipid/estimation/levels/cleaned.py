@@ -8,9 +8,9 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.arrangement import FilterRecord, columns_of
 from shipid.trials.speed import speed_before_in
 
-#: A sample so many robust standard deviations off the median of five is wild, if it is also so many times the standard level off.
+#: A sample so many robust standard deviations off the median of seven is wild, if it is also so many times the standard level off.
 _WILD, _LEVELS = 10.0, 5.0
-_NORMAL = 1.4826
+_NORMAL, _WIDE = 1.4826, 7
 #: Longer records are learnt from in so many pieces of so many samples, evenly spaced.
 _PIECES, _SAMPLES = 6, 1000
 
@@ -35,7 +35,7 @@ def cleaned(design: FilterDesign, record: FilterRecord) -> dict[str, np.ndarray]
             result[column] = values
     if "cruise" in design.model.inputs and "cruise" not in result:
         # Each piece of the record belongs to the speed before the manoeuvre of the whole.
-        before = speed_before_in(columns, design.instruments.scale.unit_time)
+        before = speed_before_in(result, design.instruments.scale.unit_time)
         if before is not None and "cruise" not in design.instruments.inputs:
             result["cruise"] = np.full(columns["t"].shape, before.value)
     return result
@@ -53,10 +53,11 @@ def wild(values: np.ndarray, level: float) -> np.ndarray:
     """
     there = np.flatnonzero(np.isfinite(values))
     found = np.zeros(values.size, dtype=bool)
-    if there.size < 5:
+    if there.size < _WIDE:
         return found
     shown = values[there]
-    around = np.lib.stride_tricks.sliding_window_view(np.pad(shown, 2, mode="edge"), 5)
+    # Mirrored at its ends, so that a wild first sample is alone among its neighbours.
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(shown, _WIDE // 2, mode="reflect"), _WIDE)
     off = np.abs(shown - np.median(around, axis=1))
     found[there[off > np.maximum(_WILD * _NORMAL * np.median(off), _LEVELS * level)]] = True
     return found

@@ -44,8 +44,7 @@ def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRu
     FilterRun
     """
     sizes = {n: _squares(run, i) for i, n in enumerate(run.design.measured)}
-    all_ = max((float(np.mean(s)) for s, _ in sizes.values() if s.size), default=1.0)
-    common = np.sqrt(max(1.0, all_))
+    common = float(np.sqrt(max([1.0, *(_size(*both) for both in sizes.values() if both[0].size)])))
     own = {} if levels is None else {n: j.widening for n, j in levels.coefficients.items()}
     widening = {n: float(max(common, own.get(n, 1.0))) for n in run.design.parameters}
     withheld = ""
@@ -62,6 +61,12 @@ def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:
     forced = opened[there] > 1
     squares = np.where(forced, opened[there] ** 2, e[there] ** 2 / spread[there])
     return squares, forced | (fate[there] == REJECTED)
+
+
+def _size(squares: np.ndarray, beyond: np.ndarray) -> float:
+    """Mean squared innovation of a sensor; without the samples beyond the gate where these are so few that they are outliers."""
+    few = float(np.mean(beyond)) <= REJECTED_SHARE
+    return float(np.mean(squares[~beyond] if few else squares))
 
 
 def _notices(
@@ -89,8 +94,7 @@ def _about_sensor(
         return
     count, share = int(np.count_nonzero(beyond)), float(np.mean(beyond))
     taken = count - run.innovations[name].rejected
-    kept = squares[~beyond] if (~beyond).any() else squares
-    size = float(np.mean(kept))
+    size = _size(squares, beyond)
     if share > REJECTED_SHARE:
         opened = f" The gate was opened for {taken} of them." if taken else ""
         yield Notice(

@@ -22,6 +22,8 @@ from shipid.estimation.records.arrangement import FilterRecord
 _NOTHING = 1e-5
 #: Steps after which output error is given up: where it has a maximum, it is there in a dozen.
 _MOST = 50
+#: Samples beyond a gate of so many standard deviations are left out where they are few, and the search goes on; so many times.
+_GATE, _FEW, _ROUNDS = 5.0, 0.1, 3
 #: A standard deviation that is a larger share of that of the prior comes from the prior.
 _INFORMED = 0.9
 
@@ -51,6 +53,10 @@ def learn_levels(
     learnt = tuple(k for k in problem.keys if k not in stays)
     low, high = problem.bounds(learnt)
     found = climb(problem, problem.start(), low, high)
+    for _ in range(_ROUNDS):
+        if not np.isfinite(found.value) or not problem.leave_out(found.at, _GATE, _FEW):
+            break
+        found = climb(problem, found.at, low, high)
     good = bool(np.isfinite(found.value))
     levels = problem.levels(found.at if good else problem.middle)
     biases = problem.bias(found.at) if good and learnt else {}

@@ -34,7 +34,20 @@ class Piece:
             carried_vector(design, first_behind(design, arranged, h), arranged.inputs[h.row]) for h in arranged.holes
         )
         control = controls_of(design, arranged)
-        self.stretches = list(zip((first, *behind), (control[piece] for piece in arranged.pieces)))
+        self.stretches = list(zip((first, *behind), (control[piece].copy() for piece in arranged.pieces)))
+
+    def leave_out(self, wild: np.ndarray) -> None:
+        """Take samples for missing from now on.
+
+        Parameters
+        ----------
+        wild : ndarray of bool, shape (rows, sensors)
+            Which.
+        """
+        at, place = 0, self.design.layout.control["there"]
+        for _, control in self.stretches:
+            control[:, place] *= ~wild[at : at + len(control)]
+            at += len(control)
 
     def innovations(self, constants: np.ndarray, shift: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return innovations, their variances, and which samples there are, shapes (rows, sensors).

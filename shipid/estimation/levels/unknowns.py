@@ -13,9 +13,10 @@ from shipid.estimation.levels.ascent import Summit
 from shipid.estimation.levels.cleaned import cleaned, pieces, resolution
 from shipid.estimation.levels.long_run import long_run_deviations
 from shipid.estimation.levels.pieces import Piece
-from shipid.estimation.records.arrangement import FilterRecord
+from shipid.estimation.records.arrangement import FilterRecord, columns_of
 from shipid.estimation.settings.instruments import Amount
 from shipid.estimation.settings.noise import times
+from shipid.trials.speed import speed_before_in
 
 #: A sensor is at most so many times better and worse than the level it starts from; noise of states likewise.
 _BETTER, _WORSE, _LEAST, _MOST = 100.0, 300.0, 1e-3, 1e3
@@ -76,6 +77,7 @@ class Unknowns:
         own = np.array([design.first.deviations.get(n, first[n][1]) for n in self.still])
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
         sizes = _biases(self._fixed, settings, columns)
+        self._moved = _moved(design, record, columns)
         self.biases, self._bias_size = tuple(sizes), np.array(list(sizes.values()))
         positive = np.where(self._logs, np.abs(self._origin), 1.0)
         self.middle = np.concatenate(
@@ -193,13 +195,17 @@ class Unknowns:
         return dict(zip(self.keys, np.exp(z[sensors.start : noise.stop]).tolist()))
 
     def bias(self, z: np.ndarray) -> dict[str, float]:
-        """Return the biases, SI, by input.
+        """Return the biases, SI, by input: what is added to the inputs of the record as it is.
 
         Parameters
         ----------
         z : ndarray, shape (unknowns,)
             The unknowns.
         """
+        return {n: b + self._moved.get(n, 0.0) for n, b in self._own_bias(z).items()}
+
+    def _own_bias(self, z: np.ndarray) -> dict[str, float]:
+        """What is added to the inputs of the record without its wild samples."""
         return dict(zip(self.biases, (z[self._parts[3]] * self._bias_size).tolist()))
 
     def units(self) -> dict[str, tuple[str, str]]:
@@ -214,7 +220,7 @@ class Unknowns:
         _, sensors, noise, _ = self._parts
         constants[layout.constants["r"]], constants[layout.constants["q"]] = np.exp(z[sensors]), np.exp(z[noise])
         shift = np.zeros(layout.inputs)
-        for name, value in self.bias(z).items():
+        for name, value in self._own_bias(z).items():
             shift[self._fixed.model.inputs.index(name)] = value
         return [piece.innovations(constants, shift) for piece in self._pieces]
 
@@ -231,6 +237,25 @@ class Unknowns:
             for e, s, there in self._innovations(z):
                 value -= 0.5 * float(np.sum((np.log(s) + e**2 / s)[there]))
         return value if np.isfinite(value) else -np.inf
+
+    def leave_out(self, z: np.ndarray, width: float, most: float) -> int:
+        """Leave out the samples whose innovations are beyond a gate, where they are few; return how many.
+
+        Parameters
+        ----------
+        z : ndarray, shape (unknowns,)
+            The unknowns.
+        width : float
+            Standard deviations.
+        most : float
+            Largest share of a sensor's samples: more are rarely wrong.
+        """
+        found = self._innovations(z)
+        beyond = [there & (e**2 > width**2 * s) for e, s, there in found]
+        shares = sum(b.sum(axis=0) for b in beyond) / np.maximum(sum(there.sum(axis=0) for _, _, there in found), 1)
+        for piece, wild in zip(self._pieces, beyond):
+            piece.leave_out(wild & (shares <= most))
+        return int(sum((b & (shares <= most)).sum() for b in beyond))
 
     def slopes(self, z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return gradient and expected information, shapes (unknowns,) and (unknowns, unknowns).
@@ -302,6 +327,15 @@ def _biases(design: FilterDesign, settings: FilterSettings, columns: Mapping[str
         sizes |= {"current_north": _CURRENT, "current_east": _CURRENT}
     given, read = settings.inputs or {}, design.instruments.needed
     return {n: s for n, s in sizes.items() if n in design.model.inputs and n in read and n not in given}
+
+
+def _moved(design: FilterDesign, record: FilterRecord, columns: Mapping[str, np.ndarray]) -> dict[str, float]:
+    """The speed before the manoeuvre without wild samples, less the one with them."""
+    raw, _ = columns_of(record)
+    before = speed_before_in(raw, design.instruments.scale.unit_time)
+    if before is None or "cruise" in raw or "cruise" not in columns:
+        return {}
+    return {"cruise": float(columns["cruise"][0]) - before.value}
 
 
 def _resolution(design: FilterDesign, columns: Mapping[str, np.ndarray], sensor: str) -> float:
