@@ -22,6 +22,7 @@ _KINDS = {
     "constant": "constants",
     "derived": "derived",
     "output": "outputs",
+    "guard": "not valid where",
 }
 
 

@@ -185,5 +185,5 @@ def _plain(side: CriterionSide) -> dict[str, Plain]:
 
 def _cell(side: CriterionSide) -> str:
     if side.value is None:
-        return side.words.split(":")[0][:22] or "not reached"
+        return side.words.split(":")[0].removesuffix(" by this model")[:22] or "not reached"
     return f"{side.value:.2f}" + (f" ({side.band95[0]:.2f}..{side.band95[1]:.2f})" if side.band95 else "")

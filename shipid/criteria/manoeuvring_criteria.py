@@ -20,8 +20,9 @@ from shipid.criteria.criteria import (
     second_overshoot_limit,
 )
 from shipid.criteria.spiral import Spiral, spiral_of
-from shipid.criteria.standard_manoeuvres import ManoeuvreNumbers, StandardManoeuvres
+from shipid.criteria.standard_manoeuvres import KINDS, LENGTHS, ManoeuvreNumbers, StandardManoeuvres
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import display_factor, display_unit, to_display
@@ -96,8 +97,7 @@ def manoeuvring_criteria(
         sets, about = _sets(fit, model, own, known, draws)
         sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
         spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
-    lost = sorted({kind for point, _ in sides for kind in point.lost})
-    notes = [f"The model runs away in: {', '.join(lost)}. It has no number there."] if lost else []
+    notes = _not_sailed(model, [point for point, _ in sides], rudder)
     notes += _scope(length, velocity, model)
     notes += (
         ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
@@ -178,9 +178,22 @@ def _rows(
     return tuple(rows)
 
 
+def _not_sailed(model: Model, points: Sequence[ManoeuvreNumbers], rudder: float) -> list[str]:
+    """The manoeuvres that the model does not sail, with the reason, a sentence each."""
+    lost = {kind: why for point in points for kind, why in point.lost.items()}
+    names = {"turn": f"The turning circle at {to_display(rudder, 'delta'):g} deg"}
+    return [
+        f"{names.get(kind, f'The {kind} zig-zag')} is {NOT_SAILED} ({model.name}): {lost[kind]}. It has no numbers."
+        for kind in KINDS
+        if kind in lost
+    ]
+
+
 def _why(key: str, point: ManoeuvreNumbers) -> str:
     kind = "20/20" if key.endswith("_20") else "10/10" if key.endswith("_10") or key == "initial_turning" else "turn"
-    return "runs away: the model does" if kind in point.lost else "not reached: not within 25 L/V of the order"
+    if kind in point.lost:
+        return f"{NOT_SAILED}: {point.lost[kind]}"
+    return f"not reached: not within {LENGTHS[kind]:g} L/V of the order"
 
 
 def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, Plain] | None:

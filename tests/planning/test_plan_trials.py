@@ -17,7 +17,7 @@ from shipid.parameters.catalogue import find_model, find_ship
 from shipid.planning.planning_problem import TimeTooShortError, planning_problem
 from shipid.planning.selection import CandidateTable, choose, value_of
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
-from shipid.trials.manoeuvres.simulate import SimulationDivergedError
+from shipid.trials.manoeuvres.simulate import NotSailedError
 
 _WILD = {"values": {"K": "0.5 1/s", "tau": "-0.02 s", "n3": "0 s^2/rad^2"}}
 QUICK = {"draws": 2, "repertoire": ["zigzag:10/10", "zigzag:20/10", "zigzag:30/30", "telegraph:20", "turn:20"]}
@@ -306,8 +306,8 @@ def test_a_short_time_is_compared_with_one_zigzag():
         (UsageError, {"values": {"psi": "1 rad"}}, ("'psi'", "no coefficient")),
         (UsageError, {"model": "pershitz-track", "ship": "semerdjiev"}, ("no rudder",)),
         (ParameterSetError, {"model": "pershitz"}, ("q21", "zeefakkel", "[pershitz]")),
-        (SimulationDivergedError, _WILD, ("can be sailed", "no steady turn")),
-        (SimulationDivergedError, {**_WILD, "repertoire": ["reversed-spiral"]}, ("runs away in every",)),
+        (NotSailedError, _WILD, ("can be sailed", "no steady turn")),
+        (NotSailedError, {**_WILD, "repertoire": ["reversed-spiral"]}, ("runs away in every",)),
     ],
 )
 def test_refusals(error, options, words):
