@@ -80,7 +80,7 @@ class StandardManoeuvres:
                 planned = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
                 whole = join(model.name, model, SteeringMachine, planned.helm, *manoeuvring_range(model))
                 simulator = make_simulator(whole, _SHOWN, hold="zero")
-                self._steered[kind, side] = _Steered(simulator, {**steering, **planned.constants})
+                self._steered[kind, side] = _Steered(simulator, {"L": length, **steering, **planned.constants})
 
     def __call__(self, values: Mapping[str, float], side: int) -> ManoeuvreNumbers:
         """Simulate all of them.
