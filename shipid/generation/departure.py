@@ -48,7 +48,7 @@ def first_departure(
     t : ndarray, shape (N,)
         Times in s.
     margins : mapping of str to ndarray, shape (N,)
-        By guard; a guard is active where its margin is negative or no number.
+        By guard; a guard is active where its margin is negative, and where it is no number the model has run away.
     columns : ndarray, shape (n, N), optional
         What has to be finite as well.
 
@@ -62,6 +62,8 @@ def first_departure(
     for name, margin in margins.items():
         active = ~(margin >= 0)
         if active.any():
-            found.append(Departure(float(t[np.argmax(active)]), model[name].quantity.meaning, name))
+            first = int(np.argmax(active))
+            lost = not np.isfinite(margin[first])
+            found.append(Departure(float(t[first]), *((RUNS_AWAY,) if lost else (model[name].quantity.meaning, name))))
     # The guard of the model, where a run becomes infinite at the same sample.
     return min(found, key=lambda d: (d.time, not d.guard), default=None)

@@ -230,6 +230,7 @@ class Fit:
                     "overshoots_deg": in_degrees(c.overshoots),
                     "predicted_overshoots_deg": in_degrees(c.predicted_overshoots),
                     **(bands[c.trial.name].to_dict() if c.trial.name in bands else {}),
+                    "not_sailed": None if c.departure is None else str(c.departure),
                 }
                 for c in compared
             },
