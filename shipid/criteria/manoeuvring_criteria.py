@@ -17,6 +17,7 @@ from shipid.criteria.criteria import (
     Criterion,
     CriterionSide,
     first_overshoot_limit,
+    loop_width_limit,
     second_overshoot_limit,
 )
 from shipid.criteria.spiral import Spiral, spiral_of
@@ -116,7 +117,7 @@ def manoeuvring_criteria(
         velocity,
         rudder,
         _rows(sides, length, length / velocity),
-        _spiral(spiral, spirals),
+        _spiral(spiral, spirals, length / velocity),
         (*notes, about),
     )
 
@@ -196,10 +197,11 @@ def _why(key: str, point: ManoeuvreNumbers) -> str:
     return f"not reached: not within {LENGTHS[kind]:g} L/V of the order"
 
 
-def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, Plain] | None:
+def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: float) -> dict[str, Plain] | None:
     if point is None:
         return None
     deg = display_factor("psi", "rad")
+    limit = loop_width_limit(unit_time)
     band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
     return {
         "stable": point.stable,
@@ -207,6 +209,9 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, P
         "half_width_band95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
         "loop_width_deg": point.loop_width * deg,
         "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
+        "limit_deg": limit,
+        "limit_text": f"recommended limit {limit:.3g} deg at L/V {unit_time:.3g} s",
+        "within": bool(point.loop_width * deg <= limit),
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.criteria.criteria import first_overshoot_limit, second_overshoot_limit
+from shipid.criteria.criteria import first_overshoot_limit, loop_width_limit, second_overshoot_limit
 from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.criteria.spiral import spiral_of
 from shipid.declaration.guard import NOT_SAILED
@@ -27,6 +27,35 @@ def test_limits_of_the_resolution(unit_time, first, second):
     """MSC.137(76) 5.3.3: 10, 5 + 0.5 L/V, 20 deg; 25, 17.5 + 0.75 L/V, 40 deg; continuous at 10 s and 30 s."""
     assert first_overshoot_limit(unit_time) == pytest.approx(first)
     assert second_overshoot_limit(unit_time) == pytest.approx(second)
+
+
+@pytest.mark.parametrize(("unit_time", "width"), [(5, 0), (9, 0), (24, 5), (45, 12), (80, 12)])
+def test_limit_of_the_loop(unit_time, width):
+    """0 below 9 s, L/V/3 - 3, 12 deg from 45 s on; continuous at both ends."""
+    assert loop_width_limit(unit_time) == pytest.approx(width)
+
+
+def test_the_width_of_a_loop_stands_beside_its_limit():
+    """Norrbin's ship, a loop of 6.16 deg: beyond 4.93 deg at L/V 23.8 s, within 9.9 deg at half the speed."""
+    own = shipid.find_ship("soesterberg")
+    for speed, within in ((U, False), (U / 1.625, True)):
+        section = {n: Value(n, v, shipid.find_model("norrbin")[n].unit, "assumed") for n, v in unstable(speed).items()}
+        ship = replace(own, sections={**own.sections, "norrbin": section})
+        result = manoeuvring_criteria("norrbin", ship=ship, speed=speed, draws=0)
+        spiral = json.loads(json.dumps(result.to_dict()))["spiral"]
+        assert spiral["loop_width_deg"] == pytest.approx(6.16, abs=0.01)
+        assert spiral["limit_deg"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
+        assert f"{'within' if within else 'BEYOND'}\n" in repr(result).partition("straight course")[2]
+
+
+def unstable(speed: float) -> dict[str, float]:
+    """Norrbin's unstable ship at a speed."""
+    return {"a": 1.6 * (speed / L) ** 2, "b1": -speed / L, "b3": 20 * L / speed}
+
+
+def test_stopping_is_named_as_not_covered():
+    result = manoeuvring_criteria("norrbin", ship="zeefakkel", draws=0)
+    assert "not covered: stopping" in repr(result) and "15 L" in result.to_dict()["not_covered"][0]
 
 
 def norrbin(a1: float) -> dict[str, float]:

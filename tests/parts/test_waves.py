@@ -33,7 +33,7 @@ def rms(speed: float, angle: float = 0.0) -> tuple[float, float]:
 
 def test_a_ship_that_keeps_up_with_the_waves_does_not_swing_without_limit():
     """16.2 m/s in waves of 0.6 rad/s from astern: the heading had 228 deg rms, where the ship at rest has half a degree."""
-    assert OMEGA - OMEGA**2 * 16.2 / 9.81 == pytest.approx(0.0055, abs=1e-4)
+    assert pytest.approx(0.0055, abs=1e-4) == OMEGA - OMEGA**2 * 16.2 / 9.81
     assert rms(0.0)[0] == pytest.approx(AT_REST, rel=1e-9)
     assert rms(16.2)[0] == pytest.approx(AT_REST, rel=1e-9)
     assert rms(9.81 / OMEGA)[0] == pytest.approx(AT_REST, rel=1e-9)
