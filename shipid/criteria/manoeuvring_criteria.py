@@ -29,6 +29,7 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import display_factor, display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
+from shipid.foundation.notices import Notice
 from shipid.identification.fit import Fit
 from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
@@ -184,7 +185,12 @@ def _not_sailed(model: Model, points: Sequence[ManoeuvreNumbers], rudder: float)
     lost = {kind: why for point in points for kind, why in point.lost.items()}
     names = {"turn": f"The turning circle at {to_display(rudder, 'delta'):g} deg"}
     return [
-        f"{names.get(kind, f'The {kind} zig-zag')} is {NOT_SAILED} ({model.name}): {lost[kind]}. It has no numbers."
+        Notice(
+            f"{names.get(kind, f'The {kind} zig-zag')} is {NOT_SAILED} ({model.name}): {lost[kind]}. It has no numbers.",
+            "not-sailed",
+            serious=True,
+            manoeuvre=kind,
+        )
         for kind in KINDS
         if kind in lost
     ]
@@ -206,7 +212,7 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: flo
     return {
         "stable": point.stable,
         "half_width_deg": point.half_width * deg,
-        "half_width_band95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+        "half_width_interval_95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
         "loop_width_deg": point.loop_width * deg,
         "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
         "limit_deg": limit,

@@ -115,15 +115,15 @@ def test_bands_from_a_fit_and_words_of_extrapolation(sail):
     result = shipid.manoeuvring_criteria(fit)
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     swing = plain["criteria"]["first_overshoot_10"]
-    low, high = swing["starboard"]["band95"]
+    low, high = swing["starboard"]["interval_95"]
     assert low < swing["starboard"]["value"] < high
-    notes = " ".join(plain["notes"])
+    notes = " ".join(w["message"] for w in plain["warnings"])
     assert "up to 10 deg" in notes and "35 deg are extrapolated" in notes
     assert "20 and 35" in notes
     assert plain["standard"] == "evaluated against MSC.137(76) 5.3"
     assert "90 % of the speed at 85 %" in notes and "100 m and longer" in notes
     assert "compliant" not in repr(result) + str(plain)
-    assert set(result.to_frame().columns) >= {"value", "band95", "limit"}
+    assert set(result.to_frame().columns) >= {"value", "interval_95", "limit"}
 
 
 def test_bands_from_the_standard_deviations_of_a_set():
@@ -148,7 +148,9 @@ def test_a_model_that_runs_away_says_so():
     turn = plain["criteria"]["tactical_diameter"]
     assert turn["starboard"]["value"] is None and turn["within"] is None
     assert turn["starboard"]["words"].startswith(f"{NOT_SAILED}: it turns faster than any ship")
-    assert plain["notes"][0].startswith(f"The turning circle at 30 deg is {NOT_SAILED} (norrbin): it turns faster")
+    first = plain["warnings"][0]
+    assert first["message"].startswith(f"The turning circle at 30 deg is {NOT_SAILED} (norrbin): it turns faster")
+    assert first["kind"] == "not-sailed" and first["serious"] and first["manoeuvre"] == "turn"
     assert "not sailed" in repr(result)
 
 
