@@ -36,6 +36,7 @@ from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.validity import BEYOND, beyond
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
@@ -99,12 +100,9 @@ def manoeuvring_criteria(
         sets, about = _sets(fit, model, own, known, draws)
         sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
         spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
-    notes = _not_sailed(model, [point for point, _ in sides], rudder)
+    notes: list[str] = _not_sailed(model, [point for point, _ in sides], rudder)
     notes += _scope(length, velocity, model)
-    notes += (
-        ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
-    )
-    notes += _beyond(fit, velocity, rudder) if fit else []
+    notes += _beyond(fit, velocity, rudder) if fit else beyond(model, own, [velocity], rudder)
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:
@@ -238,22 +236,22 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
 
 def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
     """Where the criteria go beyond the trials of a fit, and the coefficients that the trials do not determine."""
-    notes = []
+    notes: list[str] = []
     largest = max(
         (float(np.nanmax(np.abs(c.trial["delta"]), initial=0.0)) for c in fit.fitted if c.trial.has("delta")),
         default=0.0,
     )
-    beyond = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
-    if beyond:
-        notes.append(
+    harder = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
+    if harder:
+        words = (
             f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: the values for "
-            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg are extrapolated, and the bands do not include that error."
+            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(harder))} deg are extrapolated, and the bands do not include that error."
         )
+        notes.append(Notice(words, BEYOND, quantity="delta"))
     speeds = recorded_speeds([c.trial for c in fit.fitted])
-    if speeds and not 0.7 * min(speeds) <= speed <= 1.3 * max(speeds):
-        notes.append(
-            f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
-        )
+    if speeds and not 0.9 * min(speeds) <= speed <= 1.1 * max(speeds):
+        words = f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
+        notes.append(Notice(words, BEYOND, quantity="u"))
     if fit.unidentifiable:
         notes.append(
             f"The trials do not determine {', '.join(fit.unidentifiable)}: quantities that depend on them have a wide band, or none."

@@ -19,6 +19,7 @@ from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import beyond
 from shipid.planning.plan import Forecast, Leg, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
@@ -219,8 +220,7 @@ def _within_limits(
     lost = [a for a in angles if a not in beyond and not _turns_steadily(problem, a)]
     if lost:
         warnings.append(
-            f"turns with {_degrees(lost)} of rudder are {NOT_SAILED} ({name}): it has no steady turn there, or runs away; manoeuvres "
-            "with these angles are left out."
+            f"turns with {_degrees(lost)} of rudder are {NOT_SAILED} ({name}), which has no steady turn there; they are left out."
         )
     kept = [s for s in candidates if s.rudder is None or s.rudder not in {*beyond, *lost}]
     if not kept:
@@ -325,6 +325,9 @@ def _result(
     warnings: list[str],
 ) -> Plan:
     experiment = problem.experiment
+    sailed = [rows.candidates[i] for i in chosen]
+    hardest = max((s.rudder or experiment.limit for s in sailed), default=None)
+    warnings += beyond(experiment.model, problem.ship, [s.speed for s in sailed], hardest)
     # In the order to sail: the fastest first, then from gentle to hard.
     chosen = sorted(chosen, key=lambda i: (-table.speed[i], rows.candidates[i].rudder or 0.0, rows.durations[i], i))
     scale = np.outer(problem.size, problem.size)

@@ -16,9 +16,11 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import Notice
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.validity import beyond
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
@@ -162,10 +164,18 @@ def simulate(
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
         f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{acting}"
     )
-    source = Source(simulated=True, comment=comment, notes=(comment,))
+    notes = _beyond(model, ship, u0, run.columns)
+    source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
+
+
+def _beyond(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> list[Notice]:
+    """What has to be said of a run beyond the range that the coefficients come from."""
+    largest = {n: float(np.abs(run[n]).max()) for n in ("delta", "r") if n in run}
+    drift = float(np.abs(np.arctan2(-run["v"], run["u"])).max()) if "v" in run and "u" in run else None
+    return beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
 
 
 def _si(value: str | float, unit: str, what: str) -> float:
