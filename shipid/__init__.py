@@ -18,6 +18,7 @@ _HOMES = {
     "constant": "shipid.declaration.quantity",
     "parameter": "shipid.declaration.quantity",
     "output": "shipid.declaration.quantity",
+    "guard": "shipid.declaration.guard",
     "join": "shipid.declaration.join",
     "replace_component": "shipid.declaration.join",
     "Model": "shipid.declaration.model",

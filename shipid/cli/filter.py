@@ -138,12 +138,15 @@ def _filter(
     from shipid.estimation.kalman import ExtendedKalmanFilter
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
+    from shipid.identification.uncertainty.amplitudes import beyond_of_record
     from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     run = kalman.filter(record)
+    for notice in beyond_of_record(model, ship, record):
+        warn(notice)
     seen = kalman.observability(run)
     for message in seen.messages:
         warn(message)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.delivery import output_file, overwrite_option
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
     model_argument,
@@ -65,6 +65,7 @@ def simulate(
     course:60/15        course change with at most 15 degrees of rudder
     telegraph:10        random telegraph
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.foundation.notices import Notice
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.trials.logs.writing import write_trial
     from shipid.trials.manoeuvres.simulate import simulate as run_simulation
@@ -84,6 +85,9 @@ def simulate(
         wind=_flow(wind, "wind"),
         values=values,
     )
+    for note in trial.source.notes:
+        if isinstance(note, Notice):
+            warn(note)
     if place is None:
         _print(trial)
         return

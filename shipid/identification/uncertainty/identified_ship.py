@@ -10,6 +10,7 @@ import numpy as np
 from shipid.estimation.estimate import Estimate
 from shipid.identification.problem.setting import Setting
 from shipid.identification.problem.ship_scale import recorded_speeds
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.trial import Trial
@@ -60,6 +61,7 @@ def identified_ship(
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None)
+    span = (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None
+    joint = Joint(setting.estimated, matrix, span, **largest_amplitudes(trials))
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})

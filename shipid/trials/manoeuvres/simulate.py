@@ -9,16 +9,20 @@ import numpy as np
 
 import shipid
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import Notice
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.validity import beyond
 from shipid.parts.helm import DirectRudder
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.parts.wind import Wind
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
@@ -37,8 +41,8 @@ _ROLES = {"given": "an input", "state": "a state", "output": "a sensor"}
 Flow = tuple["str | float", "str | float"]
 
 
-class SimulationDivergedError(ShipidError):
-    """The model ran away to values that are not finite."""
+class NotSailedError(ShipidError):
+    """The model leaves the range in which it is valid, or runs away to values that are not finite."""
 
     exit_code = ExitCode.NO_CONVERGENCE
 
@@ -105,8 +109,8 @@ def simulate(
         If the model reads another input that declares no default.
     ParameterSetError
         If the ship lacks something the model needs.
-    SimulationDivergedError
-        If the model runs away.
+    NotSailedError
+        If the model leaves the range in which it is valid, or runs away.
     """
     model, ship = model_of(model), ship_of(ship)
     manoeuvre = parse_manoeuvre(manoeuvre) if isinstance(manoeuvre, str) else manoeuvre
@@ -144,11 +148,10 @@ def simulate(
     # Not compiled: a model that is simulated once is sooner run than compiled.
     simulator = make_simulator(whole, [n for n in RECORDED if n in whole], hold="zero", compiled=False)
     run = simulator(t, known, inputs, {"u": u0, "psi": course})
-    if not run.finite.all():
-        first = t[int(np.argmin(run.finite))]
-        raise SimulationDivergedError(
-            f"model {model.name} with ship {ship.name} runs away {first:.4g} s into {manoeuvre} at {u0:.3g} m/s. "
-            "Less rudder keeps it within the range the model describes."
+    if run.departure is not None:
+        raise NotSailedError(
+            f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
+            f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
         )
     deviations = parse_noise(noise)
     table = measured({n: column[::fine] for n, column in run.columns.items()}, t[::fine], deviations, seed)
@@ -156,14 +159,23 @@ def simulate(
     acting = "".join(
         f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None
     )
+    changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s, noise {noises}, seed {seed}{acting}"
+        f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{acting}"
     )
-    source = Source(simulated=True, comment=comment, notes=(comment,))
+    notes = _beyond(model, ship, u0, run.columns)
+    source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
+
+
+def _beyond(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> list[Notice]:
+    """What has to be said of a run beyond the range that the coefficients come from."""
+    largest = {n: float(np.abs(run[n]).max()) for n in ("delta", "r") if n in run}
+    drift = float(np.abs(np.arctan2(-run["v"], run["u"])).max()) if "v" in run and "u" in run else None
+    return beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
 
 
 def _si(value: str | float, unit: str, what: str) -> float:
@@ -198,7 +210,7 @@ def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bo
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = SteeringMachine if steering else DirectRudder
     extra = (Wind,) if wind else ()
-    return join(model.name, model, rudder, helm, *extra)
+    return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 
 def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model, dict[str, float]]:
