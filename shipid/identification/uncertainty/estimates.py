@@ -19,6 +19,7 @@ from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.uncertainty.covariance import correlation_of, verdict
 
+
 def estimates_of(
     problem: Problem,
     q: np.ndarray,
@@ -62,9 +63,7 @@ def estimates_of(
     return result | _published(problem, q, covariance, scale)
 
 
-def unseen_words(
-    values: Mapping[str, float], stated: Mapping[str, tuple[float, float | None]]
-) -> dict[str, str]:
+def unseen_words(values: Mapping[str, float], stated: Mapping[str, tuple[float, float | None]]) -> dict[str, str]:
     """Return what is done with coefficients about which the trials hold no information, in words, by name.
 
     Parameters

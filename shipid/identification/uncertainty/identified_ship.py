@@ -16,7 +16,9 @@ from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.trial import Trial
 
 #: Source of a value that the trials say nothing about, and that the ship states in other coefficients, or the model as a prior.
-_BEFORE = "known before these trials, which hold no information about it: from other coefficients of the ship, or declared"
+_BEFORE = (
+    "known before these trials, which hold no information about it: from other coefficients of the ship, or declared"
+)
 
 
 def identified_ship(
@@ -80,4 +82,3 @@ def identified_ship(
     joint = Joint(tuple(names), matrix, (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None)
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})
-
