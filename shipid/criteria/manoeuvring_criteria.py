@@ -25,6 +25,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import display_factor, display_unit, to_display
+from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.identification.fit import Fit
@@ -230,9 +231,10 @@ def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
         notes.append(
             f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
         )
-    if fit.unidentifiable:
+    unknown = [n for n in fit.unidentifiable if fit.parameters[n].standing == UNKNOWN]
+    if unknown:
         notes.append(
-            f"The trials do not determine {', '.join(fit.unidentifiable)}: quantities that depend on them have a wide band, or none."
+            f"The trials do not determine {', '.join(unknown)}: quantities that depend on them have a wide band, or none."
         )
     if not fit.converged:
         notes.append("The search did not converge: these are the numbers of an unfinished fit.")

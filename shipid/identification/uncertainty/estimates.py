@@ -9,7 +9,8 @@ import numpy as np
 
 from shipid.declaration.model import Entry, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
-from shipid.estimation.estimate import UNDETERMINED, Estimate, estimate_of
+from shipid.estimation.estimate import Estimate, estimate_of
+from shipid.estimation.standing import UNKNOWN, Standing, standing_of
 from shipid.foundation.errors import UnitError
 from shipid.foundation.statistics import plain
 from shipid.generation.simulator import coefficient_vector
@@ -49,16 +50,19 @@ def estimates_of(
         order = np.argsort(-np.abs(correlation[i]))
         strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > 0.9]
         size = max(abs(float(box.start[i])), abs(scale.start_of(entry) or 0.0))
-        why = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong))
-        result[name] = _estimate(entry, value, std, why, False, scale)
+        _, before = (None if problem.prior is None else problem.prior.parameters.get(name)) or (0.0, np.inf)
+        standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)
+        result[name] = _estimate(entry, value, std, standing, False, scale)
     return result | _published(problem, q, covariance, scale)
 
 
-def _estimate(entry: Entry, value: float, std: float, why: str, follows: bool, scale: Scale) -> Estimate:
+def _estimate(
+    entry: Entry, value: float, std: float, standing: tuple[Standing, str], follows: bool, scale: Scale
+) -> Estimate:
     """An estimate by the verdict on it, with its other form."""
-    found = estimate_of(entry, value, std, why=why, follows=follows)
+    found = estimate_of(entry, value, std, standing=standing, follows=follows)
     prime, prime_unit = _other_form(entry, value, scale)
-    return replace(found, identifiable=not why, prime=plain(prime), prime_unit=prime_unit)
+    return replace(found, prime=plain(prime), prime_unit=prime_unit)
 
 
 def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None, str]:
@@ -90,10 +94,10 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
         value = float(numbers[i])
         variance = float(slope[i] @ covariance @ slope[i]) if np.isfinite(covariance).all() else float("inf")
         std = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0 else float("inf")
-        why = ""
+        standing = standing_of(value, std, size=abs(scale.start_of(model[name]) or 0.0))
         if not np.isfinite(value):
-            why = "it does not exist for these coefficients."
-        elif not np.isfinite(std) or std > UNDETERMINED * abs(value):
-            why = "the fitted coefficients it follows from do not determine it."
-        result[name] = _estimate(model[name], value, std, why, True, scale)
+            standing = UNKNOWN, "it does not exist for these coefficients."
+        elif standing[0] == UNKNOWN:
+            standing = UNKNOWN, "the fitted coefficients it follows from do not determine it."
+        result[name] = _estimate(model[name], value, std, standing, True, scale)
     return result
