@@ -18,6 +18,7 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
+from shipid.cli.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 
@@ -62,9 +63,9 @@ _ESTIMATES = "estimates.csv"
 )
 @click.option(
     "--wait",
+    type=NumberWithUnit("s"),
     default="5 s",
     show_default=True,
-    metavar="T",
     help="With --follow FILE: end when no line has come for this time.",
 )
 @delivered(_ESTIMATES, RESULT, REPORT)

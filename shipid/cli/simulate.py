@@ -18,6 +18,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+from shipid.cli.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial
@@ -32,9 +33,11 @@ if TYPE_CHECKING:
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
 @seed_option("the noise and the random telegraph")
-@click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
+@click.option("--duration", type=NumberWithUnit("s"), help="As in '600 s'; long enough for the manoeuvre by default.")
 @sampling_option
-@click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
+@click.option(
+    "--heading", type=NumberWithUnit("deg"), default="0 deg", show_default=True, help="Heading of the approach."
+)
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
 @values_option

@@ -13,8 +13,10 @@ from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.derived import named, published, quantity_along
+from shipid.estimation.records.first_estimate import first_estimate
 from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
+from shipid.estimation.standing import standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import interval_95
 
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "meaning")
 
 
 @dataclass(frozen=True)
@@ -195,6 +197,8 @@ class FilterRun:
         The interval of one estimated by its logarithm is exact, that of one that follows first-order.
         """
         result = {}
+        _, first = first_estimate(self.design, {})
+        scale = self.design.instruments.scale
         for name, state in self.design.parameters.items():
             value, spread = (float(column[-1]) for column in self.quantity(name))
             ends = None
@@ -202,7 +206,12 @@ class FilterRun:
                 i = self.states.index(state)
                 low, high = interval_95(float(self.x[-1, i]), float(self.std[-1, i]))
                 ends = (float(np.exp(low)), float(np.exp(high)))
-            result[name] = estimate_of(self.design.base[name], value, spread, ci95=ends)
+            entry, i = self.design.base[name], self.states.index(state)
+            # In the state's own terms, which may be the logarithm: how much the record has added to the first estimate.
+            before = spread * float(first[i]) / float(self.std[-1, i]) if self.std[-1, i] > 0 else np.inf
+            size = abs(scale.start_of(entry) or 0.0)
+            standing = standing_of(value, spread, low=scale.bounds_of(entry)[0], size=size, before=before)
+            result[name] = estimate_of(entry, value, spread, ci95=ends, standing=standing)
         for name in self._published:
             value, spread = (float(column[-1]) for column in self.quantity(name))
             # A gain or a time constant that passes through infinity has no value.

@@ -62,7 +62,7 @@ def identified_ship(
             held = given.find(model, name)
             section[name] = held or Value(name, stated[name][0], e.unit, _BEFORE, std=stated[name][1])
         elif not e.follows and e.value is not None:
-            note = "" if e.identifiable else f"not determined by these trials: {e.why}"
+            note = "" if e.identifiable else f"{e.standing} by these trials: {e.why}"
             section[name] = Value(name, e.value, e.unit, source, std=e.std, note=note)
     particulars = dict(given.sections.get(PARTICULARS, {}))
     for name, value in setting.fixed.items():
