@@ -95,6 +95,7 @@ def turn(
     factor: float = 1.0,
     current: tuple[float, float] | None = None,
     scheduled: bool = True,
+    lengths: float = 10.0,
     values: dict[str, float] | None = None,
 ) -> Turn:
     """Sail a change of course, and predict it at a speed that is a factor of the ship's own."""
@@ -109,7 +110,7 @@ def turn(
     length = pilot.length
     step = 0.002 * length / speed
     trial = sail(
-        pilot, [(BEGIN * step, f"{CHANGE} deg")], speed=speed, rudder_limit=limit * DEG, duration=12 * length / speed,
+        pilot, [(BEGIN * step, f"{CHANGE} deg")], speed=speed, rudder_limit=limit * DEG, duration=(1.3 * lengths) * length / speed,
         sampling=step, current=flow, values=coefficients,
     )  # fmt: skip
     sailed = _from(trial, BEGIN * step)
@@ -123,7 +124,7 @@ def turn(
         fixed = pilot.gains(speed).Kd
         predictor.values |= {f"pilot_Kd_{i + 1}": fixed for i in range(len(pilot.speeds))}
     found = predictor.predict(
-        Situation(there), heading=CHANGE * DEG, rudder_limit=limit * DEG, horizon=10.0, points=4000, band="none"
+        Situation(there), heading=CHANGE * DEG, rudder_limit=limit * DEG, horizon=lengths, points=int(400 * lengths), band="none"
     )
     return Turn(sailed, found)
 
@@ -195,9 +196,9 @@ def rows_of() -> list[Claim]:
         course <= 0.005 and min(clock) >= 0.5,
     ))  # fmt: skip
     drift = (3 * KNOT, 30 * DEG)
-    flow = [turn("zeefakkel", "van-leeuwen", limit, current=drift).at_equal_distance for limit in LIMITS]
+    flow = [turn("zeefakkel", "van-leeuwen", limit, current=drift, lengths=20.0).at_equal_distance for limit in LIMITS]
     rows.append(claim(
-        "P6 zeefakkel, 3 kn of current, known, predicted with the cruising speed: 10 20 30 deg", "usable: 0.11 0.21 0.29 L within 20 %",
+        "P6 zeefakkel, 3 kn of current, known, predicted with the cruising speed, 20 L: 10 20 30 deg", "usable: 0.11 0.21 0.29 L within 20 %",
         " ".join(f"{v:.2f}" for v in flow) + " L", all(abs(a - b) <= 0.2 * b for a, b in zip(flow, (0.11, 0.21, 0.29))),
         reading="the current flows to 30 degrees from the first course",
     ))  # fmt: skip
