@@ -20,11 +20,11 @@ import shipid
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.models import SteeringMachine
 from shipid.parts.helm import DirectRudder
-from shipid.prediction.predicted_track import PredictedTrack
+from shipid.prediction.following.track_adaptation import node_at_heading
 from shipid.prediction.sail import sail
-from shipid.prediction.situation import Situation
-from shipid.prediction.track_adaptation import node_at_heading
-from shipid.prediction.track_predictor import TrackPredictor
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.track_predictor import TrackPredictor
 from shipid.trials.trial import Trial
 
 DEG, KNOT = np.pi / 180, 1852 / 3600
@@ -124,7 +124,12 @@ def turn(
         fixed = pilot.gains(speed).Kd
         predictor.values |= {f"pilot_Kd_{i + 1}": fixed for i in range(len(pilot.speeds))}
     found = predictor.predict(
-        Situation(there), heading=CHANGE * DEG, rudder_limit=limit * DEG, horizon=lengths, points=int(400 * lengths), band="none"
+        Situation(there),
+        heading=CHANGE * DEG,
+        rudder_limit=limit * DEG,
+        horizon=lengths,
+        points=int(400 * lengths),
+        band="none",
     )
     return Turn(sailed, found)
 

@@ -18,13 +18,13 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
-from shipid.foundation.errors import UsageError
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
-from shipid.prediction.order import unwrapped
+from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.simulate import RECORDED, SimulationDivergedError
@@ -102,6 +102,8 @@ def sail(
     ------
     UsageError
         If an order, a time or a flow does not fit.
+    UnknownNameError
+        If a value is none of the model's coefficients.
     UnstatedInputError
         If the model reads an input that nothing states and that declares no default.
     SimulationDivergedError
@@ -126,10 +128,21 @@ def sail(
     fine = max(1, int(np.ceil(interval / stiffest(pilot, truth, np.array([u0])) - 1e-9)))
     count = round(end / interval)
     if count * fine > 1e7:
-        raise UsageError(f"a voyage of {end:.3g} s at {interval:.3g} s takes more than 1e7 steps: ask for a shorter one.")
+        raise UsageError(
+            f"a voyage of {end:.3g} s at {interval:.3g} s takes more than 1e7 steps: ask for a shorter one."
+        )
     t = np.arange(count * fine + 1) * (interval / fine)
-    acting = {**CALM, "u": u0, "cruise": u0, **flow_inputs(current, wind), **_stated(whole, inputs)}
+    acting: dict[str, float | np.ndarray] = {
+        **CALM,
+        "u": u0,
+        "cruise": u0,
+        **flow_inputs(current, wind),
+        **_stated(whole, inputs),
+    }
     acting["psi_order"] = np.select([t >= w for w, _ in reversed(orders)], [h for _, h in reversed(orders)], course)
+    lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
+    if lost:
+        raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
     known = coefficients_of(pilot, whole, u0) | dict(values or {})
     known |= {"turn_rate": u0 / (RADIUS * pilot.length)} if pilot.mode == "rate" else {}
     if rudder_limit is not None:
@@ -155,7 +168,10 @@ def sail(
         f"({pilot.design}) ordered {said}, {u0:.4g} m/s, seed {seed}"
     )
     return Trial(
-        name or f"{truth.name}-courses", table, Source(simulated=True, comment=comment, notes=(comment,)), ship=pilot.ship.name
+        name or f"{truth.name}-courses",
+        table,
+        Source(simulated=True, comment=comment, notes=(comment,)),
+        ship=pilot.ship.name,
     )
 
 
@@ -183,7 +199,9 @@ def _orders(
     for when, wanted in pairs:
         at = number(when, "s", "the time of a course")
         if at < (found[-1][0] if found else 0.0):
-            raise UsageError(f"the courses are ordered one after the other, and {at:g} s is earlier than the one before.")
+            raise UsageError(
+                f"the courses are ordered one after the other, and {at:g} s is earlier than the one before."
+            )
         before = unwrapped(number(wanted, "rad", "a course"), before)
         found.append((at, before))
     return found

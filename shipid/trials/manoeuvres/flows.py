@@ -57,7 +57,10 @@ def flow_inputs(current: Flow | None, wind: Flow | None) -> dict[str, float]:
     """
     inputs: dict[str, float] = {}
     if current is not None:
-        rate, direction = number(current[0], "m/s", "the current"), number(current[1], "rad", "direction of the current")
+        rate, direction = (
+            number(current[0], "m/s", "the current"),
+            number(current[1], "rad", "direction of the current"),
+        )
         inputs |= {"current_north": float(rate * np.cos(direction)), "current_east": float(rate * np.sin(direction))}
     if wind is not None:
         inputs["wind_speed"] = number(wind[0], "m/s", "the wind")

@@ -136,7 +136,7 @@ def simulate(
         )
     count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
-    inputs = {"u": u0, "cruise": u0} | flow_inputs(current, wind)
+    inputs: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
     if planned.schedule:
         inputs["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.

@@ -73,9 +73,7 @@ def first_order_coefficients(pilot: Autopilot, speed: float, condition: int = 0)
         Which load condition.
     """
     pace = pilot.pace(speed)
-    a, b1 = first_order_equivalent(
-        linear_ship(pilot, [speed], condition).at(0), heading_frequency(pilot, speed), pace
-    )
+    a, b1 = first_order_equivalent(linear_ship(pilot, [speed], condition).at(0), heading_frequency(pilot, speed), pace)
     found = {"K": a / b1, "tau": 1 / b1, "gamma": 0.0, "L": pilot.length}
     if "v" in pilot.model and pilot.model["v"].quantity.kind != "given":
         known = coefficients_of(pilot, pilot.model, speed, condition) | {"u": speed, "cruise": speed}

@@ -49,7 +49,9 @@ class Order:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return what is ordered, SI."""
-        return {n: getattr(self, n) for n in ("heading", "rudder", "rate", "rudder_limit") if getattr(self, n) is not None}
+        return {
+            n: getattr(self, n) for n in ("heading", "rudder", "rate", "rudder_limit") if getattr(self, n) is not None
+        }
 
     def __str__(self) -> str:
         parts = []

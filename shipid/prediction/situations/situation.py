@@ -51,6 +51,18 @@ class Situation:
         if self.covariance.shape != (count, count) or not np.isfinite(self.covariance).all():
             raise UsageError(f"the covariance of {count} uncertain quantities has {count} rows and columns of numbers.")
 
+    @property
+    def current(self) -> tuple[float, float]:
+        """Current to the north and to the east in m/s; zero where nothing is said."""
+        return self.values.get("current_north", 0.0), self.values.get("current_east", 0.0)
+
+    @property
+    def ground_velocity(self) -> tuple[float, float]:
+        """Velocity over the ground to the north and to the east in m/s: Passenier (1989), eq. (2.71)-(2.72)."""
+        u, v, psi = self.values["u"], self.values.get("v", 0.0), self.values["psi"]
+        north, east = self.current
+        return float(u * np.cos(psi) - v * np.sin(psi) + north), float(u * np.sin(psi) + v * np.cos(psi) + east)
+
     def std_of(self, name: str) -> float:
         """Return the standard deviation of a quantity, SI; zero where it is taken as known.
 

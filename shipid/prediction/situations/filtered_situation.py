@@ -6,7 +6,7 @@ import numpy as np
 
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.errors import UsageError
-from shipid.prediction.situation import Situation
+from shipid.prediction.situations.situation import Situation
 
 
 def situation_of(run: FilterRun, at: float | None = None, *, coefficients: bool = True) -> Situation:
@@ -33,7 +33,9 @@ def situation_of(run: FilterRun, at: float | None = None, *, coefficients: bool 
     t = run.t
     k = t.size - 1 if at is None else int(np.searchsorted(t, at + 1e-9, side="right")) - 1
     if k < 0:
-        raise UsageError(f"the record {run.record} begins at {t[0]:.5g} s, later than {at:.5g} s: nothing is known there.")
+        raise UsageError(
+            f"the record {run.record} begins at {t[0]:.5g} s, later than {at:.5g} s: nothing is known there."
+        )
     design = run.design
     by_state = {state: name for name, state in design.parameters.items()}
     x, covariance = run.x[k], run.covariance[k]
@@ -58,5 +60,9 @@ def situation_of(run: FilterRun, at: float | None = None, *, coefficients: bool 
     kept = np.array([i for i, _ in names])
     scaled = np.array(slopes)
     return Situation(
-        values, tuple(n for _, n in names), covariance[np.ix_(kept, kept)] * np.outer(scaled, scaled), noise, float(t[k])
+        values,
+        tuple(n for _, n in names),
+        covariance[np.ix_(kept, kept)] * np.outer(scaled, scaled),
+        noise,
+        float(t[k]),
     )

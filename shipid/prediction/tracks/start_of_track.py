@@ -17,7 +17,7 @@ from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import initial_state
 from shipid.generation.system import generate
-from shipid.prediction.situation import Situation
+from shipid.prediction.situations.situation import Situation
 
 #: Newton's steps, and the largest share of its size a quantity may be off after them.
 _STEPS, _CLOSE = 12, 1e-9

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import NORMAL_95
-from shipid.prediction.order import Order
+from shipid.prediction.tracks.order import Order
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -154,9 +154,7 @@ class PredictedTrack:
 
         from shipid.declaration.vocabulary import display_unit
 
-        table = {
-            f"{n} [{display_unit(n, unit)}]": to_display(getattr(self, n), n, unit) for n, unit in COLUMNS.items()
-        }
+        table = {f"{n} [{display_unit(n, unit)}]": to_display(getattr(self, n), n, unit) for n, unit in COLUMNS.items()}
         width = self.half_width
         if width is not None:
             table["half width of the 95 % band [m]"] = width
@@ -180,6 +178,4 @@ class PredictedTrack:
         end = f", then {self.ended}" if self.ended else ""
         width = self.half_width
         band = "" if width is None else f", 95 % band {width[-1]:.3g} m to each side at its end"
-        return (
-            f"<track predicted by {self.source}: {self.order}; {self.s_star[-1]:.3g} ship lengths, {self.t[-1]:.3g} s{band}{end}>"
-        )
+        return f"<track predicted by {self.source}: {self.order}; {self.s_star[-1]:.3g} ship lengths, {self.t[-1]:.3g} s{band}{end}>"

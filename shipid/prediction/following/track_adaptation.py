@@ -2,7 +2,7 @@
 
 Passenier (1989), sections 3.2.3, 5.6.2.2 and 6.3.4. The prediction is made once, in still water, when the order is given; while
 the ship turns, its remaining part is laid where the ship is. Predicting anew from the filter's estimate is the other way
-(`shipid.prediction.track_predictor`).
+(`shipid.prediction.tracks.track_predictor`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.online.online_filter import OnlineFilter
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import UsageError
-from shipid.prediction.predicted_track import COLUMNS, PredictedTrack
+from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 
 #: Share of the largest rudder angle below which the rudder has left it, and the counter-rudder part begins.
 _LEFT = 0.95
@@ -29,7 +29,9 @@ LEAST_SCALE, LARGEST_SCALE = 0.5, 2.0
 class TrackScale(Component):
     """The factor K_rho between the rate of turn and the predicted one, a constant that changes slowly."""
 
-    K_rho = state("1", "rate of turn over the predicted one", nominal=1.0, start=1.0, spread="0.3", noise="0.02 1/s^0.5")
+    K_rho = state(
+        "1", "rate of turn over the predicted one", nominal=1.0, start=1.0, spread="0.3", noise="0.02 1/s^0.5"
+    )
     r_star_predicted = given("1", "predicted rate of turn at the present heading, made dimensionless")
     r_star_seen = output("1", "rate of turn, made dimensionless: r L/u", noise="0.02")
 
@@ -72,7 +74,9 @@ class TrackFollower:
 
     def __init__(self, track: PredictedTrack, *, literal: bool = False) -> None:
         if any(track.current):
-            raise UsageError("a track is followed from its prediction in still water: the current is added while it is followed.")
+            raise UsageError(
+                "a track is followed from its prediction in still water: the current is added while it is followed."
+            )
         self.track, self.literal = track, literal
         self.K_rho = 1.0
         self._filter: OnlineFilter = ExtendedKalmanFilter(track_scale, estimated=(), gate=None).start()
@@ -87,10 +91,16 @@ class TrackFollower:
             In s.
         psi, r, u : float
             Heading in rad, unwrapped as the track's, rate of turn in rad/s, forward speed in m/s.
+
+        Returns
+        -------
+        float
         """
         self._node = node_at_heading(self.track, psi, self._node)
         if self._node < counter_rudder(self.track):
-            predicted = np.interp(self._node, np.arange(self.track.s.size), self.track.r * self.track.length / self.track.u)
+            predicted = np.interp(
+                self._node, np.arange(self.track.s.size), self.track.r * self.track.length / self.track.u
+            )
             # Passenier (1989), eq. (5.112).
             seen = r * self.track.length / u
             estimate = self._filter.update({"t": t, "r_star_seen": seen, "r_star_predicted": float(predicted)})
@@ -227,4 +237,4 @@ def adapted(
 
 
 def _between(values: np.ndarray) -> np.ndarray:
-    return 0.5 * (values[1:] + values[:-1])
+    return np.asarray(0.5 * (values[1:] + values[:-1]))
