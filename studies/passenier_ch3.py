@@ -21,7 +21,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.models import SteeringMachine
 from shipid.parts.helm import DirectRudder
 from shipid.prediction.following.track_adaptation import node_at_heading
-from shipid.prediction.sail import sail
+from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor

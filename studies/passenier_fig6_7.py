@@ -22,7 +22,7 @@ import shipid
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway, Wind
 from shipid.prediction.following.track_adaptation import TrackFollower
-from shipid.prediction.sail import sail
+from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.filtered_situation import situation_of
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.situations.situation import Situation

@@ -5,6 +5,8 @@ Passenier (1989), eq. (7.1)-(7.3). The full model of the ship is the other choic
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from shipid.autopilot.design.autopilot import Autopilot
@@ -17,6 +19,7 @@ from shipid.foundation.aliases import Expression
 from shipid.generation.linearisation import linearise
 from shipid.generation.system import generate
 from shipid.parts.planar_motion import PlanarMotion
+from shipid.prediction.situations.situation import Situation
 
 
 class FirstOrderShip(Component):
@@ -52,6 +55,23 @@ class FirstOrderShip(Component):
     def sway(self) -> Expression:
         """Passenier (1989), eq. (7.3)."""
         return -self.gamma * self.u * self.r_star
+
+
+def at_cruising_speed(situation: Situation) -> Situation:
+    """Return a situation with the constant speed of the prediction, the cruising speed: Passenier (1989), eq. (3.96).
+
+    The dimensionless rate of turn r L/u, which makes the track, stays what it is (5.112).
+
+    Parameters
+    ----------
+    situation : Situation
+        What is known of the ship; where it states no cruising speed, the present speed is kept.
+    """
+    values = situation.values
+    if "cruise" not in values:
+        return situation
+    share = values["cruise"] / values["u"]
+    return replace(situation, values={**values, "u": values["cruise"], "r": share * values.get("r", 0.0)})
 
 
 first_order_ship = join("first-order", FirstOrderShip, PlanarMotion)

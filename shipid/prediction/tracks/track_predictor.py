@@ -20,7 +20,7 @@ from shipid.parts.helm import DirectRudder
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.bands import linear_track, sampled_track
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
-from shipid.prediction.tracks.first_order import first_order_coefficients, first_order_ship
+from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_ship
 from shipid.prediction.tracks.order import Order, read_order
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_run import cruise_of, kind_of, ordered_run
@@ -208,6 +208,8 @@ class TrackPredictor:
     ) -> list[PredictedTrack]:
         if not (0 < horizon < _FARTHEST and 0 < points <= _MOST):
             raise UsageError(f"a track of {horizon:g} ship lengths in {points} steps is none.")
+        if self.kind == "first-order":
+            situation = at_cruising_speed(situation)
         model, speed = self.model_of(orders[0]), cruise_of(situation)
         named = {*model.parameters, *model.constants}
         known = self._known(model, kind_of(orders[0]), speed) | {

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from shipid.foundation.errors import UsageError
 from shipid.prediction.following.track_adaptation import TrackFollower, adapted, counter_rudder, node_at_heading
-from shipid.prediction.sail import sail
+from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.situation import Situation
 
 STILL = Situation({"psi": 0.0, "u": 9.5})

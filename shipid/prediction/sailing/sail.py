@@ -109,7 +109,7 @@ def sail(
     SimulationDivergedError
         If the model runs away.
     """
-    pilot, truth = _steering(pilot, model, ship)
+    pilot, truth = steering(pilot, model, ship)
     u0 = pilot.own_speed if speed is None else number(speed, "m/s", "the speed")
     if not u0 > 0:
         raise UsageError(f"a speed of {u0:g} m/s does not steer a ship: give one greater than zero.")
@@ -175,10 +175,30 @@ def sail(
     )
 
 
-def _steering(
+def steering(
     pilot: Autopilot, model: Model | type[Component] | str | None, ship: ParameterSet | str | Path | None
 ) -> tuple[Autopilot, Model]:
-    """The same gains on the ship that sails."""
+    """Return an autopilot with its gains on the ship that sails, and the model of that ship.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot.
+    model : Model, component class or str, optional
+        The ship that sails; the autopilot's own by default.
+    ship : ParameterSet, str or Path, optional
+        Its coefficients.
+
+    Returns
+    -------
+    pilot : Autopilot
+    model : Model
+
+    Raises
+    ------
+    UsageError
+        If the model has no position or no heading.
+    """
     truth = pilot.model if model is None else model_of(model)
     ships = pilot.ships if ship is None else (ship_of(ship),)
     if truth is pilot.model and ships == pilot.ships:

@@ -5,7 +5,7 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.prediction.sail import sail
+from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.filtered_situation import situation_of
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.tracks.track_predictor import TrackPredictor
