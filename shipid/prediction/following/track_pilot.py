@@ -37,7 +37,7 @@ _BEYOND = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class Steering:
+class TrackOrder:
     """What the track pilot orders.
 
     Attributes
@@ -95,9 +95,10 @@ class TrackPilot:
         self.predictor, self.plan, self.rudder_limit = predictor, plan, rudder_limit
         self.leg = 0
         self.phase: Phase = "keeping"
-        self._limit, self._off, self._ordered = rudder_limit, 0.0, None
+        self._limit, self._off = rudder_limit, 0.0
+        self._ordered: float | None = None
 
-    def steer(self, situation: Situation, interval: float = 2.0) -> Steering:
+    def steer(self, situation: Situation, interval: float = 2.0) -> TrackOrder:
         """Return what to order now.
 
         Parameters
@@ -109,7 +110,7 @@ class TrackPilot:
 
         Returns
         -------
-        Steering
+        TrackOrder
         """
         values = situation.values
         self._learn(situation, interval)
@@ -132,7 +133,7 @@ class TrackPilot:
                 self.phase = "arrived"
         self._ordered = heading
         limit = self._limit if self.phase == "turning" else self.rudder_limit
-        return Steering(heading + self._off, limit, self.phase, self.leg, seconds, track)
+        return TrackOrder(heading + self._off, limit, self.phase, self.leg, seconds, track)
 
     def _learn(self, situation: Situation, interval: float) -> None:
         """What has to be ordered more, so that the ship sails the heading that is meant: a steady moment of the wind."""
