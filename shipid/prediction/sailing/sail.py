@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 import shipid
-from shipid.autopilot.course_changes.run_course_changes import stiffest
+from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
 from shipid.autopilot.course_changes.turn_order import RADIUS, TurnOrder
 from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
@@ -125,7 +125,8 @@ def sail(
     parts += [Wind] if wind is not None else []
     parts += [Waves] if waves is not None else []
     whole = closed_loop(pilot, *parts)
-    fine = max(1, int(np.ceil(interval / stiffest(pilot, truth, np.array([u0])) - 1e-9)))
+    finest = min(stiffest(pilot, whole, np.array([u0])), PACE * unit_time)
+    fine = max(1, int(np.ceil(interval / finest - 1e-9)))
     count = round(end / interval)
     if count * fine > 1e7:
         raise UsageError(

@@ -9,7 +9,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 
-from shipid.autopilot.course_changes.run_course_changes import stiffest
+from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
 from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
@@ -104,7 +104,9 @@ class SimulatedShip:
             "psi_order": begin.get("psi", 0.0),
             **(inputs or {}),
         }
-        self._longest = stiffest(self.pilot, truth, np.array([self.speed]))
+        self._longest = min(
+            stiffest(self.pilot, self.model, np.array([self.speed])), PACE / self.pilot.pace(self.speed)
+        )
         self._shown = tuple(n for n in ("x", "y", "psi", "r", "u", "v", "delta", "delta_order") if n in self.model)
         self._loop = _loop(self.model, self._shown)
         rows = input_rows(self.model, self.inputs, 1)[:, 0]
