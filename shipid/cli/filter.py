@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
     TrialReader,
@@ -18,6 +18,7 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
+from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def filter_trial(
     follow: str | None,
     wait: str,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Filter a trial with an extended Kalman filter generated from a model.
 
     Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other model works too. Prints the last
@@ -112,19 +113,17 @@ def filter_trial(
     }
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
-        _recursively(read, str(trial), found, known, method, measured, settings, delivery)
-        return
+        return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
-        run_follow(follow, found, known, measured, settings, read.format, wait, delivery.as_json)
-        return
+        return run_follow(follow, found, known, measured, settings, read.format, wait, delivery)
     with delivery.progress() as tell:
         tell("reading")
         record = read(str(trial))
         tell("filtering")
-        _filter(found, known, record, measured, settings, delivery)
+        return _filter(found, known, record, measured, settings, delivery)
 
 
 def _filter(
@@ -134,7 +133,7 @@ def _filter(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Run the extended Kalman filter over a record."""
     from shipid.estimation.kalman import ExtendedKalmanFilter
     from shipid.estimation.settings.defaults import standard_sensors
@@ -146,7 +145,9 @@ def _filter(
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     run = kalman.filter(record)
     seen = kalman.observability(run)
-    delivery.hand_over_parts(
+    for message in seen.messages:
+        warn(message)
+    return delivery.hand_over_parts(
         run.to_dict() | {"observability": seen.to_dict()},
         repr(run),
         {
@@ -154,8 +155,6 @@ def _filter(
             REPORT: lambda path: write_report(seen, path),
         },
     )
-    for message in seen.messages:
-        say(message)
 
 
 def _recursively(
@@ -167,7 +166,7 @@ def _recursively(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.report.write_report import write_report
@@ -177,12 +176,12 @@ def _recursively(
         tell(f"identifying by {method}")
         run = identify_recursively(model, record, ship=ship, method=method, measured=measured, **settings)
     assert not isinstance(run, list), "one record gives one result"
-    delivery.hand_over(
+    for sentence in run.warnings:
+        say(sentence)
+    return delivery.hand_over(
         run,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(run, path),
         },
     )
-    if run.diverged:
-        say(f"not reliable: {run.why_diverged}")

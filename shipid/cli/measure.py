@@ -7,6 +7,7 @@ import click
 from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import TrialReader, reading
 from shipid.foundation.aliases import Plain
+from shipid.foundation.exit_codes import ExitCode
 
 _KINDS = ("zig-zag", "turning circle", "spiral", "pull-out")
 _READINGS = ("order", "moved")
@@ -31,7 +32,7 @@ def measure(
     execute: str,
     length: str | None,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Measure a zig-zag, a turning circle, a spiral or a pull-out in the terms of ITTC and IMO.
 
     The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why.
@@ -53,4 +54,4 @@ def measure(
         if reason is not None:
             flat[f"{key}_reason"] = reason
     flat |= {"reasons": dict(measured.reasons), "notes": list(measured.notes)}
-    delivery.hand_over_parts(flat, repr(measured))
+    return delivery.hand_over_parts(flat, repr(measured))

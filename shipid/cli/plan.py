@@ -18,6 +18,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.planning.selection import Criterion
@@ -70,7 +71,7 @@ def plan(
     values: dict[str, str],
     seed: int,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
     Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
@@ -99,4 +100,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    delivery.hand_over(result)
+    return delivery.hand_over(result)

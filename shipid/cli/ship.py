@@ -9,6 +9,7 @@ import click
 
 from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
 from shipid.cli.messages import say
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.foundation.aliases import Plain
@@ -54,7 +55,7 @@ def ship(
     overwrite: bool,
     as_json: bool,
     **stated: str | None,
-) -> None:
+) -> ExitCode:
     """Show what is known of a ship and where it comes from, or draft the file of a new one.
 
     SHIP is a name (see shipid models) or the path of a ship file. A draft lists every particular that commands ask for; one
@@ -69,6 +70,7 @@ def ship(
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.parameters.draft import draft_parameter_set
 
+    delivery = Delivery(as_json)
     given = [f"--{name.replace('_', '-')}" for name, value in stated.items() if value is not None]
     given += [
         f"--{name}"
@@ -81,8 +83,7 @@ def ship(
         if given:
             raise UsageError(f"{', '.join(given)}: only with --new NAME, which drafts a ship file.")
         found = find_ship(ship)
-        Delivery(as_json).hand_over_parts(_data(found), _text(found))
-        return
+        return delivery.hand_over_parts(_data(found), _text(found))
     if source is not None and not source.strip():
         raise UsageError("--source is empty. Say where the values come from; 'assumed' is a source.")
     path = output_file(output, overwrite) if output is not None else None
@@ -93,7 +94,8 @@ def ship(
         write_text(path, text)
         say(f"written: {path}." + ("" if source or not values else " Its sources are empty: fill them in."))
     if as_json or path is None:
-        Delivery(as_json).hand_over_parts({"ship": new, "text": text}, text.rstrip("\n"))
+        return delivery.hand_over_parts({"ship": new, "text": text}, text.rstrip("\n"))
+    return ExitCode.DONE
 
 
 def _assumed(found: ParameterSet) -> list[str]:

@@ -9,6 +9,7 @@ import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.options import seed_option, ship_option
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
@@ -59,7 +60,7 @@ def tune(
     adapt: Adaptation | None,
     compare: tuple[str, str] | None,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Tune an autopilot for a ship: gains against speed, margins, robustness, course changes, and a report.
 
     The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
@@ -78,8 +79,7 @@ def tune(
                 "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out. Only a "
                 "model file is given, as FILE.py:NAME."
             )
-        _compare(compare, model, samples, seed, delivery)
-        return
+        return _compare(compare, model, samples, seed, delivery)
     if model is None or not ships:
         raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
     if adapt is not None and on_board is None:
@@ -104,7 +104,7 @@ def tune(
         if on_board is not None:
             runs = run_on_board(pilot, on_board, adaptation=adapt or "none", seed=seed, progress=tell)
         judged = judge(pilot, samples, seed, on_board=runs, progress=tell)
-    delivery.hand_over(
+    return delivery.hand_over(
         judged,
         {
             _SCHEDULE: lambda path: write_schedule(judged.pilot, path, model),
@@ -121,7 +121,7 @@ def _frequency(text: str | None) -> str | float | None:
         return text
 
 
-def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> None:
+def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> ExitCode:
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
     from shipid.autopilot.judgement.judge import judge
     from shipid.report.write_report import write_report
@@ -130,7 +130,7 @@ def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int,
     with delivery.progress() as tell:
         first, second = (judge(p, samples, seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
-    delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
+    return delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
 
 
 def _read(file: str, model: str | None) -> Autopilot:

@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -137,12 +138,15 @@ class Criteria:
                     "limit": row.limit,
                     "limit_text": row.limit_text,
                     "within": row.within,
-                    **{name: _plain(side) for name, side in (("starboard", row.starboard), ("port", row.port))},
+                    **{
+                        name: _plain(side, row.unit)
+                        for name, side in (("starboard", row.starboard), ("port", row.port))
+                    },
                 }
                 for row in self.rows
             },
             "spiral": None if self.spiral is None else dict(self.spiral),
-            "notes": list(self.notes),
+            "warnings": plain_notices(self.notes),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -150,7 +154,7 @@ class Criteria:
         import pandas as pd
 
         rows = [
-            {"quantity": row.key, "side": name, "value": side.value, "band95": side.band95}
+            {"quantity": row.key, "side": name, "value": side.value, "interval_95": side.band95}
             | {"unit": row.unit, "limit": row.limit, "words": side.words}
             for row in self.rows
             for name, side in (("starboard", row.starboard), ("port", row.port))
@@ -179,8 +183,9 @@ class Criteria:
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
 
 
-def _plain(side: CriterionSide) -> dict[str, Plain]:
-    return {"value": side.value, "band95": None if side.band95 is None else list(side.band95), "words": side.words}
+def _plain(side: CriterionSide, unit: str) -> dict[str, Plain]:
+    ends = None if side.band95 is None else list(side.band95)
+    return {"value": side.value, "unit": unit, "interval_95": ends, "words": side.words}
 
 
 def _cell(side: CriterionSide) -> str:

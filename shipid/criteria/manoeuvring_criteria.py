@@ -191,7 +191,7 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, P
     return {
         "stable": point.stable,
         "half_width_deg": point.half_width * deg,
-        "half_width_band95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+        "half_width_interval_95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
         "loop_width_deg": point.loop_width * deg,
         "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
     }

@@ -60,7 +60,7 @@ class Estimate:
             "value": self.value,
             "unit": self.unit,
             "std": self.std,
-            "ci95": list(self.ci95) if self.ci95 else None,
+            "interval_95": list(self.ci95) if self.ci95 else None,
             "identifiable": self.identifiable,
             "why": self.why,
             "follows": self.follows,

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines
@@ -181,7 +182,7 @@ class Fit:
 
         rows = [{"name": e.name, **e.to_dict()} for e in self.parameters.values()]
         frame = pd.DataFrame(rows).set_index("name")
-        return frame[["value", "std", "unit", "ci95", "identifiable", "follows", "meaning"]]
+        return frame[["value", "std", "unit", "interval_95", "identifiable", "follows", "meaning"]]
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values for JSON: SI, angles in radians, no NaN.
@@ -200,7 +201,8 @@ class Fit:
             "message": self.message,
             "loss": self.loss,
             "ladder": [r.to_dict() for r in self.ladder],
-            "findings": None if findings is None else [f.to_dict() for f in findings],
+            "checked": findings is not None,
+            "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
@@ -254,6 +256,13 @@ class Fit:
             **({} if self.posterior is None else {"posterior": self.posterior.to_dict()}),
             "provenance": dict(self.provenance),
         }
+
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What makes the coefficients unusable; the findings on the trials stand in the assessment."""
+        if self.converged:
+            return ()
+        return (Notice(f"the search did not converge: {self.message}", "not-converged", serious=True),)
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"

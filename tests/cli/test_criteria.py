@@ -18,7 +18,7 @@ def test_criteria_as_json(call):
     assert result["criteria"]["first_overshoot_10"]["limit"] == 10
     assert result["criteria"]["advance"]["starboard"]["value"] < 4.5
     assert result["spiral"]["half_width_deg"] == 0
-    assert any("45 m long" in n for n in result["notes"])
+    assert any("45 m long" in w["message"] for w in result["warnings"])
 
 
 def test_criteria_of_an_own_ship_and_model(call, own_model, own_ship):

@@ -37,8 +37,8 @@ def test_json_names_parameters_and_innovations(call):
     result = json.loads(answer.out)
     assert set(result["parameters"]) == {"K", "tau"}
     for estimate in result["parameters"].values():
-        assert {"value", "unit", "std", "ci95", "identifiable", "meaning"} <= set(estimate)
-        assert estimate["ci95"][0] < estimate["value"] < estimate["ci95"][1]
+        assert {"value", "unit", "std", "interval_95", "identifiable", "meaning"} <= set(estimate)
+        assert estimate["interval_95"][0] < estimate["value"] < estimate["interval_95"][1]
     for innovation in result["innovations"].values():
         assert {"nis_mean", "white_p", "rejected"} <= set(innovation)
 
@@ -197,7 +197,7 @@ def test_the_family_of_recursive_identification(call, method, tmp_path):
     for name, truth in (("K", 1.6), ("tau", 1.7)):
         estimate = result["parameters"][name]
         assert estimate["value"] == pytest.approx(truth, rel=0.08)
-        assert estimate["ci95"][0] < estimate["value"] < estimate["ci95"][1]
+        assert estimate["interval_95"][0] < estimate["value"] < estimate["interval_95"][1]
     assert f"by {method}" in (tmp_path / "report.html").read_text()
 
 

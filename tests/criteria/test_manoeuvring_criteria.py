@@ -85,15 +85,15 @@ def test_bands_from_a_fit_and_words_of_extrapolation(sail):
     result = shipid.manoeuvring_criteria(fit)
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     swing = plain["criteria"]["first_overshoot_10"]
-    low, high = swing["starboard"]["band95"]
+    low, high = swing["starboard"]["interval_95"]
     assert low < swing["starboard"]["value"] < high
-    notes = " ".join(plain["notes"])
+    notes = " ".join(w["message"] for w in plain["warnings"])
     assert "up to 10 deg" in notes and "35 deg are extrapolated" in notes
     assert "20 and 35" in notes
     assert plain["standard"] == "evaluated against MSC.137(76) 5.3"
     assert "90 % of the speed at 85 %" in notes and "100 m and longer" in notes
     assert "compliant" not in repr(result) + str(plain)
-    assert set(result.to_frame().columns) >= {"value", "band95", "limit"}
+    assert set(result.to_frame().columns) >= {"value", "interval_95", "limit"}
 
 
 def test_bands_from_the_standard_deviations_of_a_set():
@@ -117,7 +117,7 @@ def test_a_model_that_runs_away_says_so():
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     turn = plain["criteria"]["tactical_diameter"]
     assert turn["starboard"]["value"] is None and turn["within"] is None
-    assert "runs away" in turn["starboard"]["words"] and "runs away" in plain["notes"][0]
+    assert "runs away" in turn["starboard"]["words"] and "runs away" in plain["warnings"][0]["message"]
 
 
 def test_what_is_missing_is_said():

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "meaning")
 
 
 @dataclass(frozen=True)
@@ -244,7 +244,7 @@ class FilterRun:
             "innovations": {
                 n: {
                     "nis_mean": i.nis_mean,
-                    "nis_band95": None if i.nis_band is None else list(i.nis_band),
+                    "nis_interval_95": None if i.nis_band is None else list(i.nis_band),
                     "white_p": i.white_p,
                     "rejected": i.rejected,
                     "out_of_range": i.limited,

@@ -33,11 +33,11 @@ def test_the_result_has_every_key_and_no_nan(fit):
     zigzag, turn = (result[f"de-keizer-{m}"] for m in ("zigzag-10-10", "turn-20"))
     swings = len(zigzag["overshoots_deg"])
     assert swings >= 4
-    for key in ("predicted_overshoots_deg", "predicted_overshoots_closed_loop_deg", "band95_deg"):
+    for key in ("predicted_overshoots_deg", "predicted_overshoots_closed_loop_deg", "interval_95_deg"):
         assert len(zigzag[key]) == swings
     for key in KEYS:
-        assert set(turn[key]) == {"measured", "predicted", "band95"}
-        assert turn[key]["band95"][0] < turn[key]["predicted"] < turn[key]["band95"][1]
+        assert set(turn[key]) == {"measured", "predicted", "interval_95"}
+        assert turn[key]["interval_95"][0] < turn[key]["predicted"] < turn[key]["interval_95"][1]
     assert turn["overshoots_deg"] == [] and "advance_m" not in zigzag
 
 
@@ -116,7 +116,7 @@ def test_a_model_that_runs_away_has_no_band(sail):
     fit = fit.validate([sail("norrbin", "zeefakkel", "turn:35", seed=2)])
     turn = shipid.assess(fit).to_dict()["manoeuvre"]["norrbin-turn-35"]
     assert turn["advance_m"]["measured"] is not None
-    assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["band95"] is None
+    assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["interval_95"] is None
     json.dumps(turn, allow_nan=False)
 
 

@@ -64,7 +64,7 @@ def _spiral(found: Criteria) -> str:
         return "The model has no steady turn to draw a spiral from."
     if s["half_width_deg"] == 0:
         return "Spiral: no loop; the ship is stable on a straight course."
-    height, band = s["loop_height_deg_s"], _band(s["half_width_band95_deg"])
+    height, band = s["loop_height_deg_s"], _band(s["half_width_interval_95_deg"])
     words = (
         f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width_deg'], 2)} deg"
     )
