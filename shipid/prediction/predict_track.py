@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
+from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
 from shipid.parts.wind import Wind
 from shipid.prediction.following.wheel_over import TrackLeg, wheel_over
@@ -107,4 +108,7 @@ def predict_track(
         )
     if track.covariance is None and band != "none":
         told.append(Notice("nothing says how sure the situation is: the band is not known.", "band-not-known"))
-    return Prediction(pilot.ship.name, track.source, known, track, origin, found, tuple(told))
+    units = {n: e.unit for n, e in pilot.model.entries.items()} | {
+        n: FIELDS[n].unit for n in known.values if n in FIELDS
+    }
+    return Prediction(pilot.ship.name, track.source, known, track, origin, units, found, tuple(told))

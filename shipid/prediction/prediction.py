@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -67,6 +67,8 @@ class Prediction:
         Where she goes.
     origin : str
         Where the situation comes from, in words.
+    units : mapping of str to str
+        Of the values of the situation, SI.
     wheel_over : WheelOver or None
         Where the turn onto a planned leg begins, where one was given.
     warnings : tuple of Notice
@@ -78,6 +80,7 @@ class Prediction:
     situation: Situation
     track: PredictedTrack
     origin: str
+    units: Mapping[str, str] = field(default_factory=dict)
     wheel_over: WheelOver | None = None
     warnings: Sequence[Notice] = ()
 
@@ -136,21 +139,26 @@ class Prediction:
             "model": self.model,
             "origin": self.origin,
             "situation": {
-                "t": known.t,
-                "values": {n: float(v) for n, v in known.values.items()},
-                "std": {n: known.std_of(n) for n in known.uncertain},
+                "t": _plain(known.t, "s"),
+                **{n: _plain(v, self.units.get(n, ""), known.std_of(n)) for n, v in known.values.items()},
             },
             "stages": [
                 {
-                    "what": s.what, "t": s.t, "s": s.s, "ahead": s.ahead, "aside": s.aside, "heading": s.heading,
-                    "speed": s.speed, "band_half_width_95": s.half_width,
+                    "what": s.what,
+                    "t": _plain(s.t, "s"),
+                    "s": _plain(s.s, "m"),
+                    "ahead": _plain(s.ahead, "m"),
+                    "aside": _plain(s.aside, "m"),
+                    "heading": _plain(s.heading, "rad"),
+                    "speed": _plain(s.speed, "m/s"),
+                    "half_width_95": None if s.half_width is None else _plain(s.half_width, "m"),
                 }
                 for s in self.stages
             ],
             "wheel_over": None if self.wheel_over is None else self.wheel_over.to_dict(),
             "prediction": self.track.to_dict(),
             "warnings": plain_notices(self.warnings),
-        }  # fmt: skip
+        }
 
     def __repr__(self) -> str:
         known = self.situation.values
@@ -179,6 +187,11 @@ class Prediction:
             for r in rows
         ]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+
+def _plain(value: float, unit: str, std: float = 0.0) -> dict[str, Plain]:
+    known: dict[str, Plain] = {"value": float(value), "unit": unit}
+    return known | ({"std": std} if std else {})
 
 
 def _end_of(track: PredictedTrack) -> float:

@@ -94,7 +94,8 @@ class WheelOver:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI."""
-        return {n: float(getattr(self, n)) for n in ("heading", "distance", "time", "x", "y")}
+        units = {"heading": "rad", "distance": "m", "time": "s", "x": "m", "y": "m"}
+        return {n: {"value": float(getattr(self, n)), "unit": unit} for n, unit in units.items()}
 
     def __repr__(self) -> str:
         heading = np.rad2deg(self.heading) % 360

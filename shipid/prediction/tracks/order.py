@@ -48,10 +48,10 @@ class Order:
             raise UsageError("the rate of a turn to a heading is greater than zero; the heading says to which side.")
 
     def to_dict(self) -> dict[str, Plain]:
-        """Return what is ordered, SI."""
-        return {
-            n: getattr(self, n) for n in ("heading", "rudder", "rate", "rudder_limit") if getattr(self, n) is not None
-        }
+        """Return what is ordered."""
+        units = {"heading": "rad", "rudder": "rad", "rate": "rad/s", "rudder_limit": "rad"}
+        ordered = {n: getattr(self, n) for n in units}
+        return {n: {"value": v, "unit": units[n]} for n, v in ordered.items() if v is not None}
 
     def __str__(self) -> str:
         parts = []

@@ -163,15 +163,16 @@ class PredictedTrack:
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values for JSON, SI, free of NaN."""
         width = self.half_width
+        columns = {n: {"unit": unit, "values": getattr(self, n).tolist()} for n, unit in COLUMNS.items()}
         return {
             "order": self.order.to_dict(),
             "source": self.source,
-            "length": self.length,
-            "current_north": self.current[0],
-            "current_east": self.current[1],
+            "length": {"value": self.length, "unit": "m"},
+            "current_north": {"value": self.current[0], "unit": "m/s"},
+            "current_east": {"value": self.current[1], "unit": "m/s"},
             "ended": self.ended,
-            "track": {n: getattr(self, n).tolist() for n in COLUMNS},
-            "band_half_width_95": None if width is None else width.tolist(),
+            "track": columns,
+            "half_width_95": None if width is None else {"unit": "m", "values": width.tolist()},
         }
 
     def __repr__(self) -> str:

@@ -231,7 +231,7 @@ def test_a_track_is_plain_data(predictor, situation):
     frame, plain = track.to_frame(), track.to_dict()
     assert len(frame) == track.s.size and "half width of the 95 % band [m]" in frame
     assert frame["psi [deg]"].iloc[-1] == pytest.approx(60, abs=0.5)
-    assert plain["order"]["heading"] == pytest.approx(np.deg2rad(60))
+    assert plain["order"]["heading"]["value"] == pytest.approx(np.deg2rad(60))
     assert "95 % band" in repr(track)
     part = track.part(10, 20)
     assert part.s.size == part.covariance.shape[0] == part.std["t"].size == 10
