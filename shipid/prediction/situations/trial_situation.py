@@ -20,6 +20,8 @@ from shipid.trials.trial import Trial
 
 #: Samples a filter has to have seen.
 _LEAST = 10
+#: What a filter may measure, in this order.
+_MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
 _WIND = ("wind_speed", "wind_direction")
 
 
