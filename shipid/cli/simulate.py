@@ -84,8 +84,8 @@ def simulate(
         duration=duration,
         sampling=sampling,
         heading=heading,
-        current=_flow(current, "current"),
-        wind=_flow(wind, "wind"),
+        current=flow_of(current, "current"),
+        wind=flow_of(wind, "wind"),
         values=values,
     )
     for note in trial.source.notes:
@@ -107,8 +107,21 @@ def _print(trial: Trial) -> None:
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
-def _flow(text: str | None, what: str) -> tuple[float, float] | None:
-    """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
+def flow_of(text: str | None, what: str) -> tuple[float, float] | None:
+    """Return what ``"3 kn to 30 deg"`` says: speed and direction it flows TO, SI; None for none.
+
+    Parameters
+    ----------
+    text : str or None
+        As above, or ``"10 m/s from 270 deg"``.
+    what : str
+        What flows, for the message.
+
+    Raises
+    ------
+    UsageError
+        If the text has another form.
+    """
     import math
 
     from shipid.declaration.units import to_si
