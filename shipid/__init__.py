@@ -52,6 +52,13 @@ _HOMES = {
     "run_on_board": "shipid.autopilot.on_board.run_on_board",
     "read_schedule": "shipid.autopilot.design.read_schedule",
     "write_schedule": "shipid.autopilot.design.write_schedule",
+    "Situation": "shipid.prediction.situations.situation",
+    "TrackPredictor": "shipid.prediction.tracks.track_predictor",
+    "TrackPilot": "shipid.prediction.following.track_pilot",
+    "own_ship_filter": "shipid.prediction.situations.own_ship_filter",
+    "predict_track": "shipid.prediction.predict_track",
+    "sail": "shipid.prediction.sailing.sail",
+    "situation_of": "shipid.prediction.situations.filtered_situation",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }

@@ -18,6 +18,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+from shipid.cli.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial
@@ -32,9 +33,11 @@ if TYPE_CHECKING:
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
 @seed_option("the noise and the random telegraph")
-@click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
+@click.option("--duration", type=NumberWithUnit("s"), help="As in '600 s'; long enough for the manoeuvre by default.")
 @sampling_option
-@click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
+@click.option(
+    "--heading", type=NumberWithUnit("deg"), default="0 deg", show_default=True, help="Heading of the approach."
+)
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
 @values_option
@@ -81,8 +84,8 @@ def simulate(
         duration=duration,
         sampling=sampling,
         heading=heading,
-        current=_flow(current, "current"),
-        wind=_flow(wind, "wind"),
+        current=flow_of(current, "current"),
+        wind=flow_of(wind, "wind"),
         values=values,
     )
     for note in trial.source.notes:
@@ -104,8 +107,21 @@ def _print(trial: Trial) -> None:
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
-def _flow(text: str | None, what: str) -> tuple[float, float] | None:
-    """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
+def flow_of(text: str | None, what: str) -> tuple[float, float] | None:
+    """Return what ``"3 kn to 30 deg"`` says: speed and direction it flows TO, SI; None for none.
+
+    Parameters
+    ----------
+    text : str or None
+        As above, or ``"10 m/s from 270 deg"``.
+    what : str
+        What flows, for the message.
+
+    Raises
+    ------
+    UsageError
+        If the text has another form.
+    """
     import math
 
     from shipid.declaration.units import to_si

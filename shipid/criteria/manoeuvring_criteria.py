@@ -27,6 +27,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import display_factor, display_unit, to_display
+from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.foundation.notices import Notice
@@ -252,9 +253,10 @@ def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
     if speeds and not 0.9 * min(speeds) <= speed <= 1.1 * max(speeds):
         words = f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
         notes.append(Notice(words, BEYOND, quantity="u"))
-    if fit.unidentifiable:
+    unknown = [n for n in fit.unidentifiable if fit.parameters[n].standing == UNKNOWN]
+    if unknown:
         notes.append(
-            f"The trials do not determine {', '.join(fit.unidentifiable)}: quantities that depend on them have a wide band, or none."
+            f"The trials do not determine {', '.join(unknown)}: quantities that depend on them have a wide band, or none."
         )
     if not fit.converged:
         notes.append("The search did not converge: these are the numbers of an unfinished fit.")

@@ -135,8 +135,8 @@ class FilterDesign:
     integration: tuple[str, str, int, bool]
     compiled: bool
     single: bool
-    _loops: dict[object, Loop] = field(default_factory=dict, init=False)
-    _quantities: dict[str, CasadiFunction] = field(default_factory=dict, init=False)
+    _loops: dict[object, Loop] = field(default_factory=dict)
+    _quantities: dict[str, CasadiFunction] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         kind = "Kalman filter" if self.linear else "extended Kalman filter"
@@ -264,7 +264,13 @@ class FilterDesign:
             sorted(self.parameters.items()),
             *(
                 sorted(each.items())
-                for each in (instruments.rates, instruments.ranges, instruments.inputs, instruments.lost)
+                for each in (
+                    instruments.rates,
+                    instruments.ranges,
+                    instruments.inputs,
+                    instruments.lost,
+                    instruments.biases,
+                )
             ),
         )
         return hashlib.sha256(repr(parts).encode()).hexdigest()

@@ -27,7 +27,7 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
         The coefficients.
     """
     return [
-        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
+        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   {e.standing}: {e.why}")
         for e in parameters.values()
     ]
 

@@ -13,8 +13,9 @@ from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import display_unit, to_display
-from shipid.estimation.estimate import UNDETERMINED
+from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.notices import Notice
 from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
@@ -340,13 +341,16 @@ def _result(
     for j, name in enumerate(experiment.estimated):
         if not possible[j]:
             warnings.append(
-                f"{name} stays undetermined by every manoeuvre of this repertoire, with {_words(experiment.signals)}."
+                Notice(
+                    f"{name} stays undetermined by every manoeuvre of this repertoire, with {_words(experiment.signals)}.",
+                    "not-determined",
+                    name=name,
+                )
             )
-        elif std[j] > UNDETERMINED * problem.size[j]:
-            share = std[j] / problem.size[j]
-            warnings.append(
-                f"{name} stays undetermined: its standard deviation is {share:.0%} of its size after this plan."
-            )
+            continue
+        standing, why = standing_of(problem.known[name], std[j], size=problem.size[j])
+        if standing == UNKNOWN:
+            warnings.append(Notice(f"{name} stays undetermined: {why}", "not-determined", name=name))
     count = max(1, int(possible.sum()))
     gains = (value_of(planned[:, None], "D") - value_of(usual[:, None], "D")) * len(possible) if pair else None
     forecasts = {

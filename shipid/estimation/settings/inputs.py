@@ -47,7 +47,10 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
         check_ahead(float(given["cruise"]), record, instruments.model.name)
     if instruments.model.guards:
         check_way(columns, record, instruments.model.name)
-    return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
+    table = input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
+    if instruments.biases:
+        table = table + np.array([instruments.biases.get(n, 0.0) for n in instruments.model.inputs])
+    return table
 
 
 def hold_last(table: np.ndarray) -> np.ndarray:

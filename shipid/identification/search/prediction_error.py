@@ -20,6 +20,7 @@ from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.trial_data import TrialData
 from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.unseen import covariance_by
 
 #: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
 _LEVEL_PRIOR = 3.0
@@ -114,7 +115,7 @@ def fit_levels(
     found = _newton(objective, np.concatenate([q0, np.zeros(trials * len(problem.biases))]), tell)
     q, information, converged, message, evaluations = found
     value, _, _ = objective(q)
-    covariance = np.linalg.pinv(information)[:shared, :shared]
+    covariance = covariance_by(information)[:shared, :shared]
     levels = np.exp(q[shared : shared + len(level_names)])
     return NoiseLevels(
         q[:shared],
