@@ -16,7 +16,7 @@ import numpy as np
 from shipid.identification.search.unseen import covariance_by
 
 #: Step in the logarithm of a level for differences of the information, and the largest move of a level.
-_STEP, _FARTHEST = 0.1, 1.0
+_STEP, _FARTHEST = 0.01, 1.0
 #: Fewer degrees of freedom are not told from these; so many are as good as normal.
 _FEWEST, MANY = 4.0, 1e6
 
@@ -80,8 +80,7 @@ def small_sample(
     there = information_at(better)
     if not np.isfinite(there).all() or not there.any():
         better, there = q, information
-    cover = covariance_by(there)[inside]
-    # d(I^-1) = -I^-1 dI I^-1, on the diagonal.
+    # d(I^-1) = -I^-1 dI I^-1, on the diagonal; relative to the variance it hardly changes with the level.
     changes = np.array([np.einsum("ij,jk,ik->i", cover, slope, cover) for slope in slopes])
     variance = np.einsum("ki,kl,li->i", changes, spread, changes)
     degrees = np.full(q.size, MANY)
