@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import json_text
+from shipid.cli.delivery import Delivery, json_text
 from shipid.cli.messages import say
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
@@ -31,8 +32,8 @@ def follow(
     settings: Mapping[str, Plain],
     format_: str | None,
     wait: str,
-    as_json: bool,
-) -> None:
+    delivery: Delivery,
+) -> ExitCode:
     """Filter samples as they arrive, and print an estimate for each.
 
     Parameters
@@ -47,8 +48,12 @@ def follow(
         Trial format file, or ``nmea``.
     wait : str
         Seconds without a new line after which a file is taken to have ended, with its unit.
-    as_json : bool
-        Whether an estimate is a line of JSON instead of a line of a table.
+    delivery : Delivery
+        As JSON, an estimate is a line in the envelope of every command, instead of a line of a table.
+
+    Returns
+    -------
+    ExitCode
 
     Raises
     ------
@@ -63,7 +68,7 @@ def follow(
     fmt = chosen_format(format_)
     lines = lines_of(source, to_si(wait, "s", "the wait"), fmt.encoding if fmt else None)
     log = LiveLog(lines, source, fmt, say)
-    printer = _Printer(source, as_json)
+    printer = _Printer(source, delivery)
     heard: list[LiveSample] = []
     online: OnlineFilter | None = None
     for sample in log:
@@ -75,13 +80,14 @@ def follow(
             online = printer.start(model, ship, measured, settings, log.names, heard)
     if online is None:
         printer.start(model, ship, measured, settings, log.names, heard)
+    return ExitCode.DONE
 
 
 class _Printer:
     """Runs the filter over samples and prints its estimates."""
 
-    def __init__(self, source: str, as_json: bool) -> None:
-        self.source, self.as_json = source, as_json
+    def __init__(self, source: str, delivery: Delivery) -> None:
+        self.source, self.delivery = source, delivery
         self.names: list[str] = []
         self.channels: tuple[str, ...] = ()
         self.header = ""
@@ -127,8 +133,8 @@ class _Printer:
         if estimate.refused:
             say(f"{self.source}, line {sample.line}: refused, {estimate.refused}.")
             return
-        if self.as_json:
-            click.echo(json_text(estimate.to_dict(), indent=None))
+        if self.delivery.as_json:
+            click.echo(json_text(self.delivery.enveloped(estimate.to_dict()), indent=None))
         else:
             # With the first estimate: a record that cannot be filtered prints nothing.
             if self.header:

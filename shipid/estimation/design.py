@@ -29,6 +29,7 @@ from shipid.estimation.recursion.step import make_filter_step
 from shipid.estimation.settings.initial import (
     FirstEstimates,
     drifting,
+    log_scaled,
     parameter_starts,
     read_deviations,
     read_states,
@@ -134,8 +135,8 @@ class FilterDesign:
     integration: tuple[str, str, int, bool]
     compiled: bool
     single: bool
-    _loops: dict[object, Loop] = field(default_factory=dict, init=False)
-    _quantities: dict[str, CasadiFunction] = field(default_factory=dict, init=False)
+    _loops: dict[object, Loop] = field(default_factory=dict)
+    _quantities: dict[str, CasadiFunction] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         kind = "Kalman filter" if self.linear else "extended Kalman filter"
@@ -266,7 +267,13 @@ class FilterDesign:
             sorted(self.parameters.items()),
             *(
                 sorted(each.items())
-                for each in (instruments.rates, instruments.ranges, instruments.inputs, instruments.lost)
+                for each in (
+                    instruments.rates,
+                    instruments.ranges,
+                    instruments.inputs,
+                    instruments.lost,
+                    instruments.biases,
+                )
             ),
         )
         return hashlib.sha256(repr(parts).encode()).hexdigest()
@@ -305,17 +312,17 @@ def design_filter(
     gate = _gate(given)
     base, ship = model_of(model), ship_of(ship)
     estimated = drifting(base) if given.estimated is None else given.estimated
-    whole = augment(base, estimated, given.log) if estimated else base
-    parameters = {n: n if n in whole.states else f"log_{n}" for n in estimated}
     scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
-    levels = sensor_levels(whole, given.measured if given.measured is not None else dict.fromkeys(whole.outputs))
     known = ship.values(base, speed=scale.speed) | dict(given.values or {})
-    initial = given.initial or {}
-    starts = dict(given.start or {})
+    initial, starts = given.initial or {}, dict(given.start or {})
+    begin = parameter_starts(base, tuple(estimated), ship, known, starts, scale, initial)
+    whole = augment(base, estimated, log_scaled(base, begin, given.log)) if estimated else base
+    parameters = {n: n if n in whole.states else f"log_{n}" for n in estimated}
+    levels = sensor_levels(whole, given.measured if given.measured is not None else dict.fromkeys(whole.outputs))
     states = read_states(whole, {n: v for n, v in starts.items() if n not in estimated}, parameters)
     first = FirstEstimates(
         states,
-        parameter_starts(base, tuple(estimated), ship, known, starts, scale, initial),
+        begin,
         read_deviations(whole, initial, parameters),
     )
     lost = read_lost(whole, given.lost or {})

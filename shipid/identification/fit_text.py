@@ -27,7 +27,7 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
         The coefficients.
     """
     return [
-        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
+        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   {e.standing}: {e.why}")
         for e in parameters.values()
     ]
 
@@ -46,6 +46,8 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     for c in comparisons:
         errors = ", ".join(_error_text(s, v) for s, v in c.rmse.items())
         lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
+        if c.departure is not None:
+            lines.append(f"             {c.departure}")
         if c.refitted:
             again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
             lines.append(f"             with rudder bias and initial state refitted: {again}")

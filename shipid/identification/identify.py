@@ -161,7 +161,7 @@ def identify(
             if solution.covariance is None:
                 solution = weigh_again(solution, box, sigma, INDEPENDENT * unit_time)
             solution = on_every_sample(solution, problem)
-        fit = _result(setting, solution, rungs, box, trials, weights)
+        fit = _result(setting, solution, rungs, box, [t for _, t in pairs], weights)
         return fit.validate(validate) if validate else fit
 
 
@@ -179,7 +179,7 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
 
 
 def _result(
-    setting: Setting, solution: Solution, rungs: tuple[Rung, ...], box: Box, trials: Sequence[Trial], weights: str
+    setting: Setting, solution: Solution, rungs: tuple[Rung, ...], box: Box, records: Sequence[Trial], weights: str
 ) -> Fit:
     problem, covariance = solution.problem, covariance_of(solution)
     shared = len(problem.estimated)
@@ -194,6 +194,7 @@ def _result(
     degrees = None if solution.levels is None else solution.levels.degrees
     parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
+    trials = [data.trial for data in problem.trials]
     names = ", ".join(t.name for t in trials)
     source = f"identified by {used.method.replace('-', ' ')} from {names} (shipid {shipid.__version__})"
     ship = identified_ship(setting, parameters, trials, source, correlation, unseen)
@@ -209,7 +210,7 @@ def _result(
         correlation=correlation,
         condition_number=plain(covariance.condition_number),
         noise=dict(zip(problem.signals, problem.sigma.tolist())),
-        fitted=fitted_comparisons(problem, solution.q, ship.particular("L", "m")),
+        fitted=fitted_comparisons(problem, solution.q, records, ship.particular("L", "m")),
         validation=(),
         chi_square=2 * solution.cost / max(1, solution.residual.size - problem.missing - problem.size),
         evaluations=solution.evaluations,

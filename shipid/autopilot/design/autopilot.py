@@ -14,6 +14,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:
@@ -154,7 +155,7 @@ class Autopilot:
             found["conditions"] = {
                 name: {"gains": self._gains(j), "poles": self._poles(j)} for j, name in enumerate(self.conditions)
             }
-        return found | {"warnings": list(self.warnings)}
+        return found | {"warnings": plain_notices(self.warnings)}
 
     def _gains(self, condition: int) -> dict[str, list[float]]:
         return {n: g[condition].tolist() for n, g in self.schedule.gains.items()}

@@ -34,6 +34,7 @@ from shipid.estimation.recursion.gate import MEMORY, REJECTED, TAKEN
 from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
 
 #: No sensor has been watched for longer, in s or in samples.
@@ -89,10 +90,12 @@ class OnlineEstimate:
         """Return plain values, SI; None where a number is not finite."""
         names = [s for s in self.design.model.states if s not in self.design.parameters.values()]
         names += list(self.design.parameters)
-        estimates = {n: {"value": self[n], "std": self.std_of(n)} for n in names}
+        model = self.design.model
         return {
             "t": self.t,
-            "estimates": {n: {k: v if math.isfinite(v) else None for k, v in e.items()} for n, e in estimates.items()},
+            "estimates": {
+                n: {"value": plain(self[n]), "unit": model[n].unit, "std": plain(self.std_of(n))} for n in names
+            },
             "taken": list(self.taken),
             "rejected": list(self.rejected),
             "refused": self.refused,

@@ -17,6 +17,7 @@ from shipid.identification.problem.box import Box, box_of
 from shipid.identification.problem.ship_scale import scale_of, usual_speed
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.trials.speed import check_way
 from shipid.trials.trial import Trial
 
 
@@ -223,11 +224,16 @@ def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
     ------
     TrialTooShortError
         With both times.
+    NotAheadError
+        If the ship goes astern, and the model is scaled with its speed.
     """
     slowest, unit_time = time_constant(setting.model, setting.known), setting.scale.unit_time
     needed = max(unit_time, slowest)
     why = "the ship's time constant" if slowest > unit_time else "the time L/U in which the ship sails its length"
     for trial in trials:
+        if setting.model.guards:
+            # A mean speed near zero would make the time L/U too long, and the message wrong.
+            check_way({n: trial[n] for n in ("t", "u") if n == "t" or trial.has(n)}, trial.name, setting.model.name)
         if trial.duration < needed:
             raise TrialTooShortError(
                 f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.estimation.estimate import UNDETERMINED
+from shipid.estimation.standing import UNKNOWN, Standing, standing_of
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
 from shipid.identification.noise.filled_inputs import effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
@@ -229,8 +229,10 @@ def correlation_of(matrix: np.ndarray) -> np.ndarray:
     return out
 
 
-def verdict(value: float, std: float, size: float, low: float, high: float, partners: str) -> str:
-    """Return why the data do not determine a parameter, or an empty string.
+def verdict(
+    value: float, std: float, size: float, low: float, high: float, partners: str, before: float = float("inf")
+) -> tuple[Standing, str]:
+    """Return what the data say of a parameter, and why where they do not determine it.
 
     Parameters
     ----------
@@ -242,14 +244,13 @@ def verdict(value: float, std: float, size: float, low: float, high: float, part
         Its bounds.
     partners : str
         Names of the parameters it trades off with, in words; may be empty.
+    before : float
+        The standard deviation of its prior; infinite without one.
     """
-    trade = f" It trades off with {partners}." if partners else ""
-    if not np.isfinite(std):
-        return f"the trials hold no information about it alone.{trade}"
+    standing, why = standing_of(value, std, low=low, size=size, before=before)
     span = high - low
-    if np.isfinite(span) and min(value - low, high - value) < 1e-4 * span * min(1.0, abs(value) / span + 1e-3):
-        return f"it ended at its bound.{trade}"
-    # A coefficient that may be zero is determined if its deviation is small against its usual size; a positive one is not.
-    if std > UNDETERMINED * (abs(value) if low > 0 else max(abs(value), size)):
-        return f"its standard deviation is {std / max(abs(value), 1e-300):.0%} of its value.{trade}"
-    return ""
+    if np.isfinite([std, span]).all() and min(value - low, high - value) < 1e-4 * span * min(
+        1.0, abs(value) / span + 1e-3
+    ):
+        standing, why = UNKNOWN, "it ended at its bound."
+    return standing, f"{why} It trades off with {partners}." if why and partners else why

@@ -11,7 +11,8 @@ from scipy.special import stdtrit
 
 from shipid.declaration.model import Entry, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
-from shipid.estimation.estimate import UNDETERMINED, Estimate, estimate_of
+from shipid.estimation.estimate import Estimate, estimate_of
+from shipid.estimation.standing import UNKNOWN, Standing, standing_of
 from shipid.foundation.errors import UnitError
 from shipid.foundation.statistics import plain
 from shipid.generation.simulator import coefficient_vector
@@ -61,9 +62,11 @@ def estimates_of(
         order = np.argsort(-np.abs(correlation[i]))
         strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > 0.9]
         size = max(abs(float(box.start[i])), abs(scale.start_of(entry) or 0.0))
-        why = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong))
-        why = (unseen or {}).get(name, why)
-        found = _estimate(entry, value, std, why, False, scale)
+        _, before = (None if problem.prior is None else problem.prior.parameters.get(name)) or (0.0, np.inf)
+        standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)
+        if name in (unseen or {}):
+            standing = UNKNOWN, (unseen or {})[name]
+        found = _estimate(entry, value, std, standing, False, scale)
         if degrees is not None and found.ci95 is not None:
             half = float(stdtrit(degrees[i], 0.975)) * std
             found = replace(found, ci95=(value - half, value + half))
@@ -105,11 +108,13 @@ def is_as_stated(value: float, stated: float) -> bool:
     return abs(value - stated) <= 1e-6 * abs(stated)
 
 
-def _estimate(entry: Entry, value: float, std: float, why: str, follows: bool, scale: Scale) -> Estimate:
+def _estimate(
+    entry: Entry, value: float, std: float, standing: tuple[Standing, str], follows: bool, scale: Scale
+) -> Estimate:
     """An estimate by the verdict on it, with its other form."""
-    found = estimate_of(entry, value, std, why=why, follows=follows)
+    found = estimate_of(entry, value, std, standing=standing, follows=follows)
     prime, prime_unit = _other_form(entry, value, scale)
-    return replace(found, identifiable=not why, prime=plain(prime), prime_unit=prime_unit)
+    return replace(found, prime=plain(prime), prime_unit=prime_unit)
 
 
 def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None, str]:
@@ -143,10 +148,10 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
         block = covariance[np.ix_(by, by)]
         variance = float(slope[i, by] @ block @ slope[i, by]) if np.isfinite(block).all() else float("inf")
         std = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0 else float("inf")
-        why = ""
+        standing = standing_of(value, std, size=abs(scale.start_of(model[name]) or 0.0))
         if not np.isfinite(value):
-            why = "it does not exist for these coefficients."
-        elif not np.isfinite(std) or std > UNDETERMINED * abs(value):
-            why = "the fitted coefficients it follows from do not determine it."
-        result[name] = _estimate(model[name], value, std, why, True, scale)
+            standing = UNKNOWN, "it does not exist for these coefficients."
+        elif standing[0] == UNKNOWN:
+            standing = UNKNOWN, "the fitted coefficients it follows from do not determine it."
+        result[name] = _estimate(model[name], value, std, standing, True, scale)
     return result

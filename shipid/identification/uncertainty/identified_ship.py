@@ -10,6 +10,7 @@ import numpy as np
 from shipid.estimation.estimate import Estimate
 from shipid.identification.problem.setting import Setting
 from shipid.identification.problem.ship_scale import recorded_speeds
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.identification.uncertainty.estimates import is_as_stated
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
@@ -61,7 +62,7 @@ def identified_ship(
             held = given.find(model, name)
             section[name] = held or Value(name, stated[name][0], e.unit, _BEFORE, std=stated[name][1])
         elif not e.follows and e.value is not None:
-            note = "" if e.identifiable else f"not determined by these trials: {e.why}"
+            note = "" if e.identifiable else f"{e.standing} by these trials: {e.why}"
             section[name] = Value(name, e.value, e.unit, source, std=e.std, note=note)
     particulars = dict(given.sections.get(PARTICULARS, {}))
     for name, value in setting.fixed.items():
@@ -79,6 +80,7 @@ def identified_ship(
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    joint = Joint(tuple(names), matrix, (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None)
+    span = (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None
+    joint = Joint(tuple(names), matrix, span, **largest_amplitudes(trials))
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})
