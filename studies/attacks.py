@@ -37,7 +37,7 @@ from shipid.parameters.parameter_file import parameter_table
 TRIAL = Path(__file__).parent / "trials" / "container-20-20.csv"
 BEGIN = "import sys; from shipid.cli import entry; print('begin', file=sys.stderr, flush=True); entry()"
 IDENTIFY = ("identify", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg", "--starts", "1")
-TUNE = ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5")
+TUNE = ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5 m/s")
 SAVE = """
 import sys, shipid
 kalman = shipid.ExtendedKalmanFilter("nomoto", "soesterberg", measured={"psi": "0.2 deg"}, estimated=["K"])

@@ -19,6 +19,7 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
+from shipid.cli.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 
@@ -63,9 +64,9 @@ _ESTIMATES = "estimates.csv"
 )
 @click.option(
     "--wait",
+    type=NumberWithUnit("s"),
     default="5 s",
     show_default=True,
-    metavar="T",
     help="With --follow FILE: end when no line has come for this time.",
 )
 @delivered(_ESTIMATES, RESULT, REPORT)
@@ -141,6 +142,7 @@ def _filter(
     from shipid.estimation.records.observability import observability
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
+    from shipid.identification.uncertainty.amplitudes import beyond_of_record
     from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
@@ -150,6 +152,8 @@ def _filter(
     kept = [f"sensor:{n}" for n in measured or ()]
     kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
     run, levels = filter_by_record(kalman, record, kept, tell)
+    for notice in beyond_of_record(model, ship, record):
+        warn(notice)
     seen = observability(run)
     for message in seen.messages:
         warn(message)

@@ -6,6 +6,7 @@ import click
 
 from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import TrialReader, reading
+from shipid.cli.quantities import NumberWithUnit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 
@@ -22,7 +23,7 @@ _READINGS = ("order", "moved")
     "--execute", type=click.Choice(_READINGS), default="order", show_default=True,
     help="The order, read back from the ramp of the rudder where it is not logged; or the rudder off its plate by 15 %.",
 )  # fmt: skip
-@click.option("--length", metavar="L", help="Ship length, as in '320 m', for the ratios to it.")
+@click.option("--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m', for the ratios to it.")
 @delivered()
 def measure(
     trial: str,

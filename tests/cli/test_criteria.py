@@ -31,5 +31,5 @@ def test_refusals(refused, own_ship):
     refused(2, ["criteria", "de-keizer"], "--ship")
     refused(2, ["criteria", "de-keizr", "--ship", "soesterberg"], "de-keizer")
     refused(2, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "0 kn"], "greater than zero")
-    refused(3, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "fast"], "'9 kn'")
+    refused(2, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "fast"], "'9 kn'")
     refused(3, ["criteria", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")

@@ -14,8 +14,10 @@ from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.derived import named, published, quantity_along
+from shipid.estimation.records.first_estimate import first_estimate
 from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
+from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.statistics import interval_95
@@ -26,7 +28,7 @@ if TYPE_CHECKING:
 #: Largest standard deviation of a logarithm whose interval is still a number.
 _WIDEST = 150.0
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "meaning")
 
 
 @dataclass(frozen=True)
@@ -208,6 +210,8 @@ class FilterRun:
         The interval of one estimated by its logarithm is exact, that of one that follows first-order.
         """
         result = {}
+        _, first = first_estimate(self.design, {})
+        scale = self.design.instruments.scale
         for name, state in self.design.parameters.items():
             value, spread = (float(column[-1]) for column in self._widened(name))
             ends = None
@@ -216,12 +220,20 @@ class FilterRun:
                 wide = self.widening.get(name, 1.0) * float(self.std[-1, i])
                 low, high = interval_95(float(self.x[-1, i]), min(wide, _WIDEST))
                 ends = (float(np.exp(low)), float(np.exp(high)))
-            result[name] = estimate_of(self.design.base[name], value, spread, ci95=ends, why=self.withheld)
+            entry, i = self.design.base[name], self.states.index(state)
+            # In the state's own terms, which may be the logarithm: how much the record has added to the first estimate.
+            before = spread * float(first[i]) / float(self.std[-1, i]) if self.std[-1, i] > 0 else np.inf
+            size = abs(scale.start_of(entry) or 0.0)
+            standing = standing_of(value, spread, low=scale.bounds_of(entry)[0], size=size, before=before)
+            if self.withheld:
+                standing = UNKNOWN, self.withheld
+            result[name] = estimate_of(entry, value, spread, ci95=ends, standing=standing)
         for name in self._published:
             value, spread = (float(column[-1]) for column in self._widened(name))
             # A gain or a time constant that passes through infinity has no value.
             if np.isfinite(value) and (np.isfinite(spread) or self.withheld):
-                result[name] = estimate_of(self.design.base[name], value, spread, why=self.withheld, follows=True)
+                why = (UNKNOWN, self.withheld) if self.withheld else None
+                result[name] = estimate_of(self.design.base[name], value, spread, standing=why, follows=True)
         return result
 
     def _widened(self, name: str) -> tuple[np.ndarray, np.ndarray]:

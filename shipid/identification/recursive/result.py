@@ -14,6 +14,7 @@ from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
@@ -29,7 +30,7 @@ _LARGE, _UNEXPLAINED = 1.4, 0.1
 #: A widening below this is within the scatter for white innovations.
 _WORTH_SAYING = 1.25
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "why", "follows", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "follows", "meaning")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -240,7 +241,7 @@ class RecursiveIdentification:
                 self.design.model[name],
                 float(self[name][-1]),
                 float(self.std_of(name)[-1]) * self.widening,
-                why=self.why_diverged,
+                standing=(UNKNOWN, self.why_diverged) if self.diverged else None,
                 follows=name not in self.names,
             )
             for name in (*self.names, *self.follow)
