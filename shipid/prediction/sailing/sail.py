@@ -15,6 +15,7 @@ from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
@@ -107,7 +108,7 @@ def sail(
     UnstatedInputError
         If the model reads an input that nothing states and that declares no default.
     NotSailedError
-        If the model runs away.
+        If the model leaves the range in which it is valid, or runs away.
     """
     pilot, truth = steering(pilot, model, ship)
     u0 = pilot.own_speed if speed is None else number(speed, "m/s", "the speed")
@@ -156,10 +157,10 @@ def sail(
     run = make_simulator(whole, tuple(recorded.values()), hold="zero", compiled=False)(
         t, known, acting, {"u": u0, "psi": course, "psi_ramp": course}
     )
-    if not run.finite.all():
+    if run.departure is not None:
         raise NotSailedError(
-            f"model {truth.name} with ship {pilot.ship.name} runs away {t[int(np.argmin(run.finite))]:.4g} s into the voyage. A "
-            "smaller rudder limit keeps it within the range the model describes."
+            f"the voyage of ship {pilot.ship.name} is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
+            f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)
     table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)

@@ -34,7 +34,7 @@ def test_the_first_order_track_does_not_depend_on_the_speed():
 
 def test_a_held_rudder_is_the_solution_of_the_equations(pilot, predictor):
     # De Keizer (1977) by an integrator of SciPy's, the rudder at its angle from the beginning.
-    K, tau, gamma, K_u, tau_u, L, U0, delta = 1.6, 1.7, 0.573, 0.9, 2.5, 226.0, 9.5, np.deg2rad(12)
+    K, tau, gamma, K_u, tau_u, L, U0, delta = 1.6, 1.7, 0.573, 0.35, 2.5, 226.0, 9.5, np.deg2rad(12)
 
     def rates(_t, z):
         _x, _y, psi, r, u, _s = z
@@ -164,9 +164,9 @@ def test_coefficients_of_the_situation_go_before_the_ships(predictor):
     assert slow.r[-1] * 226 / slow.u[-1] == pytest.approx(0.8 * np.deg2rad(10), rel=1e-3)
 
 
-def test_a_ship_that_loses_her_way_ends_the_track(predictor):
-    # Beyond 28 degrees of rudder this model has no steady turn.
-    track = predictor.predict(STILL, rudder="35 deg", horizon=40)
+def test_a_ship_that_loses_her_way_ends_the_track(pilot):
+    # With K_u* 0.9 and more than 28 degrees of rudder this model has no steady turn.
+    track = TrackPredictor(pilot, values={"K_u": 0.9}).predict(STILL, rudder="35 deg", horizon=40)
     assert "loses its way" in track.ended and "loses its way" in repr(track)
     assert np.isfinite(track.x).all() and track.u[-1] >= 0.3 * 9.5
 
