@@ -234,18 +234,21 @@ class FilterDesign:
         """The loop that sums the observability Gramian, compiled once."""
         return make_loop(make_gramian_step(self.equations), self.compiled)
 
-    def score(self, unknowns: tuple[Unknown, ...]) -> Loop:
+    def score(self, unknowns: tuple[Unknown, ...], innovations: bool = False) -> Loop:
         """Return the loop of the likelihood with its derivatives, compiled once for each choice of unknowns.
 
         Parameters
         ----------
         unknowns : tuple of Unknown
             What the likelihood is differentiated by.
+        innovations : bool
+            Whether it returns the innovations and their derivatives.
         """
-        if unknowns not in self._loops:
-            step = make_score_step(self.equations, bare(self.step_settings), unknowns)
-            self._loops[unknowns] = make_loop(step, self.compiled)
-        return self._loops[unknowns]
+        key = (unknowns, innovations)
+        if key not in self._loops:
+            step = make_score_step(self.equations, bare(self.step_settings), unknowns, innovations)
+            self._loops[key] = make_loop(step, self.compiled)
+        return self._loops[key]
 
     @functools.cached_property
     def fingerprint(self) -> str:

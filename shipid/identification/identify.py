@@ -191,7 +191,8 @@ def _result(
     block = covariance.matrix[:shared, :shared]
     correlation = correlation_of(block)
     words = unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
-    parameters = estimates_of(problem, solution.q, block, box, setting.scale, words)
+    degrees = None if solution.levels is None else solution.levels.degrees
+    parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
     trials = [data.trial for data in problem.trials]
     names = ", ".join(t.name for t in trials)

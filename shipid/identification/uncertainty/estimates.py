@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import casadi as ca
 import numpy as np
+from scipy.special import stdtrit
 
 from shipid.declaration.model import Entry, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
@@ -28,6 +29,7 @@ def estimates_of(
     box: Box,
     scale: Scale,
     unseen: Mapping[str, str] | None = None,
+    degrees: np.ndarray | None = None,
 ) -> dict[str, Estimate]:
     """Return the fitted coefficients and the published ones that follow from them.
 
@@ -45,6 +47,8 @@ def estimates_of(
         L and U, for the prime system.
     unseen : mapping of str to str, optional
         Coefficients about which the trials hold no information, and what was done with their values, in words.
+    degrees : ndarray, shape (parameters,), optional
+        Degrees of freedom of each variance, for Student's quantile; the normal one by default.
 
     Returns
     -------
@@ -62,7 +66,11 @@ def estimates_of(
         standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)
         if name in (unseen or {}):
             standing = UNKNOWN, (unseen or {})[name]
-        result[name] = _estimate(entry, value, std, standing, False, scale)
+        found = _estimate(entry, value, std, standing, False, scale)
+        if degrees is not None and found.ci95 is not None:
+            half = float(stdtrit(degrees[i], 0.975)) * std
+            found = replace(found, ci95=(value - half, value + half))
+        result[name] = found
     return result | _published(problem, q, covariance, scale)
 
 

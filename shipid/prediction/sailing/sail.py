@@ -23,6 +23,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 from shipid.prediction.tracks.order import unwrapped
@@ -123,6 +124,7 @@ def sail(
     if not 0 < interval < end:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a voyage of {end:g} s.")
     parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
+    parts += manoeuvring_range(truth)
     parts += [Wind] if wind is not None else []
     parts += [Waves] if waves is not None else []
     whole = closed_loop(pilot, *parts)
@@ -159,7 +161,7 @@ def sail(
     )
     if run.departure is not None:
         raise NotSailedError(
-            f"the voyage of ship {pilot.ship.name} is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
+            f"the voyage of ship {pilot.ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)
