@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -130,9 +131,7 @@ def legs_of(track: str) -> list[TrackLeg]:
 def still_water_turn(change: float, setting: Setting) -> tuple[float, PredictedTrack]:
     """Return where the wheel goes over before the waypoint in still water, in m, and the turn of the ship herself."""
     ship = steered(replace(setting, disturbed=False), 0.0, 0.0, 0.0)
-    rows = [ship.now]
-    for _ in range(300):
-        rows.append(ship.advance(TICK, change, LIMIT))
+    rows = [ship.now, *(ship.advance(TICK, change, LIMIT) for _ in range(300))]
     x, y = (np.array([r[n] for r in rows]) for n in ("x", "y"))
     distance = x[-1] - y[-1] / np.tan(change)
     return float(distance), np.stack([x, y], axis=1)
@@ -143,7 +142,7 @@ def reference(track: str, setting: Setting) -> np.ndarray:
     """Return the reference trajectory: legs joined by the ship's own still-water turn with 10 degrees of rudder, shape (N, 2)."""
     legs = legs_of(track)
     points = [np.zeros((1, 2))]
-    for before, after in zip(legs, legs[1:]):
+    for before, after in pairwise(legs):
         change = after.course - before.course
         distance, turn = still_water_turn(abs(change), setting)
         c, s = np.cos(before.course), np.sin(before.course)

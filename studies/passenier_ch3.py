@@ -30,6 +30,8 @@ from shipid.trials.trial import Trial
 DEG, KNOT = np.pi / 180, 1852 / 3600
 #: Ship, speed in m/s, rudder rate, and K_u* where the turn at 30 degrees of the model would not be stable.
 SHIPS = {"zeefakkel": (9 * KNOT, "5 deg/s", 0.8), "soesterberg": (9.5, "2.5 deg/s", 0.5)}
+#: K_u* of both ships.
+LOSS = {"zeefakkel": 0.8, "soesterberg": 0.9}
 LIMITS, CHANGE, BEGIN = (10, 20, 30), 120.0, 30.0
 #: What a faithful implementation was found to give, by ship, in ship lengths: at equal distance, and lateral.
 NOTES = {
@@ -102,8 +104,7 @@ def turn(
     pilot = pilot_of(ship, model, machine)
     speed, rate, gentle = SHIPS[ship]
     coefficients = dict(values or {})
-    if model == "de-keizer" and limit == 30:
-        coefficients["K_u"] = gentle
+    coefficients["K_u"] = gentle if model == "de-keizer" and limit == 30 else LOSS[ship]
     if machine:
         coefficients["delta_rate"] = float(rate.split()[0]) * DEG
     flow = None if current is None else (current[0], current[1])

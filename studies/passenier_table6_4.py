@@ -95,7 +95,7 @@ def paired(first: Sailed, second: Sailed) -> tuple[float, float]:
 def rows_of(found: Mapping[str, Mapping[str, Sailed]], runs: int, known: Mapping[str, float]) -> list[Claim]:
     """The claims, and what came out."""
     spread = f"{6 * runs} voyages"
-    base, quick, wide, printed = (found[a[0]] for a in AXES)
+    base, quick, wide = (found[a[0]] for a in AXES[:3])
     rows = []
     for one, other in (("A", "B"), ("B", "C")):
         mean, error = paired(base[one], base[other])

@@ -150,7 +150,8 @@ def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UnknownNameError
 
-    units = {n: pilot.model[n].unit for n in (*pilot.model.states, *pilot.model.inputs)} | _STATE
+    named = (*pilot.model.states, *pilot.model.inputs, *pilot.model.parameters)
+    units = {n: pilot.model[n].unit for n in named} | _STATE
     values = {}
     for name, value in levels_of(text).items():
         if name not in units:

@@ -93,9 +93,11 @@ class Prediction:
         if turned.max() >= _STAGES[0]:
             wanted = track.order.heading
             final = np.inf if wanted is None else abs(np.rad2deg(_end_of(track) - track.psi[0]))
-            for angle in _STAGES:
-                if turned.max() >= angle and angle < final - _ON_HEADING:
-                    found.append((f"turned {angle} deg", int(np.argmax(turned >= angle))))
+            found += [
+                (f"turned {angle} deg", int(np.argmax(turned >= angle)))
+                for angle in _STAGES
+                if turned.max() >= angle and angle < final - _ON_HEADING
+            ]
             if wanted is not None:
                 left = np.abs(np.rad2deg(track.psi - _end_of(track)))
                 settled = _last_stretch(left <= _ON_HEADING)

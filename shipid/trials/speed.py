@@ -90,9 +90,10 @@ def check_way(columns: Columns, record: str, model: str) -> None:
     runs = np.convolve(astern, np.ones(_LEAST), mode="valid") if astern.size >= _LEAST else np.zeros(0)
     if (runs >= _LEAST - 0.5).any():
         first = float(t[np.argmax(runs >= _LEAST - 0.5)])
+        since = f"from {first:.4g} s on" if first > t[0] else "before the manoeuvre"
         before = f" (FILE@{float(t[0]):.4g}:{first:.4g} for the part before)" if first > t[0] else ""
         raise NotAheadError(
-            f"trial {record}: the ship goes astern from {first:.4g} s on, and model {model} holds for a ship that goes ahead. Take "
+            f"trial {record}: the ship goes astern {since}, and model {model} holds for a ship that goes ahead. Take "
             f"a window in which it does{before}, or correct the sign of the speed "
             "in the format of the trial."
         )

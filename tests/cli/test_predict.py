@@ -87,7 +87,20 @@ def test_its_files(call, voyage, tmp_path):
 
 
 def test_a_track_that_leaves_the_model_is_doubtful(call):
-    answer = call("predict", "de-keizer", "--ship", "soesterberg", "--rudder", "35 deg", "--horizon", "40", "--json")
+    state = "psi=0 deg,u=9.5 m/s,K_u=0.9 1"
+    answer = call(
+        "predict",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        "--from",
+        state,
+        "--rudder",
+        "35 deg",
+        "--horizon",
+        "40",
+        "--json",
+    )
     assert answer.code == 5
     told = json.loads(answer.out)["warnings"]
     assert [w["kind"] for w in told if w["serious"]] == ["outside-the-model"]

@@ -48,13 +48,14 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
     for ship in ships:
         known = [coefficients_at(model, ship, float(v)) for v in (speeds[0], speeds[-1])]
         span = known[0].span
-        if span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK)):
+        outside = span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK))
+        if span and outside:
             words = (
                 f"outside the identified range: ship {ship.name} was tried from {span[0]:.3g} to {span[1]:.3g} m/s, and the "
                 f"schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s; beyond the trials it is extrapolation."
             )
             found.append(Notice(words, BEYOND, quantity="u"))
-        elif not span and any(k.scaled for k in known):
+        if any(k.scaled for k in known) and (outside or not span):
             found.append(
                 f"scaled by speed: the coefficients of {model.name} hold at {ship.particular('speed', 'm/s'):.3g} m/s; at other "
                 "speeds they are scaled by L and L/U, which a ship follows only roughly."

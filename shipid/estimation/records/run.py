@@ -232,8 +232,8 @@ class FilterRun:
             value, spread = (float(column[-1]) for column in self._widened(name))
             # A gain or a time constant that passes through infinity has no value.
             if np.isfinite(value) and (np.isfinite(spread) or self.withheld):
-                standing = (UNKNOWN, self.withheld) if self.withheld else None
-                result[name] = estimate_of(self.design.base[name], value, spread, standing=standing, follows=True)
+                why = (UNKNOWN, self.withheld) if self.withheld else None
+                result[name] = estimate_of(self.design.base[name], value, spread, standing=why, follows=True)
         return result
 
     def _widened(self, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
@@ -22,6 +23,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 from shipid.prediction.tracks.order import unwrapped
@@ -107,7 +109,7 @@ def sail(
     UnstatedInputError
         If the model reads an input that nothing states and that declares no default.
     NotSailedError
-        If the model runs away.
+        If the model leaves the range in which it is valid, or runs away.
     """
     pilot, truth = steering(pilot, model, ship)
     u0 = pilot.own_speed if speed is None else number(speed, "m/s", "the speed")
@@ -122,6 +124,7 @@ def sail(
     if not 0 < interval < end:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a voyage of {end:g} s.")
     parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
+    parts += manoeuvring_range(truth)
     parts += [Wind] if wind is not None else []
     parts += [Waves] if waves is not None else []
     whole = closed_loop(pilot, *parts)
@@ -156,10 +159,10 @@ def sail(
     run = make_simulator(whole, tuple(recorded.values()), hold="zero", compiled=False)(
         t, known, acting, {"u": u0, "psi": course, "psi_ramp": course}
     )
-    if not run.finite.all():
+    if run.departure is not None:
         raise NotSailedError(
-            f"model {truth.name} with ship {pilot.ship.name} runs away {t[int(np.argmin(run.finite))]:.4g} s into the voyage. A "
-            "smaller rudder limit keeps it within the range the model describes."
+            f"the voyage of ship {pilot.ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
+            f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
         )
     deviations = parse_noise(noise)
     table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)

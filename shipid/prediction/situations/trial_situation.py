@@ -8,6 +8,8 @@ import numpy as np
 
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
+from shipid.estimation.by_record import filter_by_record
+from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
@@ -64,12 +66,11 @@ def situation_in(
     told: list[Notice] = []
     windy = "r_disturbance" in model.inputs and before.has(*_WIND) and ship.find(_with_wind(model), "N_w") is not None
     whole = _with_wind(model) if windy else model
-    levels = standard_noise()
-    sensors = {
-        n: f"{levels[n]} {whole[n].unit}"
-        for n in ("psi", "r", "u", "v", "x", "y")
-        if n in levels and _seen(before, whole, n)
-    }
+    levels: Mapping[str, float] = standard_noise()
+    sensors: dict[str, Amount | None] = {}
+    for name in _MEASURED:
+        if name in levels and _seen(before, whole, name):
+            sensors[name] = f"{levels[name]} {whole[name].unit}"
     if "psi" not in sensors:
         raise UsageError(f"trial {trial.name} holds no heading up to that time, and a prediction begins from one.")
     if not {"x", "y"} <= set(sensors):
@@ -77,7 +78,10 @@ def situation_in(
             Notice("the record holds no position: the current is not known, and taken as none.", "current-not-known")
         )
     kalman = own_ship_filter(whole, ship, measured=sensors)
-    run = kalman.filter(before)
+    # What drives current and disturbance is chosen for a ship of her size; all other levels come from the record.
+    kept = [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    run, _ = filter_by_record(kalman, before, kept)
+    told += run.warnings
     found = situation_of(run)
     values = {**found.values, **(stated or {})}
     if "u" not in values:

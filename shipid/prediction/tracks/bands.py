@@ -41,7 +41,7 @@ def linear_track(run: TrackRun, distance: float, points: int, substeps: int) -> 
         loop.coefficients(run.p, run.inputs, run.least, noise),
     )
     track = run.track(out)
-    return with_spread(track, unpacked_spread(out[: track.s.size, len(NODE) :]))
+    return with_spread(track, unpacked_spread(out[: track.s.size, loop.shown :]))
 
 
 def sampled_track(

@@ -21,11 +21,12 @@ from shipid.foundation.aliases import Expression
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
+from shipid.parts.manoeuvring_range import LEAST_SPEED
 
 #: What is recorded at every node.
 NODE = ("track_s", "track_t", "x", "y", "psi", "r", "u", "track_v", "track_rudder")
 #: Below this share of the cruising speed a step is one in time: a ship that stops never covers the next distance.
-LEAST_SHARE = 0.3
+LEAST_SHARE = LEAST_SPEED
 #: How the spread is carried: not at all, by its covariance, or by draws of the noise.
 Spread = Literal["none", "covariance", "drawn"]
 
@@ -85,6 +86,11 @@ class DistanceLoop:
     extra: tuple[str, ...]
     spread: Spread
     loop: Loop = field(repr=False)
+
+    @property
+    def shown(self) -> int:
+        """How many columns come before those of the spread: `NODE`, and the margins of the guards."""
+        return len(NODE) + len(self.system.model.guards)
 
     @property
     def uncertain(self) -> tuple[str, ...]:
@@ -165,7 +171,7 @@ def make_distance_loop(
     distance, least = ca.SX.sym("ds"), ca.SX.sym("least")
     interval = distance / ca.fmax(system.values["u"], least)
     x_next = ca.substitute(step.x_next, system.T, interval)
-    out = system.expression(NODE)
+    out = system.expression((*NODE, *model.guards))
     p = ca.vertcat(system.p, system.u, least)
     if spread == "none":
         return DistanceLoop(system, (), spread, _loop([system.x, distance, p], [x_next, out]))

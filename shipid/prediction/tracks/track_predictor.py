@@ -17,6 +17,7 @@ from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.parts.helm import DirectRudder
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.bands import linear_track, sampled_track
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
@@ -106,11 +107,13 @@ class TrackPredictor:
             steering = self._steering
             if kind == "rudder":
                 whole = steered_ship(steering)
-                whole = join(whole.name, whole, *self._parts) if self._parts else whole
+                parts = (*self._parts, *manoeuvring_range(whole))
+                whole = join(whole.name, whole, *parts) if parts else whole
             else:
                 mode: Literal["course", "rate"] = "course" if kind == "heading" else "rate"
                 turn = (TurnOrder,) if kind == "turn" else ()
-                whole = closed_loop(replace(steering, mode=mode), *turn, *self._parts)
+                parts = (*turn, *self._parts, *manoeuvring_range(steering.model))
+                whole = closed_loop(replace(steering, mode=mode), *parts)
             self._models[kind] = with_clock(whole)
         return self._models[kind]
 
@@ -241,7 +244,7 @@ class TrackPredictor:
             if len(self._coefficients) > 256:
                 self._coefficients.clear()
             if self.kind == "own":
-                known = coefficients_of(self.pilot, model, speed, self.condition)
+                known = coefficients_of(self.pilot, model, speed, self.condition) | {"L": self.pilot.length}
             else:
                 known = dict(self.pilot.limits) | {"rudder_limit": self.pilot.rudder_limit}
                 if not {"K", "tau", "gamma"} <= set(self.values):

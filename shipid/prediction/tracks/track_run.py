@@ -11,6 +11,7 @@ from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UsageError
+from shipid.generation.departure import first_departure
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.prediction.situations.situation import Situation
@@ -64,7 +65,7 @@ class TrackRun:
         Parameters
         ----------
         out : ndarray, shape (N, outputs)
-            One row a node, `NODE` first.
+            One row a node: `NODE`, then the margins of the guards.
 
         Returns
         -------
@@ -87,19 +88,15 @@ class TrackRun:
             current=(north, east),
             source=self.source,
         )
-        good = np.isfinite(out[:, : len(NODE)]).all(axis=1)
-        bad = ~good | (track.u < self.least)
-        if not bad.any():
+        guards = self.model.guards
+        margins = dict(zip(guards, out[:, len(NODE) : len(NODE) + len(guards)].T))
+        left = first_departure(self.model, track.t, margins, out[:, : len(NODE)].T)
+        if left is None:
             return track
-        first = int(np.argmax(bad))
-        why = (
-            f"the ship loses its way: below {100 * LEAST_SHARE:.0f} % of its cruising speed the prediction ends"
-            if good[first]
-            else "the model runs away: it does not describe so hard a turn"
-        )
+        first = int(np.argmax(~(track.t < left.time)))
         if first == 0:
-            raise UsageError(f"nothing can be predicted: {why}.")
-        return replace(track.part(0, first), ended=why)
+            raise UsageError(f"nothing can be predicted: {left.reason}.")
+        return replace(track.part(0, first), ended=str(left))
 
 
 def kind_of(order: Order) -> str:

@@ -11,10 +11,10 @@ from shipid.prediction.sailing.simulated_ship import SimulatedShip
 from shipid.prediction.situations.situation import Situation
 
 
-def sailed(pilot, predictor, plan, current=(0.0, 0.0), wind=0.0, limit=np.deg2rad(12)):
+def sailed(pilot, predictor, plan, current=(0.0, 0.0), wind=0.0):
     inputs = {"current_north": current[0], "current_east": current[1], "wind_speed": wind, "wind_direction": 2.0}
     ship = SimulatedShip(pilot, inputs=inputs, parts=(Wind,) if wind else ())
-    steering = TrackPilot(predictor, plan, rudder_limit=limit)
+    steering = TrackPilot(predictor, plan, rudder_limit=np.deg2rad(12))
     rows, phases = [], []
     while ship.t < 4000 and steering.phase != "arrived":
         now = ship.now
