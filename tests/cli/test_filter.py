@@ -227,3 +227,12 @@ def test_a_record_with_holes(call, lines, tmp_path):
     assert (
         result["holes"]["samples_left_out"] == 60 and "No delta from 99 to 160 s" in (out / "report.html").read_text()
     )
+
+
+def test_a_record_that_adds_nothing_determines_nothing(call, zigzag):
+    """Before the first execute no rudder turns the ship: the estimates are those the filter starts with."""
+    answer = call("filter", f"{zigzag}@0:8", *NOMOTO, "--json")
+    found = json.loads(answer.out)["parameters"]
+    assert {p["standing"] for p in found.values()} == {"not determined"}
+    assert all("of the one it started with" in p["why"] for p in found.values())
+    assert "not determined: it is known from before" in call("filter", f"{zigzag}@0:8", *NOMOTO).out
