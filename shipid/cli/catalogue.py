@@ -23,6 +23,7 @@ _KINDS = {
     "constant": "constants",
     "derived": "derived",
     "output": "outputs",
+    "guard": "not valid where",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -123,8 +124,7 @@ def filter_trial(
     with delivery.progress() as tell:
         tell("reading")
         record = read(str(trial))
-        tell("filtering")
-        return _filter(found, known, record, measured, settings, delivery)
+        return _filter(found, known, record, measured, settings, delivery, tell)
 
 
 def _filter(
@@ -134,23 +134,33 @@ def _filter(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
+    tell: Callable[[str], None],
 ) -> ExitCode:
-    """Run the extended Kalman filter over a record."""
+    """Run the extended Kalman filter over a record, with noise levels from it where none are given."""
+    from shipid.estimation.by_record import filter_by_record
     from shipid.estimation.kalman import ExtendedKalmanFilter
+    from shipid.estimation.records.observability import observability
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
+    from shipid.identification.uncertainty.amplitudes import beyond_of_record
     from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    run = kalman.filter(record)
-    seen = kalman.observability(run)
+    # What the user gave stays, and so does what a model declares to drive its states.
+    kept = [f"sensor:{n}" for n in measured or ()]
+    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    run, levels = filter_by_record(kalman, record, kept, tell)
+    for notice in beyond_of_record(model, ship, record):
+        warn(notice)
+    seen = observability(run)
     for message in seen.messages:
         warn(message)
+    said = [*levels.words, *(f"{'WARNING' if n.serious else 'note'}: {n}" for n in run.warnings)]
     return delivery.hand_over_parts(
-        run.to_dict() | {"observability": seen.to_dict()},
-        repr(run),
+        run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
+        "\n".join([repr(run), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(seen, path),

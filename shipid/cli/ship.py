@@ -13,6 +13,7 @@ from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.foundation.aliases import Plain
+    from shipid.parameters.correlation import Joint
     from shipid.parameters.parameter_set import ParameterSet, Value
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -142,10 +143,24 @@ def _text(found: ParameterSet) -> str:
             note = f"; {value.note}" if value.note else ""
             lines.append(f"  {name:<{names}}  {shown[name]:<{width}}  {value.source}{note}{meaning}")
             lines += [f"  {'':<{names}}  {_table(value)}"] if value.speed else []
+    lines += [f"found at: [{section}] {_range(known)}" for section, known in found.joint.items()]
     assumed, unstated = _assumed(found), _unstated(found)
     lines.append(f"assumed: {', '.join(assumed) if assumed else 'nothing'}")
     lines += [f"not stated: {', '.join(unstated)}"] if unstated else []
     return "\n".join(lines)
+
+
+def _range(known: Joint) -> str:
+    from shipid.declaration.vocabulary import shown
+
+    parts = [] if known.speeds is None else [f"{known.speeds[0]:g} to {known.speeds[1]:g} m/s"]
+    fields = (("rudder", "delta", "rad"), ("rate", "r", "rad/s"), ("drift", "beta", "rad"))
+    parts += [
+        f"{what} up to {shown(value, name, unit)}"
+        for what, name, unit in fields
+        if (value := getattr(known, what)) is not None
+    ]
+    return ", ".join(parts) or "speeds and rudder angles that are not stated"
 
 
 def _shown(value: Value, unit: str) -> str:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.delivery import output_file, overwrite_option
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
     model_argument,
@@ -68,6 +68,7 @@ def simulate(
     course:60/15        course change with at most 15 degrees of rudder
     telegraph:10        random telegraph
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.foundation.notices import Notice
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.trials.logs.writing import write_trial
     from shipid.trials.manoeuvres.simulate import simulate as run_simulation
@@ -83,10 +84,13 @@ def simulate(
         duration=duration,
         sampling=sampling,
         heading=heading,
-        current=_flow(current, "current"),
-        wind=_flow(wind, "wind"),
+        current=flow_of(current, "current"),
+        wind=flow_of(wind, "wind"),
         values=values,
     )
+    for note in trial.source.notes:
+        if isinstance(note, Notice):
+            warn(note)
     if place is None:
         _print(trial)
         return
@@ -103,8 +107,21 @@ def _print(trial: Trial) -> None:
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
-def _flow(text: str | None, what: str) -> tuple[float, float] | None:
-    """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
+def flow_of(text: str | None, what: str) -> tuple[float, float] | None:
+    """Return what ``"3 kn to 30 deg"`` says: speed and direction it flows TO, SI; None for none.
+
+    Parameters
+    ----------
+    text : str or None
+        As above, or ``"10 m/s from 270 deg"``.
+    what : str
+        What flows, for the message.
+
+    Raises
+    ------
+    UsageError
+        If the text has another form.
+    """
     import math
 
     from shipid.declaration.units import to_si

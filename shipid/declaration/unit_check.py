@@ -12,6 +12,7 @@ import types
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.declaration.quantity import COMPUTED
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
@@ -44,7 +45,7 @@ def check_units(model: Model) -> None:
     def value(name: str, unit: str) -> Expression:
         return quantity(np.float64(_SOME_NUMBER), units.unit(unit))
 
-    plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
+    plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in COMPUTED}
     evaluation = _Checked(model, plain | {SAMPLING_INTERVAL: value(SAMPLING_INTERVAL, "s")})
     with np.errstate(all="ignore"):
         for entry in model.entries.values():
@@ -84,8 +85,8 @@ class _Checked(Evaluation):
             raise _named(error, where, user_line(error, equation.function.__code__)) from None
         except Exception as error:
             place = user_line(error, equation.function.__code__)
-            if type(error).__module__.startswith("pint"):
-                raise UnitError(f"{where} ({place}): the units do not match: {_in_words(error)}.") from None
+            if (words := _in_words(error)) is not None:
+                raise UnitError(f"{where} ({place}): the units do not match: {words}.") from None
             raise DeclarationError(
                 f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: correct "
                 "the line, and use NumPy's functions in it."
@@ -102,6 +103,10 @@ def _named(error: ShipidError, where: str, place: str) -> ShipidError:
 def _checked(result: Expression, wanted: str, where: str, place: str, entry: Entry) -> Expression:
     ureg = units.registry()
     unit = units.unit(wanted)
+    if type(result).__name__ in ("bool", "bool_"):  # of Python, or of NumPy, which is not imported here
+        raise DeclarationError(
+            f"{where} ({place}) gives true or false, and {entry.name} is a number: choose one by np.where(condition, a, b)."
+        )
     if not hasattr(result, "dimensionality"):
         if result is None:
             raise DeclarationError(f"{where} ({place}) returns nothing: end it with 'return ...'.")
@@ -123,11 +128,22 @@ def _unit_words(unit: Expression) -> str:
     return f"{units.registry().Quantity(1, unit).to_base_units().units:~P}" or "1"
 
 
-def _in_words(error: Exception) -> str:
+def _in_words(error: Exception) -> str | None:
+    """Which units do not match, or None where the error is another one. Pint's own words change with its version."""
     first, second = getattr(error, "units1", None), getattr(error, "units2", None)
-    if first is None or second is None:
+    if first is not None and second is not None:
+        return f"{_either(first)} against {_either(second)}"
+    if isinstance(error, ValueError) and _raised_in(error).startswith("pint."):
+        return "a quantity with a unit is compared with a number that has none"
+    if type(error).__module__.startswith("pint"):
         return str(error)
-    return f"{_either(first)} against {_either(second)}"
+    return None
+
+
+def _raised_in(error: Exception) -> str:
+    """The module of the innermost frame of a traceback."""
+    frames = [frame for frame, _ in traceback.walk_tb(error.__traceback__)]
+    return str(frames[-1].f_globals.get("__name__", "")) if frames else ""
 
 
 def _either(unit: Expression) -> str:

@@ -23,6 +23,10 @@ class DamagedFileError(TrialError):
     """A file of a known kind that cannot be read as one."""
 
 
+class ReaderNotStartedError(TrialError):
+    """The process that reads a file of some kind cannot be started."""
+
+
 class ChoiceError(TrialError):
     """A sheet, struct or group that is not there, or that has to be named because several hold a table."""
 

@@ -237,7 +237,7 @@ def test_named_warnings(model, chosen, options, words):
 
 def test_a_rudder_that_works_the_other_way(sized):
     pilot = shipid.design_autopilot("de-keizer", sized("soesterberg", "de-keizer", K=-1.6))
-    assert "reversed rudder" in pilot.warnings[0] and (pilot.schedule.gains["Kp"] < 0).all()
+    assert any("reversed rudder" in w for w in pilot.warnings) and (pilot.schedule.gains["Kp"] < 0).all()
     assert poles_at(pilot, 9.5).real.max() < 0
 
 
@@ -246,7 +246,8 @@ def test_the_rudder_rate_a_request_needs():
     asked = shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.3)
     most = float(asked.warnings[-1].split("At most ")[1].split(" rad/s")[0])
     assert most == pytest.approx(np.deg2rad(2.5) / np.deg2rad(15) * 9.5 / 11.4, rel=5e-3)
-    assert not shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.99 * most).warnings
+    slower = shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.99 * most)
+    assert not any(w.startswith("rudder rate") for w in slower.warnings)
 
 
 def test_a_ship_that_no_rudder_holds_between_two_speeds_is_refused():

@@ -24,9 +24,10 @@ CALLS = {
     "measure": ["{}", "--length", "45 m"],
     "identify": ["{}@0:150", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1", "--validate", "{}@150:279"],
     "compare": ["{}", "--models", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
-    "criteria": ["nomoto", "--ship", "zeefakkel"],
+    "criteria": ["norrbin", "--ship", "zeefakkel"],
     "filter": ["{}", "--model", "nomoto", "--ship", "zeefakkel"],
     "plan": ["--model", "nomoto", "--ship", "zeefakkel", "--time", "12min", "--draws", "0", "--repertoire", "zigzag"],
+    "predict": ["de-keizer", "--ship", "soesterberg", "--from", "psi=10 deg,u=9 m/s", "--heading", "60 deg"],
     "tune": ["de-keizer", "--ship", "soesterberg", "--samples", "0", "--speeds", "7,9.5 m/s"],
 }
 HEAD = ["schema_version", "command", "provenance", "warnings"]

@@ -306,6 +306,36 @@ def test_an_equation_that_raises_or_returns_nothing_is_named() -> None:
         join("ship", Nothing)
 
 
+def test_comparisons_are_told_in_words_of_our_own() -> None:
+    class Compared(Component):
+        """Compares a length with a number."""
+
+        x = state("m", "something")
+
+        @x.rate
+        def change(self):
+            """Anon (2000)."""
+            return self.x if self.x > 3 else 0
+
+    class Truth(Component):
+        """Gives true or false, for units that differ: nothing equals nothing of another kind."""
+
+        x = state("m", "something")
+        T = given("s", "time constant")
+
+        @x.rate
+        def change(self):
+            """Anon (2000)."""
+            return self.x == self.T
+
+    with pytest.raises(
+        UnitError, match=r"Compared\.change \(.*:\d+\): the units do not match: .* compared with a number"
+    ):
+        join("ship", Compared)
+    with pytest.raises(DeclarationError, match=r"Truth\.change \(.*:\d+\) gives true or false, and x is a number"):
+        join("ship", Truth)
+
+
 def test_join_takes_components_and_models_only() -> None:
     with pytest.raises(DeclarationError, match=r"join takes component classes and models, and got 'Yaw'"):
         join("ship", "Yaw")

@@ -18,6 +18,9 @@ from shipid.identification.noise.residual_groups import groups_of
 from shipid.identification.problem.signals import fitted_signals
 from shipid.identification.problem.trial_data import prepare
 from shipid.identification.uncertainty.covariance import covariance_of
+from shipid.identification.validation import trial_measures
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.trial import Trial
 
 MODEL, SHIP = shipid.find_model("norrbin"), shipid.find_ship("zeefakkel")
@@ -138,6 +141,21 @@ def test_a_hole_in_the_rudder_splits_the_record():
     wild.loc[155:185, ["psi", "r"]] = 7.0
     again = fitted(wild)
     assert all(again.parameters[n].value == fit.parameters[n].value for n in TRUTH)
+
+
+def test_the_doctor_sees_a_record_once_and_whole(monkeypatch):
+    made = table()
+    made.loc[100:120, "delta"] = made.loc[240:260, "delta"] = NAN
+    seen: list[int] = []
+
+    def diagnosed(trial: Trial) -> Diagnosis:
+        seen.append(len(trial))
+        return check_trial(trial)
+
+    monkeypatch.setattr(trial_measures, "check_trial", diagnosed)
+    fit = fitted(made).validate([Trial("again", made)])
+    assert len(fit.fitted) == len(fit.validation) == 3
+    assert seen == [len(made), len(made)]
 
 
 def test_signals_of_different_rates_stay_on_their_own_clocks():

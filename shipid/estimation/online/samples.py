@@ -41,7 +41,9 @@ class SampleReader:
         self._counts = {n: -1 for n in instruments.rates}
         # Looked up once: a sample costs microseconds.
         model, free = instruments.model, (-math.inf, math.inf)
-        self._inputs = tuple((n, instruments.inputs.get(n), n in instruments.lost) for n in model.inputs)
+        self._inputs = tuple(
+            (n, instruments.inputs.get(n), n in instruments.lost, instruments.biases.get(n, 0.0)) for n in model.inputs
+        )
         self._sensors = tuple(
             (i, n, model[n].quantity.measures, instruments.rates.get(n), *instruments.ranges.get(n, free))
             for i, n in enumerate(instruments.sensors)
@@ -121,10 +123,10 @@ class SampleReader:
             If the first sample lacks an input that is needed and declares no default.
         """
         values, lost = np.empty(len(self._inputs)), np.zeros(len(self._inputs), dtype=bool)
-        for i, (name, fixed, can_be_lost) in enumerate(self._inputs):
+        for i, (name, fixed, can_be_lost, bias) in enumerate(self._inputs):
             value = sample.get(name) if fixed is None else fixed
             if value is not None and math.isfinite(value):
-                values[i] = value
+                values[i] = value + bias
                 continue
             lost[i] = name in sample or can_be_lost
             values[i] = held[i] if held is not None else self._first_input(name, sample)

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.generation.departure import first_departure
 from shipid.generation.record import make_record
 from shipid.identification.identified import Identified
 from shipid.identification.problem.box import EMPTY
@@ -24,7 +25,7 @@ from shipid.identification.problem.signals import SHOWN
 from shipid.identification.problem.trial_data import prepare, warm_up_samples, with_whole_inputs
 from shipid.identification.search.least_squares import minimise
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.trial_measures import TrialMeasures, measured_circle, measures_of
+from shipid.identification.validation.trial_measures import TrialMeasures, examined, measured_circle, measures_of
 from shipid.trials.filling import samples_of
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.zigzag import overshoots_of
@@ -34,7 +35,9 @@ from shipid.trials.trial import Trial
 _NONE = np.zeros(0)
 
 
-def fitted_comparisons(problem: Problem, q: np.ndarray, length: float | None) -> tuple[Comparison, ...]:
+def fitted_comparisons(
+    problem: Problem, q: np.ndarray, records: Sequence[Trial], length: float | None
+) -> tuple[Comparison, ...]:
     """Return the trials of a problem beside what the model makes of them.
 
     Parameters
@@ -43,12 +46,14 @@ def fitted_comparisons(problem: Problem, q: np.ndarray, length: float | None) ->
         The problem.
     q : ndarray, shape (unknowns,)
         Its unknowns.
+    records : sequence of Trial
+        The record of which each trial is a stretch, or which it is.
     length : float or None
         Length of the ship in m, where it is known.
     """
-    return tuple(
-        compare(problem, q, i, measures_of(data.trial, length), length) for i, data in enumerate(problem.trials)
-    )
+    said = {id(record): examined(record) for record in {id(r): r for r in records}.values()}
+    measured = [measures_of(data.trial, said[id(r)], length) for data, r in zip(problem.trials, records, strict=True)]
+    return tuple(compare(problem, q, i, one, length) for i, one in enumerate(measured))
 
 
 def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Comparison, ...]:
@@ -66,13 +71,14 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
     NoStretchError
         If what drives the model has so many holes that no stretch of a trial is long enough.
     """
-    signals = identified.problem.signals
-    stretches = [
-        s
-        for t in trials
-        for s in with_whole_inputs(identified.model, t, signals, scale_of(identified.ship, [t]).unit_time)
-    ]
-    return tuple(_predict(identified, s) for s in stretches)
+    signals, length = identified.problem.signals, identified.ship.particular("L", "m")
+    found: list[Comparison] = []
+    for trial in trials:
+        unit_time = scale_of(identified.ship, [trial]).unit_time
+        stretches = with_whole_inputs(identified.model, trial, signals, unit_time)
+        said = examined(trial)
+        found += [_predict(identified, s, measures_of(s, said, length)) for s in stretches]
+    return tuple(found)
 
 
 def _problem_of(
@@ -97,10 +103,9 @@ def mean_biases(identified: Identified) -> dict[str, float]:
     return {n: float(np.mean([b.get(n, 0.0) for b in each])) for n in problem.biases if n != "cruise"}
 
 
-def _predict(identified: Identified, trial: Trial) -> Comparison:
+def _predict(identified: Identified, trial: Trial, measures: TrialMeasures) -> Comparison:
     biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
-    measures = measures_of(trial, length)
     ahead = _problem_of(identified, trial, (), mean_biases(identified), unit_time)
     # What the first seconds do not show of the state stays near its first guess.
     prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
@@ -167,9 +172,12 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
     """
     trial = problem.trials[index].trial
     shown = shown_outputs(problem)
-    y, _ = problem.run(q, index, make_record(problem.model, shown))
+    y, _, margins = problem.guarded_run(q, index, make_record(problem.model, shown, guarded=True))
     predicted = dict(zip(shown, y))
     overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))
+    left = first_departure(problem.model, trial["t"], margins)
+    if left is not None:
+        foreseen = (None,) * len(foreseen)
     return Comparison(
         trial,
         predicted,
@@ -178,10 +186,11 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
         biases=problem.named_biases(q, index),
         overshoots=overshoots,
         predicted_overshoots=foreseen,
-        predicted_circle=_predicted_circle(trial, measures, predicted, length),
+        predicted_circle=None if left is not None else _predicted_circle(trial, measures, predicted, length),
         initial=dict(zip(problem.initial, q[problem.own(index)].tolist())),
         samples={s: samples_of(trial["t"], trial[s]) for s in problem.signals},
         notes=tuple(n for n in trial.source.notes if is_note(n)),
+        departure=left,
     )
 
 

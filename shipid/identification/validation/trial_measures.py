@@ -43,13 +43,15 @@ class TrialMeasures:
         return TurningCircle.kind if self.circle is not None else "record"
 
 
-def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
+def measures_of(trial: Trial, said: Diagnosis, length: float | None) -> TrialMeasures:
     """Measure a trial.
 
     Parameters
     ----------
     trial : Trial
-        The trial.
+        The trial, or a stretch of one.
+    said : Diagnosis
+        What the doctor says of the whole trial, see `examined`.
     length : float or None
         Length of the ship in m, for ratios to it.
 
@@ -61,7 +63,7 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     if any(trial.has(n) and np.isfinite(trial[n]).sum() < FEWEST_SAMPLES for n in ("psi", "delta")):
         # A stretch of a record in which the compass was silent.
         return TrialMeasures("", None, None)
-    said = _examined(trial)
+    said = said.within(float(trial["t"][0]), float(trial["t"][-1]))
     try:
         kind = detect(trial, said)
     except ShipidError:
@@ -78,8 +80,14 @@ def measures_of(trial: Trial, length: float | None) -> TrialMeasures:
     )
 
 
-def _examined(trial: Trial) -> Diagnosis:
-    """What the doctor says of a trial, once for all that is measured of it."""
+def examined(trial: Trial) -> Diagnosis:
+    """Return what the doctor says of a trial, once for all that is measured of it and of its stretches.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial, as it was read.
+    """
     try:
         return check_trial(trial)
     except ShipidError:

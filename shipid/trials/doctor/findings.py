@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from shipid.foundation.aliases import Plain
 
@@ -246,6 +246,26 @@ class Diagnosis:
             What the format file has put right is not among them.
         """
         return tuple(f for f in self.findings if not f.handled and f.touches(channels, start, end))
+
+    def within(self, start: float, end: float) -> Diagnosis:
+        """Return what concerns a span of time of the record, as for a stretch that is cut out of it.
+
+        Parameters
+        ----------
+        start, end : float
+            The span [s].
+
+        Returns
+        -------
+        Diagnosis
+            The findings that touch the span, and the manoeuvres as far as they lie in it; rows are those of the whole record.
+        """
+        manoeuvres = [m for m in self.manoeuvres if m.start < end and m.end > start]
+        return replace(
+            self,
+            findings=tuple(f for f in self.findings if f.touches(f.channels, start, end)),
+            manoeuvres=tuple(replace(m, start=max(m.start, start), end=min(m.end, end)) for m in manoeuvres),
+        )
 
     @property
     def kinds(self) -> tuple[str, ...]:

@@ -1,10 +1,27 @@
-"""A finding as plain values."""
+"""Findings as plain values, and what of a diagnosis concerns a stretch."""
 
 from __future__ import annotations
 
-from shipid.trials.doctor.findings import Finding
+from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
 
 
 def test_the_confidence_is_given_in_tenths_of_a_percent():
     finding = Finding("gap", "t", (3, 4), (1.5, 2.0), 2, 0.12345, "effect", "repair", "message")
     assert finding.to_dict()["confidence"] == 0.123
+
+
+def test_what_concerns_a_stretch_of_a_record():
+    def found(kind, start, end):
+        return Finding(kind, "psi", (0, 1), (start, end), 2, 0.95, "effect", "repair", "message")
+
+    whole = Diagnosis(
+        "log",
+        (found("gap", 10.0, 20.0), found("heading-glitch", 40.0, 40.0), found("offset", 0.0, 100.0)),
+        (Stretch("zigzag", 5.0, 60.0), Stretch("steady", 60.0, 80.0), Stretch("turn", 80.0, 100.0)),
+    )
+    part = whole.within(30.0, 90.0)
+    assert part.kinds == ("heading-glitch", "offset") and part.trial == "log"
+    assert [(m.kind, m.start, m.end) for m in part.manoeuvres] == [
+        ("zigzag", 30.0, 60.0), ("steady", 60.0, 80.0), ("turn", 80.0, 90.0),
+    ]  # fmt: skip
+    assert whole.within(0.0, 100.0) == whole

@@ -126,12 +126,14 @@ def _accuracy(fit: Fit, comparisons: tuple[Comparison, ...], verb: str, where: s
 
 def _warnings(fit: Fit) -> list[str]:
     found = [] if fit.converged else [f"The search did not converge. Its message: {fit.message}"]
-    for c in (*fit.fitted, *fit.validation):
+    compared = (*fit.fitted, *fit.validation)
+    for c in compared:
         t = runaway(c)
         if t is not None:
             found.append(
                 f"The prediction of {c.trial.name} runs away at t = {number(t)} s; its curves stop there, and it has no rms error."
             )
+    found += [f"The prediction of {c.trial.name} is {c.departure}." for c in compared if c.departure is not None]
     return found
 
 

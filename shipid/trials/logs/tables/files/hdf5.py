@@ -1,25 +1,33 @@
-"""HDF5 files, and those of MATLAB 7.3: groups of arrays; links to other files are not followed."""
+"""HDF5 files, and those of MATLAB 7.3: groups of arrays, read in a process of its own."""
 
 from __future__ import annotations
 
+import importlib.util
 import io
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError
-from shipid.trials.errors import DamagedFileError, FileSizeError, TrialError
+from shipid.trials.errors import DamagedFileError, FileSizeError, ReaderNotStartedError
 from shipid.trials.logs.tables.files.arrays import Array, Node, Unreadable
 from shipid.trials.logs.tables.opening import LARGEST
 
-#: Groups in groups, and arrays of a file.
-_DEEPEST, _MOST_ARRAYS = 12, 5_000
-_NAMES = ("names", "columns", "labels", "column_names", "header")
+#: Processor time and time by the clock [s] after which reading is given up: the largest file that is read takes 2 s.
+_SECONDS, _LONGEST = 8, 60
+_READER = Path(__file__).with_name("hdf5_apart.py")
+#: Its packages are found where those of this process are found; nothing else of the surroundings counts.
+_START = "import json, runpy, sys; sys.path[:] = json.loads(sys.argv.pop()); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
 
 
 def hdf5_arrays(data: bytes, file: Path) -> dict[str, Node]:
-    """Return the groups and arrays of an HDF5 file.
+    """Return the groups and arrays of an HDF5 file; links to other files are not followed.
 
     Parameters
     ----------
@@ -36,108 +44,73 @@ def hdf5_arrays(data: bytes, file: Path) -> dict[str, Node]:
     ------
     MissingExtraError
         If h5py is not installed.
+    ReaderNotStartedError
+        If the process that reads it cannot be started.
     DamagedFileError
         If it is damaged.
     FileSizeError
         If its arrays are larger than is read.
     """
+    missing = MissingExtraError(f"the HDF5 file '{file}'", "h5py", "hdf5", "Or write the table as CSV.")
+    if importlib.util.find_spec("h5py") is None:
+        raise missing
+    stream = io.BytesIO(_answer(data, file))
+    damaged = DamagedFileError(f"'{file}' is a damaged HDF5 file. Check that it was copied completely.")
     try:
-        import h5py
-    except ImportError:
-        raise MissingExtraError(f"the HDF5 file '{file}'", "h5py", "hdf5", "Or write the table as CSV.") from None
+        tree = json.loads(stream.readline())
+        failure = tree.get("failure")
+        arrays = []
+        while failure is None and stream.tell() < stream.getbuffer().nbytes:
+            arrays.append(np.load(stream, allow_pickle=False))
+        nodes = _node(tree, arrays) if failure is None else None
+    except Exception:  # the reader crashed before its answer was whole
+        raise damaged from None
+    if failure == "no h5py":
+        raise missing
+    if failure == "too large":
+        raise FileSizeError(
+            f"'{file}' holds arrays of more than {LARGEST // 1_000_000} MB. Write the trial in a file of its own."
+        )
+    if not isinstance(nodes, dict):
+        raise damaged
+    return nodes
+
+
+def _answer(data: bytes, file: Path) -> bytes:
+    """What the reader says of a file; cut or empty where it crashed or took too long."""
+    command = [
+        sys.executable or "",
+        "-I",
+        "-c",
+        _START,
+        str(_READER),
+        str(LARGEST),
+        str(_SECONDS),
+        json.dumps(sys.path),
+    ]
+    # One thread for the library that otherwise begins with as many as there are cores.
+    surroundings = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     try:
-        with h5py.File(io.BytesIO(data), "r") as opened:
-            return _Reader(h5py, file).group(opened, 0)
-    except TrialError:
-        raise
-    except Exception:  # the library under h5py reports damage in many ways
-        raise DamagedFileError(f"'{file}' is a damaged HDF5 file. Check that it was copied completely.") from None
+        ended = subprocess.run(
+            command, input=data, capture_output=True, timeout=_LONGEST, check=False, env=surroundings
+        )
+        if ended.stdout.startswith(b"\n"):
+            return ended.stdout[1:]
+        reason = f"exit code {ended.returncode}"
+    except subprocess.TimeoutExpired:
+        return b""
+    except OSError as error:
+        reason = error.strerror or str(error)
+    raise ReaderNotStartedError(
+        f"'{file}' was not read: the process that reads HDF5 could not be started ({reason}). Write the table as CSV."
+    )
 
 
-class _Reader:
-    """Reads the arrays of a file within bounds.
-
-    Parameters
-    ----------
-    h5py : module
-        The library.
-    file : Path
-        For messages.
-    """
-
-    def __init__(self, h5py: Plain, file: Path) -> None:
-        self.h5py, self.file = h5py, file
-        self.size = self.count = 0
-
-    def group(self, group: Plain, depth: int) -> dict[str, Node]:
-        """Return what a group holds."""
-        content: dict[str, Node] = {}
-        for name in group:
-            self.count += 1
-            if self.count > _MOST_ARRAYS or depth > _DEEPEST:
-                break
-            if name.startswith("#") or not isinstance(group.get(name, getlink=True), self.h5py.HardLink):
-                continue  # what MATLAB keeps for itself, and links: another file's content is none of this one
-            node = self._node(group[name], depth)
-            if node is not None:
-                content[name] = node
-        return content
-
-    def _node(self, item: Plain, depth: int) -> Node | None:
-        if isinstance(item, self.h5py.Group):
-            return self.group(item, depth + 1)
-        if not isinstance(item, self.h5py.Dataset) or item.shape is None or item.attrs.get("MATLAB_empty"):
-            return None
-        if item.external or item.is_virtual:
-            return Unreadable("an array that lies in another file")
-        kind = _text(item.attrs.get("MATLAB_class"))
-        values = self._values(item)
-        if kind == "char":
-            return Array(np.array(["".join(map(chr, values.reshape(-1)[:10_000].tolist()))]))
-        if item.dtype == self.h5py.ref_dtype:
-            return self._cells(item, values)
-        if kind is not None and kind not in ("double", "single", "logical") and not kind.startswith(("int", "uint")):
-            return Unreadable(f"a {kind} of MATLAB")
-        if kind is not None:
-            values = values.T
-        names = next((found for key in _NAMES if (found := _texts(item.attrs.get(key)))), ())
-        units = _texts(item.attrs.get("units")) or _texts(item.attrs.get("unit"))
-        return Array(values, units[0] if len(units) == 1 else None, names, units)
-
-    def _cells(self, item: Plain, references: np.ndarray) -> Node:
-        """The texts of a cell array of MATLAB."""
-        texts = []
-        for reference in references.reshape(-1)[:1000]:
-            node = self._node(item.file[reference], _DEEPEST) if reference else None
-            if not isinstance(node, Array) or node.values.dtype.kind != "U":
-                return Unreadable("a cell array")
-            texts.append(str(node.values[0]))
-        return Array(np.array(texts))
-
-    def _values(self, item: Plain) -> np.ndarray:
-        """The array, if what it claims to hold is not too much."""
-        self.size += item.size * item.dtype.itemsize
-        if self.size > LARGEST:
-            raise FileSizeError(
-                f"'{self.file}' holds arrays of more than {LARGEST // 1_000_000} MB. Write the trial in a file of its own."
-            )
-        text = self.h5py.check_string_dtype(item.dtype)
-        values = np.asarray(item.asstr(errors="replace")[()] if text is not None else item[()])
-        return values.astype(str) if text is not None else values
-
-
-def _text(value: Plain) -> str | None:
-    if isinstance(value, (bytes, np.bytes_)):
-        return value.decode("utf-8", "replace")
-    return str(value) if isinstance(value, str) else None
-
-
-def _texts(value: Plain) -> tuple[str, ...]:
-    """Texts of an attribute: one, or several."""
-    single = _text(value)
-    if single is not None:
-        return (single,)
-    if isinstance(value, np.ndarray) and value.dtype.kind in "SUO":
-        found = [_text(cell) for cell in value.reshape(-1)[:10_000]]
-        return tuple(text for text in found if text is not None)
-    return ()
+def _node(tree: Mapping[str, Plain], arrays: Sequence[np.ndarray]) -> Node:
+    """A node of the reader, with its arrays."""
+    if "group" in tree:
+        return {name: _node(inner, arrays) for name, inner in tree["group"].items()}
+    if "unreadable" in tree:
+        return Unreadable(tree["unreadable"])
+    names, units = tuple(tree.get("names", ())), tuple(tree.get("units", ()))
+    return Array(arrays[tree["array"]], tree.get("unit"), names, units)

@@ -1,6 +1,9 @@
 """MATLAB and HDF5 files: structs and groups of arrays. SciPy and h5py write what is read here."""
 
 import struct
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -177,6 +180,80 @@ class TestHdf5:
         data = write(run=(columns, units)).read_bytes()
         with pytest.raises(e.DamagedFileError, match="damaged HDF5 file"):
             read_trial(log(data[:1000], "log.h5"))
+
+    def test_damage_that_crashes_the_library_is_told_like_any_other(self, tmp_path, log):
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(tmp_path / "sound.h5", "w") as file:
+            for name, unit in (("t", "s"), ("psi", "deg")):
+                file[name] = np.arange(4.0)
+                file[name].attrs["units"] = unit
+        data = (tmp_path / "sound.h5").read_bytes()
+        # The unit is a sequence of variable length; its kind, a text, becomes one that there is not.
+        broken = data.replace(b"units\0\0\0\x19\x01", b"units\0\0\0\x19\x28", 1)
+        assert broken != data
+        with pytest.raises(e.DamagedFileError, match=r"'.*log\.h5' is a damaged HDF5 file"):
+            read_trial(log(broken, "log.h5"))
+
+    @pytest.mark.parametrize(
+        "instead",
+        [
+            "import os; print(flush=True); os.abort()",
+            "print('\\n{', flush=True)",
+            "print('\\n{\"array\": 0}', flush=True)",
+            'print(\'\\n{"group": {"t": {"array": 7}}}\', flush=True)',
+            "import time; print(flush=True); time.sleep(600)",
+        ],
+    )
+    def test_a_reader_that_crashes_stops_halfway_or_hangs(self, write, columns, units, tmp_path, monkeypatch, instead):
+        path = write(run=(columns, units))
+        monkeypatch.setattr(hdf5, "_READER", tmp_path / "reader.py")
+        monkeypatch.setattr(hdf5, "_LONGEST", 1.0 if "sleep" in instead else 60.0)
+        (tmp_path / "reader.py").write_text(instead)
+        with pytest.raises(e.DamagedFileError, match="damaged HDF5 file"):
+            read_trial(path)
+
+    def test_no_objects_are_made_of_what_the_reader_says(self, write, columns, units, tmp_path, monkeypatch):
+        path = write(run=(columns, units))
+        monkeypatch.setattr(hdf5, "_READER", tmp_path / "reader.py")
+        (tmp_path / "reader.py").write_text(
+            "import sys, numpy as np\n"
+            "print('\\n{\"group\": {}}', flush=True)\n"
+            "np.save(sys.stdout.buffer, np.array([print], dtype=object), allow_pickle=True)\n"
+        )
+        with pytest.raises(e.DamagedFileError, match="damaged HDF5 file"):
+            read_trial(path)
+
+    @pytest.mark.parametrize(("python", "reason"), [("", "could not be started"), (sys.executable, "exit code 7")])
+    def test_a_reader_that_cannot_be_started(self, write, columns, units, tmp_path, monkeypatch, python, reason):
+        path = write(run=(columns, units))
+        monkeypatch.setattr(sys, "executable", python)
+        monkeypatch.setattr(hdf5, "_READER", tmp_path / "reader.py")
+        (tmp_path / "reader.py").write_text("raise SystemExit(7)")
+        with pytest.raises(e.ReaderNotStartedError, match=rf"was not read.*{reason}.*Write the table as CSV"):
+            read_trial(path)
+
+    def test_what_the_reader_may_take_is_bounded(self):
+        code = "import sys, hdf5_apart; hdf5_apart.bound(10**9, 1)\n"
+        for greedy in ("bytearray(2 * 10**9)", "while True: pass"):
+            pytest.importorskip("resource")
+            command = [sys.executable, "-c", code + greedy]
+            ended = subprocess.run(
+                command, cwd=Path(hdf5.__file__).parent, capture_output=True, timeout=60, check=False
+            )
+            assert ended.returncode != 0
+
+    def test_a_text_that_needs_too_much_memory_and_arrays_of_arrays(self, write, columns, units, tmp_path, same):
+        h5py = pytest.importorskip("h5py")
+        path = write(run=(columns, units))
+        with h5py.File(path, "a") as file:
+            odd = file["run"].create_dataset("odd", (3,), dtype=h5py.vlen_dtype("f8"))
+            odd[0] = [1.0, 2.0]
+        assert same(read_trial(path))
+        with h5py.File(path, "a") as file:
+            # As an array of texts, each as long as the longest, this is 400 GB.
+            file["run/note"] = ["x" * 10**6] + ["y"] * 10**5
+        with pytest.raises(e.FileSizeError, match="arrays of more than 256 MB"):
+            read_trial(path)
 
     def test_without_h5py_it_says_what_to_install(self, write, columns, units, monkeypatch):
         path = write(run=(columns, units))
