@@ -54,9 +54,9 @@ def test_every_option_with_a_dimension_is_here():
 
 
 def test_no_other_option_takes_a_number_with_a_dimension():
-    """An option of floating point has no dimension: a factor, or a count of standard deviations."""
+    """An option of floating point has no dimension: a factor, a count of standard deviations, a length over that of the ship."""
     floats = {o for o, several in options().items() for p in several if p.type is click.FLOAT}
-    assert floats == {"--gate", "--zeta", "--integral", "--rudder-weight"}
+    assert floats == {"--gate", "--zeta", "--integral", "--rudder-weight", "--horizon"}
 
 
 def test_the_help_tells_the_unit(call):
