@@ -26,6 +26,8 @@ BARE = {
     "--omega-n": (TUNE, "0.05", "0.05 rad/s or 0.05 deg/s"),
     "--rudder-limit": (TUNE, "15", "15 deg"),
     "--length": (["measure", "trial.csv"], "45", "45 m"),
+    "--rudder": (["predict", *SHIP], "20", "20 deg"),
+    "--rate": (["predict", *SHIP], "20", "20 deg/s"),
     "--wait": (["filter", "--follow", "trial.csv", "--model", "nomoto"], "5", "5 s"),
 }
 
