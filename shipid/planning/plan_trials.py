@@ -340,11 +340,10 @@ def _result(
     other = np.sqrt(np.diag(covariance_from(usual[0]) * scale)) if pair else np.full(len(std), np.nan)
     for j, name in enumerate(experiment.estimated):
         standing, why = standing_of(problem.known[name], std[j], size=problem.size[j])
-        why = (
-            f": {why}" if possible[j] else f" by every manoeuvre of this repertoire, with {_words(experiment.signals)}."
-        )
+        if not possible[j]:
+            standing, why = UNKNOWN, f"no manoeuvre of this repertoire tells, with {_words(experiment.signals)}."
         if standing == UNKNOWN:
-            warnings.append(Notice(f"{name} stays undetermined{why}", "not-determined", name=name))
+            warnings.append(Notice(f"{name} stays undetermined: {why}", "not-determined", name=name))
     count = max(1, int(possible.sum()))
     gains = (value_of(planned[:, None], "D") - value_of(usual[:, None], "D")) * len(possible) if pair else None
     forecasts = {
