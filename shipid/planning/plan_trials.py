@@ -339,16 +339,9 @@ def _result(
     std = np.sqrt(np.diag(covariance))
     other = np.sqrt(np.diag(covariance_from(usual[0]) * scale)) if pair else np.full(len(std), np.nan)
     for j, name in enumerate(experiment.estimated):
-        if not possible[j]:
-            warnings.append(
-                Notice(
-                    f"{name} stays undetermined by every manoeuvre of this repertoire, with {_words(experiment.signals)}.",
-                    "not-determined",
-                    name=name,
-                )
-            )
-            continue
         standing, why = standing_of(problem.known[name], std[j], size=problem.size[j])
+        if not possible[j]:
+            standing, why = UNKNOWN, f"no manoeuvre of this repertoire tells, with {_words(experiment.signals)}."
         if standing == UNKNOWN:
             warnings.append(Notice(f"{name} stays undetermined: {why}", "not-determined", name=name))
     count = max(1, int(possible.sum()))

@@ -294,3 +294,12 @@ def test_a_ship_that_does_not_go_ahead_is_refused_live_as_from_a_record(
     path = tmp_path / "log.csv"
     path.write_text(text)
     refused(3, ["filter", path, *model], word)
+
+
+def test_a_record_that_adds_nothing_determines_nothing(call, zigzag):
+    """Before the first execute no rudder turns the ship: the estimates are those the filter starts with."""
+    answer = call("filter", f"{zigzag}@0:8", *NOMOTO, "--json")
+    found = json.loads(answer.out)["parameters"]
+    assert {p["standing"] for p in found.values()} == {"not determined"}
+    assert all("of the one it started with" in p["why"] for p in found.values())
+    assert "not determined: it is known from before" in call("filter", f"{zigzag}@0:8", *NOMOTO).out

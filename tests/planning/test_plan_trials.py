@@ -256,7 +256,7 @@ def test_a_coefficient_nothing_shows_is_said():
         "de-keizer", "soesterberg", noise="psi=0.2 deg,r=0.02 deg/s,u=0.1 m/s", repertoire=["zigzag"], draws=0
     )
     assert found.parameters["gamma"].std is None and found.parameters["gamma"].ratio is None
-    assert any(w.startswith("gamma stays undetermined by every manoeuvre") for w in found.warnings)
+    assert any(w.startswith("gamma stays undetermined: no manoeuvre") for w in found.warnings)
     assert found.det_gain > 1
     assert "any" in repr(found)
 

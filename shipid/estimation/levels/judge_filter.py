@@ -53,8 +53,8 @@ def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRu
     withheld = ""
     if common > _HOPELESS:
         withheld = f"the innovations are {common:.0f} times as large as this filter expects them"
-    judged = replace(run, widening=widening, withheld=withheld)
-    return replace(judged, warnings=tuple(_notices(judged, levels, sizes)))
+    found = replace(run, widening=widening, withheld=withheld)
+    return replace(found, warnings=tuple(_notices(found, levels, sizes)))
 
 
 def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:

@@ -251,6 +251,10 @@ class Unknowns:
             Standard deviations.
         most : float
             Largest share of a sensor's samples: more are rarely wrong.
+
+        Returns
+        -------
+        int
         """
         found = self._innovations(z)
         beyond = [there & (e**2 > width**2 * s) for e, s, there in found]
