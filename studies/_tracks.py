@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import numpy as np
+from _container import container_ship
 
 import shipid
 from shipid import Component, derived, given, state
@@ -32,7 +33,7 @@ TRACKS = {
     "T4": "C5 C2 C4 C1 C3", "T5": "C2 C1 C3 C4 C5", "T6": "C3 C5 C1 C2 C4",
 }  # fmt: skip
 CONDITIONS = ("A", "B", "C", "D")
-SHIP, LEG, LIMIT, TICK = "soesterberg", 2.25 * MILE, 10 * DEG, 2.0
+SHIP, LEG, LIMIT, TICK = container_ship(), 2.25 * MILE, 10 * DEG, 2.0
 CURRENT, WIND = (2.5 * KNOT, 225 * DEG), (7.0, 135 * DEG)
 #: How often a navigator looks at the leg in s, and how far ahead he aims, in ship lengths.
 LOOK, AIM = 60.0, 4.0
@@ -113,7 +114,7 @@ def steered(setting: Setting, x: float, y: float, psi: float) -> SimulatedShip:
 @functools.cache
 def sailing_ship() -> shipid.ParameterSet:
     """Return the ship with a section for its late sway."""
-    known = shipid.find_ship(SHIP)
+    known = SHIP
     return replace(known, sections={**known.sections, "late-sway": {"gamma": known.sections["de-keizer"]["gamma"]}})
 
 

@@ -5,7 +5,9 @@ Entries of the cache are cut, edited and replaced; saved states, schedules and s
 devices, onto a full disk, and by three processes at once; commands are killed (SIGKILL) and interrupted (SIGINT) at many places of
 their lives. A place is counted from where shipid begins: before that the interpreter answers.
 
-    python studies/attacks.py [--short] [--places 150] [--seed 0] [--json]
+    python studies/attacks.py [--short] [--places 150] [--stopped NAME ...] [--seed 0] [--json]
+
+``--stopped`` does nothing but stop these: a command that writes, ``cache`` while it is built, ``state`` while it is saved.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
@@ -38,6 +41,14 @@ TRIAL = Path(__file__).parent / "trials" / "container-20-20.csv"
 BEGIN = "import sys; from shipid.cli import entry; print('begin', file=sys.stderr, flush=True); entry()"
 IDENTIFY = ("identify", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg", "--starts", "1")
 TUNE = ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5 m/s")
+FILTER = ("filter", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg")
+#: The commands that write, and by which option.
+WRITERS = {
+    "identify": (*IDENTIFY, "--out"),
+    "filter": (*FILTER, "--out"),
+    "tune": (*TUNE, "--out"),
+    "simulate": ("simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", "zigzag:20/20", "--output"),
+}
 SAVE = """
 import sys, shipid
 kalman = shipid.ExtendedKalmanFilter("nomoto", "soesterberg", measured={"psi": "0.2 deg"}, estimated=["K"])
@@ -111,7 +122,7 @@ def mutated(table: Any, chance: random.Random) -> Any:
 def cache(count: int, chance: random.Random, folder: Path) -> Row:
     """Damage each entry of a cache and run the command again: it has to print the same."""
     home = {"SHIPID_CACHE": str(folder / "cache")}
-    model = ("filter", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg", "--json")
+    model = (*FILTER, "--json")
     code, asked, _ = ended(start(model, **home))
     same = 0
     for _ in range(count):
@@ -239,47 +250,78 @@ def writers(folder: Path) -> Row:
     return Row("three writers", "the files of one", f"exit {codes}, {model}", bool(held))
 
 
-def whole(out: Path) -> bool:
-    """Whether each file of a result is there, and whole."""
+def whole(out: Path, rows: dict[str, int] | None = None) -> bool:
+    """Whether each file of a result is there, and whole; tables by name have so many rows."""
     try:
-        json.loads((out / "result.json").read_text(encoding="utf-8"))
-        for name in ("ship.toml", "schedule.toml"):
-            if (out / name).exists():
-                tomllib.loads((out / name).read_text(encoding="utf-8"))
-        return (out / "report.html").read_text(encoding="utf-8").rstrip().endswith("</html>")
+        for path in (out / name for name in (rows or ("result.json", "report.html", "ship.toml"))):
+            text = path.read_text(encoding="utf-8")
+            if path.suffix == ".json":
+                json.loads(text)
+            elif path.suffix == ".toml":
+                tomllib.loads(text)
+            elif path.suffix == ".html" and not text.rstrip().endswith("</html>"):
+                raise ValueError("no end")
+            elif path.suffix == ".csv" and rows and text.count("\n") != rows[path.name]:
+                raise ValueError("another number of rows")
     except (OSError, ValueError):
         return False
+    return True
 
 
-def life(arguments: tuple[str, ...], number: int, count: int, folder: Path) -> Row:
+def stopped(command: tuple[str, ...], number: int, after: float, **changes: str) -> str:
+    """Send a signal to a command; returns what is wrong with how it ended, or nothing."""
+    process = start(command, **changes)
+    time.sleep(after)
+    process.send_signal(number)
+    code, _, said = ended(process)
+    allowed = {signal.SIGINT: {0, 130}, signal.SIGKILL: {0, -signal.SIGKILL}}[signal.Signals(number)]
+    return "" if code in allowed and "Traceback" not in said else f"exit {code}, {said[-200:]!r}"
+
+
+def life(name: str, number: int, count: int, folder: Path) -> Row:
     """Stop a command at places spread over its life: files are all there and whole, or none is; the next run sweeps."""
-    out = folder / f"{arguments[0]}-{signal.Signals(number).name}"
-    command = (*arguments, "--out", str(out), "--overwrite")
+    out = folder / f"{name}-{signal.Signals(number).name}"
+    out.mkdir()
+    command = (*WRITERS[name], str(out / "trial.csv" if name == "simulate" else out), "--overwrite")
     began = time.perf_counter()
     ended(start(command))
     seconds, bad = time.perf_counter() - began, []
-    allowed = {signal.SIGINT: {0, 130}, signal.SIGKILL: {0, -signal.SIGKILL}}[signal.Signals(number)]
+    rows = {path.name: path.read_bytes().count(b"\n") for path in out.iterdir()}
     for i in range(count):
         # Later ones meet the files of the first run, which stay whole; every third begins with an empty folder.
         if i % 3 == 0:
             for path in out.iterdir():
                 path.unlink() if path.is_file() else None
-        process = start(command)
-        time.sleep(seconds * (i + 0.5) / count)
-        process.send_signal(number)
-        code, _, said = ended(process)
+        wrong = stopped(command, number, seconds * (i + 0.5) / count)
         files = [p for p in out.iterdir() if not p.name.startswith(".shipid-")]
-        if code not in allowed or "Traceback" in said or (files and not whole(out)):
-            bad.append(f"{i}: exit {code}, {len(files)} files, {said[-200:]!r}")
+        if wrong or (files and not whole(out, rows)):
+            bad.append(f"{i}: {wrong}, {len(files)} files")
     code = ended(start(command))[0]
-    swept = code == 0 and whole(out) and not any(p.name.startswith(".shipid-") for p in out.iterdir())
+    left = [p for folder in (out, out.parent) for p in folder.iterdir() if p.name.startswith(".shipid-")]
+    swept = bool(rows) and code == 0 and whole(out, rows) and not left
     words = f"{len(bad)} bad, {'swept' if swept else 'not swept'}{'; ' + bad[0] if bad else ''}"
-    return Row(
-        f"{arguments[0]}: {signal.Signals(number).name} at {count} places", "0 bad, swept", words, swept and not bad
-    )
+    return Row(f"{name}: {signal.Signals(number).name} at {count} places", "0 bad, swept", words, swept and not bad)
 
 
-def saving(count: int, number: int, folder: Path) -> Row:
+def building(number: int, count: int, folder: Path) -> Row:
+    """Stop a filter while it compiles into an empty cache: what is left serves the next run, or is made anew, and is swept."""
+    command, bad = (*FILTER, "--json"), []
+    began = time.perf_counter()
+    asked = ended(start(command, SHIPID_CACHE=str(folder / f"cold-{number}")))[:2]
+    seconds = time.perf_counter() - began
+    for i in range(count):
+        home = folder / f"cold-{number}-{i}"
+        wrong = stopped(command, number, seconds * (i + 0.5) / count, SHIPID_CACHE=str(home))
+        same = asked == ended(start(command, SHIPID_CACHE=str(home)))[:2]
+        left = [p.name for p in home.iterdir() if p.name.startswith(".shipid-")]
+        if wrong or not same or left:
+            bad.append(f"{i}: {wrong}, {'the same' if same else 'another'} result, {len(left)} left")
+        shutil.rmtree(home)
+    words = f"{len(bad)} bad{'; ' + bad[0] if bad else ''}"
+    return Row(f"cache being built: {signal.Signals(number).name} at {count} places", "0 bad", words, not bad)
+
+
+def saving(number: int, count: int, folder: Path) -> Row:
     """Stop a filter that saves its state with every sample: the state is whole."""
     path, bad = folder / f"live-{number}.json", 0
     kalman = shipid.ExtendedKalmanFilter("nomoto", "soesterberg", measured={"psi": "0.2 deg"}, estimated=["K"])
@@ -305,10 +347,20 @@ def saving(count: int, number: int, folder: Path) -> Row:
     )
 
 
+def attacks(short: bool, chance: random.Random, folder: Path) -> list[Row]:
+    """Everything but the signals."""
+    rows = [cache(1 if short else 40, chance, folder), states(500 if short else 4000, chance, folder)]
+    rows += tables(60 if short else 1000, chance, folder)
+    return [*rows, places(folder), full_disk(folder), writers(folder)]
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--short", action="store_true", help="for every change: fewer of each, in less than a minute")
     parser.add_argument("--places", type=int, default=150, help="where each command is stopped")
+    parser.add_argument(
+        "--stopped", action="append", choices=[*WRITERS, "cache", "state"], help="nothing but stop these"
+    )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     given = parser.parse_args()
@@ -316,13 +368,13 @@ def main() -> None:
     count = 2 if short else given.places
     with tempfile.TemporaryDirectory(prefix="shipid-attacks-") as name:
         folder = Path(name)
-        rows = [cache(1 if short else 40, chance, folder), states(500 if short else 4000, chance, folder)]
-        rows += tables(60 if short else 1000, chance, folder)
-        rows += [places(folder), full_disk(folder), writers(folder)]
+        rows = [] if given.stopped else attacks(short, chance, folder)
+        names = given.stopped or (["identify", "state"] if short else [*WRITERS, "cache", "state"])
         for number in (signal.SIGINT, signal.SIGKILL):
-            rows += [life(IDENTIFY, number, count, folder)]
-            rows += [] if short else [life(TUNE, number, count, folder)]
-            rows += [saving(count, number, folder)]
+            for what in names:
+                stop = {"cache": building, "state": saving}.get(what)
+                rows.append(stop(number, count, folder) if stop else life(what, number, count, folder))
+                print(rows[-1].what, rows[-1].measured, file=sys.stderr, flush=True)
     show("Attacks on what is read, kept and written", rows, as_json=given.json)
 
 

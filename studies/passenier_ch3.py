@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from _claims import Claim, claim, figure, options, show
+from _container import container_ship
 
 import shipid
 from shipid.autopilot.design.autopilot import Autopilot
@@ -43,12 +44,17 @@ NOTES = {
 
 
 @functools.cache
+def known_ship(name: str) -> shipid.ParameterSet:
+    """Return a ship of the thesis."""
+    return container_ship() if name == "soesterberg" else shipid.find_ship(name)
+
+
 def pilot_of(ship: str, model: str, machine: bool) -> Autopilot:
     """Return the autopilot with gains at speeds so close that the schedule is K_d* L/u to a two-thousandth."""
     speed = SHIPS[ship][0]
     return shipid.design_autopilot(
         model,
-        ship,
+        known_ship(ship),
         actuator=SteeringMachine if machine else None,
         speeds=list(np.geomspace(0.2, 2.2, 40) * speed),
         omega_n=omega_of(ship, model),
@@ -58,7 +64,7 @@ def pilot_of(ship: str, model: str, machine: bool) -> Autopilot:
 
 def omega_of(ship: str, model: str) -> float:
     """Return the frequency at which Kp is 1, in rad/s at the ship's own speed."""
-    known = shipid.find_ship(ship)
+    known = known_ship(ship)
     values = known.values(shipid.find_model(model))
     pace = (known.particular("speed", "m/s") or 1.0) / (known.particular("L", "m") or 1.0)
     return float(np.sqrt(values["K"] / values["tau"]) * pace)
@@ -137,7 +143,7 @@ def turn(
 
 def effective(pilot: Autopilot, ship: str, model: str) -> dict[str, float]:
     """Return K*, tau* and gamma* as the ship's set states them."""
-    known = shipid.find_ship(ship).values(shipid.find_model(model))
+    known = known_ship(ship).values(shipid.find_model(model))
     return {n: known[n] for n in ("K", "tau", "gamma")}
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from _claims import HOLDS, Claim, claim, figure, options, show
+from _container import container_ship
 
 import shipid
 from shipid.autopilot.design.autopilot import Autopilot
@@ -30,7 +31,7 @@ from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 DEG, KNOT = np.pi / 180, 1852 / 3600
-SHIP, T, APPROACH, CHANGE, LIMIT = "soesterberg", 0.4, 400.0, 120.0, 15.0
+SHIP, T, APPROACH, CHANGE, LIMIT = container_ship(), 0.4, 400.0, 120.0, 15.0
 TURNED = (0, 20, 40, 80)
 NOISE = {"psi": 0.1 * DEG, "r": 0.01 * DEG, "u": 0.1, "x": 50.0, "y": 50.0}
 CURRENT, WIND = (3 * KNOT, 30 * DEG), 225 * DEG

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -28,6 +29,8 @@ from shipid.foundation.printable import escaped, printable
 Writer: TypeAlias = Callable[[Path], object]
 #: A function that becomes a command.
 Command = TypeVar("Command", bound=Callable[..., object])
+#: Significant digits of a number in JSON: more than any result has.
+_DIGITS = 12
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
 
@@ -208,7 +211,7 @@ def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -
 
 
 def json_text(value: Plain, *, indent: int | None = 1) -> str:
-    """Return a result as JSON, which holds no NaN and no infinity.
+    """Return a result as JSON, which holds no NaN and no infinity, with numbers of twelve digits and no negative zero.
 
     Parameters
     ----------
@@ -217,7 +220,16 @@ def json_text(value: Plain, *, indent: int | None = 1) -> str:
     indent : int or None
         Spaces a level; None for one line.
     """
-    return escaped(json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False))
+    return escaped(json.dumps(_rounded(value), indent=indent, allow_nan=False, ensure_ascii=False))
+
+
+def _rounded(value: Plain) -> Plain:
+    """The same with the noise of the last digits left out: 15.0 for 14.999999999999998."""
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(one) for one in value]
+    return float(f"{value:.{_DIGITS}g}") + 0.0 if isinstance(value, float) and math.isfinite(value) else value
 
 
 def output_file(path: str, overwrite: bool) -> Path:

@@ -9,6 +9,7 @@ import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.options import format_option, model_argument, ship_option
+from shipid.cli.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
@@ -36,10 +37,14 @@ _STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m"
     metavar="STATE|TRIAL@T",
     help="A state, 'psi=40 deg,u=9 m/s,r=0.1 deg/s', or a trial at a time in s: nothing later is used. On a straight course at her own speed by default.",
 )
-@click.option("--heading", metavar="H", help="Heading to steer, as in '75 deg'.")
-@click.option("--rudder", metavar="D", help="Rudder angle to hold, as in '20 deg'.")
-@click.option("--rate", metavar="R", help="Rate of turn to hold, '20 deg/min'; with --heading, that of the turn.")
-@click.option("--rudder-limit", metavar="D", help="Largest rudder angle; the autopilot's own by default.")
+@click.option("--heading", type=NumberWithUnit("deg"), help="Heading to steer, as in '75 deg'.")
+@click.option("--rudder", type=NumberWithUnit("deg"), help="Rudder angle to hold, as in '20 deg'.")
+@click.option(
+    "--rate", type=NumberWithUnit("deg/s"), help="Rate of turn to hold, '20 deg/min'; with --heading, that of the turn."
+)
+@click.option(
+    "--rudder-limit", type=NumberWithUnit("deg"), help="Largest rudder angle; the autopilot's own by default."
+)
 @click.option("--horizon", default=20.0, show_default=True, metavar="L", help="Length of the track in ship lengths.")
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from'); from a trial it is estimated.")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to').")

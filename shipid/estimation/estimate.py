@@ -75,7 +75,9 @@ class Estimate:
 
     def __str__(self) -> str:
         value = uncertain_text(self.value, self.std)
-        return f"{self.name:<12s}{value:>20s} {pretty(self.unit)}   {self.meaning}"
+        unit = "" if pretty(self.unit) == "1" else pretty(self.unit)
+        doubt = f"   {self.standing}: {self.why}" if self.why else ""
+        return f"{self.name:<12s}{value:>20s} {unit:<5s} {self.meaning}{doubt}"
 
 
 def estimate_of(

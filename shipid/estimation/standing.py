@@ -1,7 +1,7 @@
 """Whether the data determine a coefficient: the one rule of fits, filters, recursions, plans, reports and ship files.
 
-A coefficient is **determined** where its standard deviation is below half of its value, and at most 90 % of the one it was
-known with before: the 95 % interval keeps its sign, and it is the data that say so. A coefficient that may be zero is **not
+A coefficient is **determined** where its standard deviation is below half of its value, and at most 90 % of the one that was
+assumed before: the 95 % interval keeps its sign, and it is the data that say so. A coefficient that may be zero is **not
 distinguishable from zero** where its interval holds zero and is narrow beside the size such a coefficient usually has: the data
 say that it is small, not that it is there. Any other is **not determined**: the data hold no information about it, it ended at a
 bound, its interval is wide, or it is hardly better known than before. Only a determined one counts as `identifiable`.

@@ -55,7 +55,7 @@ def test_an_option_says_the_same_in_every_command():
         words = {f[option] for f in found.values() if option in f}
         assert len(words) == 1, (option, words)
     assert sum("--json" in f for f in found.values()) == len(COMMANDS) - 1  # a simulated trial is a table
-    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune"}
+    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune", "predict"}
 
 
 def test_one_table_of_exit_codes():
@@ -237,3 +237,11 @@ def test_a_file_that_comes_while_the_work_is_done_is_not_lost(own_command, monke
     assert "notes.txt' exists already" in answer.said
     assert [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
     assert (tmp_path / "notes.txt").read_text() == "of the other run"
+
+
+def test_numbers_of_json_have_no_noise_and_no_negative_zero():
+    noisy = {"a": [14.999999999999998, -0.0, 1e-300], "b": (1 / 3,), "n": 7, "yes": True, "none": None}
+    told = json_text(noisy, indent=None)
+    assert told == '{"a": [15.0, 0.0, 1e-300], "b": [0.333333333333], "n": 7, "yes": true, "none": null}'
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        json_text({"a": float("nan")})

@@ -136,4 +136,4 @@ def test_refusals(refused, voyage):
         "leave --current out",
     )
     refused(2, [*ship, "--heading", "60 deg", "--horizon", "0"], "ship lengths")
-    refused(3, [*ship, "--heading", "60 m"], "heading")
+    refused(2, [*ship, "--heading", "60 m"], "heading")

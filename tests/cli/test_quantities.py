@@ -13,6 +13,7 @@ from shipid.cli.registry import COMMANDS
 
 SHIP = ["nomoto", "--ship", "zeefakkel"]
 SAIL = ["simulate", *SHIP, "--manoeuvre", "zigzag:20/20"]
+PREDICT = ["predict", "de-keizer", "--ship", "soesterberg"]
 TUNE = ["tune", "de-keizer", "--ship", "soesterberg"]
 #: By option: a command with it, a bare number, and what the message tells to type.
 BARE = {
@@ -25,6 +26,8 @@ BARE = {
     "--correlation": (["plan", "--model", *SHIP, "--time", "20 min"], "4", "4 s"),
     "--omega-n": (TUNE, "0.05", "0.05 rad/s or 0.05 deg/s"),
     "--rudder-limit": (TUNE, "15", "15 deg"),
+    "--rudder": (PREDICT, "10", "10 deg"),
+    "--rate": (PREDICT, "20", "20 deg/s"),
     "--length": (["measure", "trial.csv"], "45", "45 m"),
     "--wait": (["filter", "--follow", "trial.csv", "--model", "nomoto"], "5", "5 s"),
 }
@@ -54,9 +57,9 @@ def test_every_option_with_a_dimension_is_here():
 
 
 def test_no_other_option_takes_a_number_with_a_dimension():
-    """An option of floating point has no dimension: a factor, or a count of standard deviations."""
+    """An option of floating point has no dimension: a factor, a count of standard deviations or of ship lengths."""
     floats = {o for o, several in options().items() for p in several if p.type is click.FLOAT}
-    assert floats == {"--gate", "--zeta", "--integral", "--rudder-weight"}
+    assert floats == {"--gate", "--zeta", "--integral", "--rudder-weight", "--horizon"}
 
 
 def test_the_help_tells_the_unit(call):

@@ -49,7 +49,7 @@ def test_omega_and_zeta(call):
     real, imaginary = json.loads(answer.out)["poles"][1][0]
     assert real == pytest.approx(-0.04, rel=1e-12) and abs(imaginary) == pytest.approx(0.03, rel=1e-12)
     degrees = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--omega-n", "2.8647890 deg/s", "--json")
-    assert json.loads(degrees.out)["request"]["omega_n"] == pytest.approx(0.05)
+    assert json.loads(degrees.out)["request"]["omega_n"] == {"value": pytest.approx(0.05), "unit": "rad/s"}
 
 
 def test_in_words(call):

@@ -37,7 +37,7 @@ def test_what_is_no_number_is_none_and_prints() -> None:
         assert none.ci95 is None and not none.identifiable
         json.dumps(none.to_dict(), allow_nan=False)
         assert "±" not in str(none) and "nan" not in str(none)
-    assert str(estimate_of(GAIN, 1.6, 0.1)).startswith("K                    1.60 ± 0.10 1   ")
+    assert str(estimate_of(GAIN, 1.6, 0.1)).startswith("K                    1.60 ± 0.10       yaw gain")
 
 
 def test_the_other_form_is_named_by_what_it_is() -> None:

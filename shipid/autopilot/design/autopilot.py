@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 Design = Literal["pole", "lqr", "pid"]
 #: What the autopilot holds: a course, or a rate of turn.
 Mode = Literal["course", "rate"]
+#: The quantities of a request, and the unit each is in.
+REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight": "1"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +145,7 @@ class Autopilot:
             "ship": self.ship.name,
             "design": self.design,
             "mode": self.mode,
-            "request": dict(self.request),
+            "request": {n: {"value": v, "unit": REQUEST_UNITS[n]} for n, v in self.request.items()},
             "service_speed": self.service_speed,
             "rudder_limit_deg": to_display(self.rudder_limit, "delta"),
             "actuator": self.actuator.__name__,
@@ -164,7 +166,7 @@ class Autopilot:
         return [[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]]
 
     def __repr__(self) -> str:
-        asked = ", ".join(f"{n} {v:.4g}" for n, v in self.request.items())
+        asked = ", ".join(_with_unit(v, n) for n, v in self.request.items())
         holds = "" if self.mode == "course" else f", {self.mode}"
         lines = [f"autopilot of {self.ship.name} ({self.model.name}){holds}, {self.design}: {asked}"]
         for j, name in enumerate(self.conditions):
@@ -175,3 +177,8 @@ class Autopilot:
                 row = "".join(f"{g[j][i]:12.4g}" for g in self.schedule.gains.values())
                 lines.append(f"  {speed:10.3f}  {row}")
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+
+def _with_unit(value: float, name: str) -> str:
+    unit = "" if REQUEST_UNITS[name] == "1" else f" {REQUEST_UNITS[name]}"
+    return f"{name} {value:.4g}{unit}"

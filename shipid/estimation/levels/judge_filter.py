@@ -9,15 +9,14 @@ import numpy as np
 
 from shipid.declaration.units import pretty
 from shipid.estimation.levels.record_levels import RecordLevels
+from shipid.estimation.records.consistency import FITTING, REJECTED_SHARE
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import uncertain_text
 
-#: A larger share of a sensor's samples beyond the gate is no accident.
-REJECTED_SHARE = 0.1
-#: Mean squared normalised innovations that still fit a filter: standard deviations right to 40 %.
-FITTING = (0.5, 2.0)
+#: So many samples of a sensor say something.
+_ENOUGH = 10
 #: Innovations so many times larger than expected say nothing any more: intervals are withheld.
 _HOPELESS = 5.0
 #: So many standard deviations of output error off, a coefficient is another one; less than two, as both know the same record.
@@ -45,13 +44,17 @@ def judge_filter(run: FilterRun, levels: RecordLevels | None = None) -> FilterRu
     """
     sizes = {n: _squares(run, i) for i, n in enumerate(run.design.measured)}
     common = float(np.sqrt(max([1.0, *(_size(*both) for both in sizes.values() if both[0].size)])))
-    own = {} if levels is None else {n: j.widening for n, j in levels.coefficients.items()}
-    widening = {n: float(max(common, own.get(n, 1.0))) for n in run.design.parameters}
+    widening = {n: common for n in run.design.parameters}
+    for name, judged in ({} if levels is None else levels.coefficients).items():
+        own = float(run.std_of(name)[-1])
+        # The record's own deviation counts that of the biases, of which the filter knows nothing.
+        ratio = judged.widening * max(1.0, judged.std / own) if own > 0 else 1.0
+        widening[name] = max(common, ratio if np.isfinite(ratio) else 1.0)
     withheld = ""
     if common > _HOPELESS:
         withheld = f"the innovations are {common:.0f} times as large as this filter expects them"
-    judged = replace(run, widening=widening, withheld=withheld)
-    return replace(judged, warnings=tuple(_notices(judged, levels, sizes)))
+    found = replace(run, widening=widening, withheld=withheld)
+    return replace(found, warnings=tuple(_notices(found, levels, sizes)))
 
 
 def _squares(run: FilterRun, i: int) -> tuple[np.ndarray, np.ndarray]:
@@ -90,7 +93,7 @@ def _about_search(levels: RecordLevels | None) -> Iterator[Notice]:
 def _about_sensor(
     run: FilterRun, levels: RecordLevels | None, name: str, squares: np.ndarray, beyond: np.ndarray
 ) -> Iterator[Notice]:
-    if not squares.size:
+    if squares.size < _ENOUGH:
         return
     count, share = int(np.count_nonzero(beyond)), float(np.mean(beyond))
     taken = count - run.innovations[name].rejected

@@ -13,7 +13,7 @@ from shipid.estimation.levels.ascent import Summit
 from shipid.estimation.levels.cleaned import cleaned, pieces, resolution
 from shipid.estimation.levels.long_run import long_run_deviations
 from shipid.estimation.levels.pieces import Piece
-from shipid.estimation.records.arrangement import FilterRecord, columns_of
+from shipid.estimation.records.arrangement import FilterRecord, arrange, columns_of
 from shipid.estimation.settings.instruments import Amount
 from shipid.estimation.settings.noise import times
 from shipid.trials.speed import speed_before_in
@@ -69,6 +69,8 @@ class Unknowns:
         self.declared = any(not s.assumed and s.name not in (settings.noise or {}) for s in design.sources)
         self.keys = (*(f"sensor:{n}" for n in design.measured), *(f"noise:{s.name}" for s in design.sources))
         self._fixed = design_filter(design.base, design.ship, self._with_constants(settings, walking))
+        # What the record lacks is told in its own name, not in that of its pieces.
+        arrange(design.instruments, record)
         columns = cleaned(design, record)
         self._pieces = [Piece(self._fixed, part) for part in pieces(columns)]
         first = design.first.parameters
@@ -239,7 +241,7 @@ class Unknowns:
         return value if np.isfinite(value) else -np.inf
 
     def leave_out(self, z: np.ndarray, width: float, most: float) -> int:
-        """Leave out the samples whose innovations are beyond a gate, where they are few; return how many.
+        """Return how many samples are left out from now on: those beyond a gate, where they are few.
 
         Parameters
         ----------

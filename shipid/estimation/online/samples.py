@@ -15,6 +15,7 @@ from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import unstated_input
+from shipid.trials.speed import check_ahead
 
 
 class SampleReader:
@@ -137,6 +138,8 @@ class SampleReader:
         instruments = self.instruments
         for speed in (sample.get("u"), instruments.scale.speed) if name in ("cruise", "u") else ():
             if speed is not None and math.isfinite(speed):
+                if name == "cruise" and name in instruments.needed:
+                    check_ahead(float(speed), "being followed", instruments.model.name)
                 return speed
         default = instruments.model[name].number("default")
         if default is None and name in instruments.needed:

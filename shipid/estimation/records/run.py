@@ -222,7 +222,10 @@ class FilterRun:
                 ends = (float(np.exp(low)), float(np.exp(high)))
             entry, i = self.design.base[name], self.states.index(state)
             # In the state's own terms, which may be the logarithm: how much the record has added to the first estimate.
-            before = spread * float(first[i]) / float(self.std[-1, i]) if self.std[-1, i] > 0 else np.inf
+            # Where the ship's set states a standard deviation, the first estimate is knowledge too.
+            held = self.design.ship.find(self.design.base, name)
+            assumed = held is None or not held.std
+            before = spread * float(first[i] / self.std[-1, i]) if assumed and self.std[-1, i] > 0 else np.inf
             size = abs(scale.start_of(entry) or 0.0)
             standing = standing_of(value, spread, low=scale.bounds_of(entry)[0], size=size, before=before)
             if self.withheld:

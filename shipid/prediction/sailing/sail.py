@@ -55,7 +55,7 @@ def sail(
     waves: Flow | None = None,
     inputs: Mapping[str, str | float] | None = None,
     noise: str | Mapping[str, str | float] | None = None,
-    values: Mapping[str, float] | None = None,
+    values: Mapping[str, str | float] | None = None,
     seed: int = 0,
     name: str | None = None,
 ) -> Trial:
@@ -88,8 +88,8 @@ def sail(
         Constant inputs of the model, with units or in SI.
     noise : str or mapping, optional
         See `shipid.simulate`.
-    values : mapping of str to float, optional
-        Coefficients that replace those of the ship, SI.
+    values : mapping of str to str or float, optional
+        Coefficients that replace those of the ship, with a unit or in SI.
     seed : int
         Of the waves and the noise.
     name : str, optional
@@ -147,7 +147,8 @@ def sail(
     lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
     if lost:
         raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
-    known = coefficients_of(pilot, whole, u0) | dict(values or {})
+    replaced = {n: number(v, whole[n].unit, f"'{n}'") for n, v in (values or {}).items()}
+    known = coefficients_of(pilot, whole, u0) | replaced
     known |= {"turn_rate": u0 / (RADIUS * pilot.length)} if pilot.mode == "rate" else {}
     if rudder_limit is not None:
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
