@@ -20,7 +20,7 @@ from shipid.estimation.records.arrangement import FilterRecord
 
 #: Share of its default at which noise of a state has no influence: what remains is output error.
 _NOTHING = 1e-5
-#: Steps after which output error is given up: where it has a maximum, it is there in a dozen.
+#: Steps after which the search for output error ends: where it has a clear maximum, it is there in a dozen.
 _MOST = 50
 #: Samples beyond a gate of so many standard deviations are left out where they are few, and the search goes on; so many times.
 _GATE, _FEW, _ROUNDS = 5.0, 0.1, 3
@@ -89,7 +89,8 @@ def _simulated(problem: Unknowns, found: Summit) -> dict[str, tuple[float, float
     if problem.declared or len(problem.still) < len(problem.design.parameters):
         return {}
     ended = climb(problem, *problem.without_noise(found.at, _NOTHING), _MOST)
-    if not ended.converged:
+    # Where it is not quite at its maximum, it still tells a model that does not simulate the ship.
+    if not np.isfinite(ended.value):
         return {}
     white, correlated = problem.deviations(ended)
     values, sizes, prior = problem.coefficients(ended.at), problem.sizes(ended.at), problem.prior
