@@ -1,7 +1,7 @@
 """The bands of predicted tracks: over many simulated changes of course, how often does the 95 % band hold the track?
 
-The ship is driven by gusts (white noise on her yaw and surge, as strong as the filter takes them), in a current that nothing
-measures; instruments as on an ordinary bridge. The filter of her own model runs up to the order, and the track is predicted with its
+The ship is driven by gusts (white noise on her yaw and surge), in a current and a yaw disturbance that wander, each as strong as the
+filter takes it; instruments as on an ordinary bridge. The filter of her own model runs up to the order, and the track is predicted with its
 band by linear propagation. Then the same with a model that is wrong in a stated way: the ship has a cubic damping, or a late sway, that the
 predictor does not know; the study says by how much the band misses.
 
@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -27,7 +27,7 @@ from shipid.generation.simulator import initial_state, input_rows
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.prediction.situations.filtered_situation import situation_of
-from shipid.prediction.situations.own_ship_filter import own_ship_filter
+from shipid.prediction.situations.own_ship_filter import own_ship_filter, own_ship_model
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 DEG = np.pi / 180
@@ -58,7 +58,8 @@ def sail_driven(
     pilot: Autopilot, case: Case, change: float, current: tuple[float, float], density: Mapping[str, float], seed: int
 ) -> dict[str, np.ndarray]:
     """Sail a change of course with noise that drives the states; the truth every half a second."""
-    model = closed_loop(pilot)
+    # Current and disturbance wander as the filter takes them to.
+    model = closed_loop(replace(pilot, model=own_ship_model(pilot.model)))
     system = generate(model)
     step = make_step(system, "rk4", "zero", 2)
     names = [n for n in density if n in model.states]
@@ -83,7 +84,7 @@ def sail_driven(
     random = np.random.default_rng([seed, 12])
     driving = random.standard_normal((count, len(names))) * np.array([density[n] for n in names]) * np.sqrt(T)
     known = coefficients_of(pilot, model, pilot.own_speed) | dict(case.values)
-    x0 = initial_state(model, {"u": pilot.own_speed})
+    x0 = initial_state(model, {"u": pilot.own_speed, "current_north": current[0], "current_east": current[1]})
     _, out = loop(x0, np.hstack([table, driving]), system.vector(system.coefficients, known))
     return {"t": np.arange(count) * T, **dict(zip(SHOWN, out.T))}
 
@@ -92,7 +93,7 @@ def inside(case: Case, runs: int) -> tuple[np.ndarray, np.ndarray]:
     """Return which tracks are within the band and how far off they are in half-widths, shapes (runs, places)."""
     pilot = shipid.design_autopilot("de-keizer", SHIP, damping=0.85)
     own = own_ship_filter("de-keizer", SHIP)
-    density = {s.name: s.level for s in own.design.sources if s.name in ("r", "u")}
+    density = {s.name: s.level for s in own.design.sources}
     predictor = TrackPredictor(pilot)
     held, off = np.zeros((runs, len(PLACES)), dtype=bool), np.zeros((runs, len(PLACES)))
     for seed in range(runs):
