@@ -50,7 +50,13 @@ def ring_radius(lat):
 
 @pytest.mark.parametrize(
     ("lat", "lon", "to_lat", "to_lon"),
-    [(52.0, 4.0, 40.0, -70.0), (-30.0, 170.0, 25.0, -160.0), (80.0, 10.0, 85.0, 60.0), (10.0, 0.0, 10.001, 3.0)],
+    [
+        (52.0, 4.0, 40.0, -70.0),
+        (-30.0, 170.0, 25.0, -160.0),
+        (80.0, 10.0, 85.0, 60.0),
+        (10.0, 0.0, 10.001, 3.0),
+        (60.0, 0.0, 60.4, 30.0),
+    ],
 )
 def test_rhumb_lines_agree_with_quadrature(lat, lon, to_lat, to_lon):
     a, b, c, d = (np.radians(v) for v in (lat, lon, to_lat, to_lon))
