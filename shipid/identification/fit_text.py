@@ -102,7 +102,11 @@ def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
         lines.append(f"  noise     sensor of {name}: {std} in one sample")
     coloured = [n for n, p in levels.whiteness.items() if p < WHITE]
     if levels.whiteness:
-        words = f"not white in {', '.join(coloured)}: standard deviations by their spectrum" if coloured else "white"
+        words = (
+            f"not white in {', '.join(coloured)}: standard deviations by their spectrum; what the noise lacks, such as waves, may bias the coefficients"
+            if coloured
+            else "white"
+        )
         lines.append(f"  noise     innovations are {words}")
     return lines
 

@@ -20,7 +20,6 @@ from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parameters.validity import beyond
 from shipid.planning.plan import Forecast, Leg, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
@@ -326,9 +325,7 @@ def _result(
     warnings: list[str],
 ) -> Plan:
     experiment = problem.experiment
-    sailed = [rows.candidates[i] for i in chosen]
-    hardest = max((s.rudder or experiment.limit for s in sailed), default=None)
-    warnings += beyond(experiment.model, problem.ship, [s.speed for s in sailed], hardest)
+    warnings += problem.beyond([rows.candidates[i] for i in chosen])
     # In the order to sail: the fastest first, then from gentle to hard.
     chosen = sorted(chosen, key=lambda i: (-table.speed[i], rows.candidates[i].rudder or 0.0, rows.durations[i], i))
     scale = np.outer(problem.size, problem.size)

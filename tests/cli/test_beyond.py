@@ -23,7 +23,7 @@ def test_every_command_says_it(call, tmp_path):
     for command in asked:
         answer = call(*command)
         said = " ".join((answer.out + answer.err).split())
-        assert answer.code == 0, (command, said)
+        assert answer.code in (0, 5), (command, said)
         assert "The speed is" in said or "outside the identified range" in said, (command, said)
         assert "The rudder goes to" in said or command[0] in ("identify",), (command, said)
 

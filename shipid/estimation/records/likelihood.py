@@ -65,7 +65,8 @@ class Likelihood:
         size = len(self.unknowns)
         value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
         for end, out in self._passes(q, self._design.score(self._places)):
-            value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
+            with np.errstate(invalid="ignore", over="ignore"):  # a filter that diverges is told below
+                value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
             information = information + unpacked(end[None, end.size - covariance_form.size(size) :], size)[0]
         if not (np.isfinite(value) and np.isfinite(gradient).all()):
             return -np.inf, np.zeros(size), np.zeros((size, size))

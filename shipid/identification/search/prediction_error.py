@@ -28,6 +28,8 @@ from shipid.identification.search.unseen import covariance_by
 
 #: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
 _LEVEL_PRIOR = 3.0
+#: Shortest correlation time of a gust, in L/U.
+_LASTING = 0.25
 #: First standard deviation of a gust, in what is expected of it.
 _WIDE = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
@@ -133,7 +135,7 @@ def fit_levels(
         if value + gain > found.value + coloured.price:
             other = coloured.climbed(begin, tell)
             spent += other.evaluations
-            if other.value > found.value + coloured.price:
+            if other.value > found.value + coloured.price and coloured.lasts(other.q, _LASTING * unit_time):
                 search, found = coloured, other
     return search.result(replace(found, evaluations=spent))
 
@@ -190,6 +192,10 @@ class _Search:
             begin[self.at(f"noise:{state_of(name)}")] = level + begin[self.at(rate_of(name))]
             begin[self.at(f"noise:{name}")] = level - 1.0
         return begin
+
+    def lasts(self, q: np.ndarray, least: float) -> bool:
+        """Whether every gust lasts for so many seconds: shorter ones are waves, which no first-order process describes."""
+        return all(np.exp(-q[self.at(rate_of(n))]) >= least for n in self.driven)
 
     def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
         """The maximum from a start."""

@@ -147,6 +147,6 @@ def test_a_prediction_on_the_floor_of_the_model_has_no_numbers(sail):
     plain = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["manoeuvre"]
     assert plain[hard.name]["not_sailed"].startswith(words) and plain[gentle.name]["not_sailed"] is None
     for key in KEYS:
-        assert plain[hard.name][key]["predicted"] is plain[hard.name][key]["band95"] is None
+        assert plain[hard.name][key]["predicted"] is plain[hard.name][key]["interval_95"] is None
         assert plain[hard.name][key]["measured"] is not None
     assert f"The prediction of {hard.name} is {compared.departure}." in render(fit).replace("&#39;", "'")
