@@ -225,7 +225,8 @@ class FilterRun:
             # Where the ship's set states a standard deviation, the first estimate is knowledge too.
             held = self.design.ship.find(self.design.base, name)
             assumed = held is None or not held.std
-            before = spread * float(first[i] / self.std[-1, i]) if assumed and self.std[-1, i] > 0 else np.inf
+            own = spread / self.widening.get(name, 1.0)
+            before = own * float(first[i] / self.std[-1, i]) if assumed and self.std[-1, i] > 0 else np.inf
             size = abs(scale.start_of(entry) or 0.0)
             standing = standing_of(value, spread, low=scale.bounds_of(entry)[0], size=size, before=before)
             if self.withheld:
