@@ -1,7 +1,8 @@
 """Linear sway and yaw with cross-flow drag, and surge: from small zig-zags to hard turns with one set of coefficients.
 
 The linear part is Pershitz's in sway speed instead of drift angle; the drag of the flow across the hull is the integral
-of the local cross-flow along the length, as in Norrbin (1971) and Oltmann and Sharma (1984). Rudder, sway and rate of
+of the local cross-flow along the length, as in Norrbin (1971) and Oltmann and Sharma (1984), with a factor of this
+project's own, w^3 / sqrt(w^2 + w_0^2 u^2), in the place of |w| w: the drag of a section builds up along the hull. Rudder, sway and rate of
 turn are positive to starboard, so s21 and s31 are negative, as in `pershitz`.
 
 One or two zig-zags do not separate the linear part from the drag: a model that is too unstable and has too much drag fits
@@ -79,7 +80,11 @@ class CrossFlow(SpeedScaled):
     )
     X0 = parameter("1", "resistance and thrust", start=0.06, low=0.002, high=2.0, latex="X_0")
     X_vr = parameter("1", "resistance of the turn", start=1.65, low=0.0, high=20.0, spread=0.12, latex="X_{vr}")
-    w_0 = constant("1", "cross-flow over forward speed at which the drag is 0.7 of its full value", default=0.4)
+    w_0 = constant(
+        "1",
+        "cross-flow over forward speed at which the drag is 0.7 of its full value (this project's own)",
+        default=0.4,
+    )
     k_T = constant("1", "relative growth of the thrust per relative loss of speed", default=0.8)
     k_delta = constant(
         "1/rad", "drag of the rudder over its side force, per rudder angle", default=0.77, latex=r"k_\delta"
@@ -95,7 +100,8 @@ class CrossFlow(SpeedScaled):
 
         The drag of a section grows with the distance that the flow has moved across it, which is w/u times the distance from
         the bow (the impulsively started cylinder of Sarpkaya, 1966). So it is proportional to w^3 where w/u is small, as in
-        the cubic models, and to |w| w where it is large.
+        the cubic models, and to |w| w where it is large. The factor w^3 / sqrt(w^2 + w_0^2 u^2) that joins the two, and its w_0,
+        are this project's own: no publication gives them.
 
         Parameters
         ----------
@@ -117,13 +123,13 @@ class CrossFlow(SpeedScaled):
 
     @v.rate
     def sway(self):
-        """Pershitz (1973), eq. (5) of Semerdjiev and Mihaylova (2000) for the sway speed, with cross-flow drag."""
+        """Pershitz (1973), eq. (5) of Semerdjiev and Mihaylova (2000) for the sway speed; cross-flow drag by a factor of this project's own."""
         linear = -self.way * self.q21 * self.v + self.s21 * self.rudder() + self.r21 * self.way * self.L * self.r
         return (linear - self.c_y * self.drag(0)) / self.L
 
     @r.rate
     def yaw(self):
-        """Pershitz (1973), eq. (4) of Semerdjiev and Mihaylova (2000) for the sway speed, with cross-flow drag."""
+        """Pershitz (1973), eq. (4) of Semerdjiev and Mihaylova (2000) for the sway speed; cross-flow drag by a factor of this project's own."""
         linear = self.way * self.q31 * self.v - self.s31 * self.rudder() - self.r31 * self.way * self.L * self.r
         return (linear - self.c_z * self.drag(1)) / self.L**2 + self.r_disturbance
 

@@ -13,8 +13,9 @@ import numpy as np
 
 from shipid import Component, given, join, parameter, state
 from shipid.models.van_leeuwen import VanLeeuwenSway
-from shipid.models.yaw_filter import AdaptiveYaw, ColouredWavesSeven, Heading, SlowDisturbance
+from shipid.models.yaw_filter import AdaptiveYaw, ColouredWavesSeven, Heading
 from shipid.parts.sensors import Compass, Gyro, Log, PositionSensor
+from shipid.parts.unmeasured import SlowCurrent, SlowDisturbance
 
 
 class Track(Component):
@@ -64,27 +65,6 @@ class SwayConstant(VanLeeuwenSway):
         dimensional="m/rad",
         latex=r"\gamma^*",
     )
-
-
-class SlowCurrent(Component):
-    """An unmeasured current that changes slowly."""
-
-    current_north = state(
-        "m/s", "current, component to the north", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,N}"
-    )
-    current_east = state(
-        "m/s", "current, component to the east", spread="1 m/s", noise="0.014 m/s^1.5", latex="U_{c,E}"
-    )
-
-    @current_north.rate
-    def north_keeps(self):
-        """Passenier (1989), eq. (5.52): constant except for the process noise."""
-        return 0.0
-
-    @current_east.rate
-    def east_keeps(self):
-        """Passenier (1989), eq. (5.53): constant except for the process noise."""
-        return 0.0
 
 
 class ConsistentWaves(ColouredWavesSeven):

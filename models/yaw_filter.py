@@ -14,6 +14,7 @@ from __future__ import annotations
 from shipid import Component, derived, given, join, parameter, state
 from shipid.parts.planar_motion import SpeedScaled
 from shipid.parts.sensors import Compass, Gyro
+from shipid.parts.unmeasured import SlowDisturbance
 from shipid.parts.waves import ColouredWaves
 
 
@@ -78,24 +79,6 @@ class AdaptiveYaw(SpeedScaled):
     def damping(self):
         """Passenier (1989), eq. (5.4)."""
         return 1 / self.tau
-
-
-class SlowDisturbance(Component):
-    """An unmeasured yaw acceleration that changes slowly: the wind, or a bias of the rudder angle."""
-
-    r_disturbance = state(
-        "rad/s^2",
-        "yaw acceleration by wind or another disturbance",
-        nominal="1e-4 rad/s^2",
-        spread="2.5e-4 rad/s^2",
-        noise="1.6e-6 rad/s^2.5",
-        latex="N_w",
-    )
-
-    @r_disturbance.rate
-    def keeps(self):
-        """Passenier (1989), eq. (5.20): constant except for the process noise."""
-        return 0.0
 
 
 class Heading(Component):

@@ -16,6 +16,7 @@ from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.generation.loop import make_loop
 from shipid.generation.record import make_record
 from shipid.generation.step import make_step
+from shipid.parameters.catalogue import ship_of
 from shipid.parts.helm import ZigzagHelm
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.parts.waves import Waves
@@ -27,7 +28,7 @@ Columns = dict[str, np.ndarray]
 
 
 def sail(
-    ship: str,
+    ship: shipid.ParameterSet | str,
     angle: float,
     duration: float,
     interval: float,
@@ -42,8 +43,10 @@ def sail(
 
     Parameters
     ----------
-    ship, model : str
-        Who sails, and by which equations.
+    ship : ParameterSet or str
+        Who sails.
+    model : str
+        By which equations.
     angle : float
         Rudder and heading of the zig-zag in degrees.
     duration, interval, begin : float
@@ -55,7 +58,7 @@ def sail(
     values : mapping of str to float
         Coefficients that replace the ship's, SI.
     """
-    known_ship = shipid.find_ship(ship)
+    known_ship = ship_of(ship)
     own = known_ship.particular("speed", "m/s") or 0.0
     whole = shipid.join("voyage", shipid.find_model(model), SteeringMachine, ZigzagHelm)
     fine = max(1, int(np.ceil(interval / 0.2 - 1e-9)))

@@ -40,12 +40,13 @@ from shipid.parameters.parameter_file import parameter_table
 TRIAL = Path(__file__).parent / "trials" / "container-20-20.csv"
 BEGIN = "import sys; from shipid.cli import entry; print('begin', file=sys.stderr, flush=True); entry()"
 IDENTIFY = ("identify", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg", "--starts", "1")
+TUNE = ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5 m/s")
 FILTER = ("filter", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg")
 #: The commands that write, and by which option.
 WRITERS = {
     "identify": (*IDENTIFY, "--out"),
     "filter": (*FILTER, "--out"),
-    "tune": ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5", "--out"),
+    "tune": (*TUNE, "--out"),
     "simulate": ("simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", "zigzag:20/20", "--output"),
 }
 SAVE = """

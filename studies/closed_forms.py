@@ -8,6 +8,7 @@ solved for its steady motion, or linearised.
 from __future__ import annotations
 
 import numpy as np
+from _container import container_ship
 from _table import Row, close, show
 
 from shipid import find_model, find_ship, linearise, simulate
@@ -22,7 +23,7 @@ K, TAU, K_U, TAU_U, GAMMA = 1.6, 1.7, 0.9, 2.5, 0.573
 
 def container(model: str = "de-keizer", **changed: float) -> dict[str, float]:
     """The container ship's values, with a start at cruising speed."""
-    return find_ship("soesterberg").values(find_model(model), speed=U0) | {"cruise": U0, "u": U0} | changed
+    return container_ship().values(find_model(model), speed=U0) | {"cruise": U0, "u": U0} | changed
 
 
 def steady_turn() -> list[Row]:
@@ -33,7 +34,7 @@ def steady_turn() -> list[Row]:
     model, values = find_model("de-keizer"), container(delta=rudder)
     found = find_steady_state(model, values)
     v = -GAMMA * L * found["r"]
-    trial = simulate(model, "soesterberg", "turn:20/99999", steering=False, duration="2500 s")
+    trial = simulate(model, container_ship(), "turn:20/99999", steering=False, duration="2500 s")
     sailed = np.hypot(trial["u"][-1], trial["v"][-1]) / trial["r"][-1] / L
     return [
         close("De Keizer, container at 20 deg: u/U0, searched", kept, found["u"] / U0, 1e-9, digits=4),

@@ -71,13 +71,13 @@ def consistency(name: str, estimated: dict[str, str], runs: int) -> dict[str, An
         "runs": runs,
         "states": n,
         "nis_mean": nis / count,
-        "nis_band95": [float(b) / count for b in chi2.ppf([0.025, 0.975], count)],
+        "nis_interval_95": [float(b) / count for b in chi2.ppf([0.025, 0.975], count)],
         "nees_band95": list(band),
     }
     for key, values in (("nees", np.mean(nees, axis=0)), ("smoothed_nees", np.mean(smoothed, axis=0))):
         result[f"{key}_mean"] = float(values.mean())
         result[f"{key}_inside"] = float(np.mean((values >= band[0]) & (values <= band[1])))
-    low, high = result["nis_band95"]
+    low, high = result["nis_interval_95"]
     result["holds"] = bool(
         low <= result["nis_mean"] <= high
         and all(
@@ -104,7 +104,7 @@ def main() -> int:
         print(f"{options.runs} runs of {DURATION:g} s\n")
         print(f"{'':28s}{'mean':>9s}{'95 % band':>18s}{'moments inside':>16s}")
         for r in results:
-            low, high = r["nis_band95"]
+            low, high = r["nis_interval_95"]
             print(f"{r['case'] + ', NIS':38s}{r['nis_mean']:9.4f}   {low:.4f} to {high:.4f}")
             for key, label in (("nees", "NEES"), ("smoothed_nees", "smoothed NEES")):
                 a, b = r["nees_band95"]

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from _claims import Claim, claim, figure, options, show
+from _container import container_ship
 from _voyage import DEG, KNOT, Columns, filtered, measured, sail, settled
 
 import shipid
@@ -59,7 +60,7 @@ def convergence(t: np.ndarray, found: dict[str, np.ndarray]) -> np.ndarray:
 
 def identification(runs: int) -> tuple[list[Claim], Columns, dict[str, dict[str, np.ndarray]]]:
     """The coefficients: with the timing of the thesis, and with the exact step."""
-    truth = sail("soesterberg", 15, 900, 0.4, begin=BEGIN)
+    truth = sail(container_ship(), 15, 900, 0.4, begin=BEGIN)
     records = measured(truth, runs, NOISE, 0.15 * DEG)
     thesis = coefficients(make(shared_noise=False, method="euler", hold="zero"), records)
     exact = coefficients(make(), records)
@@ -97,7 +98,7 @@ def identification(runs: int) -> tuple[list[Claim], Columns, dict[str, dict[str,
 
 def change_of_speed(runs: int) -> list[Claim]:
     """From 19 to 10 knots half way: the normalised coefficients stay."""
-    truth = sail("soesterberg", 15, 900, 0.4, begin=BEGIN, speeds=[(0, 19 * KNOT), (450, 10 * KNOT)])
+    truth = sail(container_ship(), 15, 900, 0.4, begin=BEGIN, speeds=[(0, 19 * KNOT), (450, 10 * KNOT)])
     found = coefficients(make(), measured(truth, runs, NOISE, 0.15 * DEG, seed=2))
     mean = found["K"].mean(axis=0)
     before = mean[(truth["t"] > 400) & (truth["t"] < 450)].mean()
@@ -116,7 +117,7 @@ def change_of_speed(runs: int) -> list[Claim]:
 
 def unobservable(runs: int) -> list[Claim]:
     """The seventh state: named by the filter, and what it does to the heading."""
-    truth = sail("soesterberg", 15, 900, 0.4, begin=BEGIN)
+    truth = sail(container_ship(), 15, 900, 0.4, begin=BEGIN)
     records = measured(truth, runs, NOISE, 0.15 * DEG, seed=3)
     seven, six = make("yaw-filter-seven"), make()
     named = seven.observability(seven.filter(records[0])).unobservable

@@ -9,6 +9,7 @@ import dataclasses
 
 import numpy as np
 from _claims import FAILS, UNDER_A_READING, Claim, options, show
+from _container import container_ship
 
 import shipid
 from shipid.autopilot.course_changes.run_course_changes import run_course_changes
@@ -31,7 +32,7 @@ READING = (
 
 def ship(name: str, loss: float | None) -> shipid.ParameterSet:
     """A ship of the thesis; without loss of speed where it is given as nought."""
-    found = shipid.find_ship(name)
+    found = container_ship() if name == "soesterberg" else shipid.find_ship(name)
     if loss is None:
         return found
     section = dict(found.sections["van-leeuwen"]) | {"K_u": Value("K_u", loss, "1", "assumed")}

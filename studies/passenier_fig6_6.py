@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 from _claims import Claim, claim, figure, options, show
+from _container import container_ship
 from _voyage import DEG, KNOT, Columns, controls, filtered, measured, sail, settled
 
 import shipid
@@ -73,7 +74,7 @@ def judge(truth: Columns, x: np.ndarray, states: tuple[str, ...]) -> Judged:
 
 def trade_off(runs: int) -> tuple[list[Claim], Columns, dict[str, Judged]]:
     """The fixed levels and the level that is found."""
-    truth = sail("soesterberg", 15, 1100, 2.0, **STEPS)
+    truth = sail(container_ship(), 15, 1100, 2.0, **STEPS)
     records = measured(truth, runs, {"x": 50.0, "y": 50.0, "u": 0.1})
     raw = float(np.sqrt(np.mean([(r["x"] - truth["x"]) ** 2 + (r["y"] - truth["y"]) ** 2 for r in records])))
     found: dict[str, Judged] = {}
@@ -164,7 +165,7 @@ def curve(steady: list[float], other: list[float], at: float) -> float:
 
 def split(runs: int) -> list[Claim]:
     """Two filters in a row against one of thirteen states."""
-    truth = sail("soesterberg", 15, 1100, 0.4, **STEPS)
+    truth = sail(container_ship(), 15, 1100, 0.4, **STEPS)
     noise = {"psi": 0.1 * DEG, "r": 0.01 * DEG, "u": 0.1, "x": 50.0, "y": 50.0}
     records = measured(truth, runs, noise, 0.15 * DEG, seed=5)
     calm = {"v_f": "0.03 deg/s", "psi_wave": "0.03 deg"}

@@ -8,6 +8,7 @@ import click
 
 from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import model_argument
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
@@ -22,12 +23,13 @@ _KINDS = {
     "constant": "constants",
     "derived": "derived",
     "output": "outputs",
+    "guard": "not valid where",
 }
 
 
 @click.command()
 @delivered()
-def models(delivery: Delivery) -> None:
+def models(delivery: Delivery) -> ExitCode:
     """List models and ships, one line each."""
     from shipid.parameters.catalogue import known_models, known_ships
 
@@ -43,7 +45,7 @@ def models(delivery: Delivery) -> None:
         "models": {n: {"about": _about(m), "parameters": list(m.parameters)} for n, m in found.items()},
         "ships": {n: {"about": s.title, "models": list(s.models)} for n, s in ships.items()},
     }
-    delivery.hand_over_parts(data, "\n".join(lines))
+    return delivery.hand_over_parts(data, "\n".join(lines))
 
 
 def _about(model: Model) -> str:
@@ -55,7 +57,7 @@ def _about(model: Model) -> str:
 @model_argument
 @click.option("--latex", is_flag=True, help="Print the equations as LaTeX.")
 @delivered()
-def show(model: str, latex: bool, delivery: Delivery) -> None:
+def show(model: str, latex: bool, delivery: Delivery) -> ExitCode:
     """Show a model: quantities, units, equations, sources.
 
     MODEL is a name (see shipid models) or path/to/file.py:Class.
@@ -68,8 +70,8 @@ def show(model: str, latex: bool, delivery: Delivery) -> None:
     if latex:
         rows = [e.latex.replace(" = ", " &= ", 1) + f" && \\text{{{e.component}.{e.method}}}" for e in equations]
         click.echo("\\begin{align}\n" + " \\\\\n".join(rows) + "\n\\end{align}")
-        return
-    delivery.hand_over_parts(_model_data(found, equations), _model_text(found, equations))
+        return ExitCode.DONE
+    return delivery.hand_over_parts(_model_data(found, equations), _model_text(found, equations))
 
 
 def _model_data(model: Model, equations: list[Typeset]) -> dict[str, Plain]:

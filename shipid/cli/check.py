@@ -9,6 +9,7 @@ from shipid.cli.messages import say
 from shipid.cli.options import format_option, ship_option, trials_argument
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import Notice
 
 
 @click.command()
@@ -39,6 +40,7 @@ def check(
     known = find_ship(ship) if ship else None
     answers: list[dict[str, Plain]] = []
     texts: list[str] = []
+    warnings: list[dict[str, Plain]] = []
     code = ExitCode.DONE
     for name in trials:
         try:
@@ -48,19 +50,22 @@ def check(
                 raise
             say(str(error))
             answers.append({"trial": name, "error": str(error), "findings": [], "manoeuvres": []})
+            warnings.append(Notice(str(error), "not-read", serious=True, trial=name).to_dict())
             code = ExitCode.BAD_DATA
             continue
         answers.append(found.to_dict())
+        warnings += [f.to_dict() | {"trial": found.trial} for f in found.findings]
         texts.append(repr(found))
         code = ExitCode.BAD_DATA if found.serious else code
     if output is not None:
         try:
             written, repaired = fix_trial(trials[0], output, known, format_)
         except OSError:
-            delivery.hand_over_parts(answers[0], texts[0])
+            delivery.hand_over_parts(answers[0] | {"warnings": warnings}, texts[0])
             raise
         answers[0]["fixed"] = {"path": str(written), "repaired": [f.kind for f in repaired]}
         texts.append(f"written: {written}, {len(repaired)} repairs")
         code = ExitCode.DONE
-    delivery.hand_over_parts(answers[0] if len(answers) == 1 else {"trials": answers}, "\n".join(texts))
+    answer = answers[0] if len(answers) == 1 else {"trials": answers}
+    delivery.hand_over_parts(answer | {"warnings": warnings}, "\n".join(texts))
     return code

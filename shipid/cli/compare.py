@@ -16,6 +16,7 @@ from shipid.cli.options import (
     trials_argument,
     validate_option,
 )
+from shipid.foundation.exit_codes import ExitCode
 
 
 @click.command(cls=Variadic)
@@ -36,7 +37,7 @@ def compare(
     starts: int,
     seed: int,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Rank models by their predictions of trials they were not fitted to.
 
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
@@ -57,4 +58,4 @@ def compare(
             seed=seed,
             progress=tell,
         )
-    delivery.hand_over(ranking)
+    return delivery.hand_over(ranking)

@@ -6,6 +6,7 @@ import click
 
 from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import model_argument, ship_option, speed_option
+from shipid.foundation.exit_codes import ExitCode
 
 
 @click.command()
@@ -13,7 +14,7 @@ from shipid.cli.options import model_argument, ship_option, speed_option
 @ship_option(required=True)
 @speed_option("Test speed")
 @delivered()
-def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> None:
+def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> ExitCode:
     """Evaluate a model against the manoeuvring criteria of IMO MSC.137(76).
 
     Turning circle, initial turning and overshoots to both sides beside their limits, with bands from the standard deviations
@@ -22,4 +23,4 @@ def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> No
     from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
     from shipid.parameters.catalogue import find_model, find_ship
 
-    delivery.hand_over(manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed))
+    return delivery.hand_over(manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed))

@@ -8,23 +8,29 @@ from __future__ import annotations
 
 import functools
 import json
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol, TypeAlias, TypeVar
 
 import click
 
-from shipid.cli.messages import progress, say
+from shipid.cli.envelope import envelope, inputs_given
+from shipid.cli.messages import progress, say, warned
 from shipid.foundation.aliases import Plain
+from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import plain_notices
 from shipid.foundation.printable import escaped, printable
 
 #: What writes a file to the path it is given.
 Writer: TypeAlias = Callable[[Path], object]
 #: A function that becomes a command.
 Command = TypeVar("Command", bound=Callable[..., object])
+#: Significant digits of a number in JSON: more than any result has.
+_DIGITS = 12
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
 
@@ -69,6 +75,8 @@ class Delivery:
         Whether the report is opened in the browser.
     overwrite : bool
         Whether files that exist are replaced.
+    inputs : list of dict
+        The files the command was given, with the hash of what they held when it began.
     """
 
     as_json: bool
@@ -76,12 +84,13 @@ class Delivery:
     files: tuple[str, ...] = ()
     open_report: bool = False
     overwrite: bool = False
+    inputs: list[dict[str, Plain]] = field(default_factory=inputs_given)
 
     def progress(self) -> AbstractContextManager[Callable[[str], None]]:
         """Return a context manager that shows what is being done; silent where JSON is asked for."""
         return progress(self.as_json)
 
-    def hand_over(self, result: Result, writers: Mapping[str, Writer] | None = None) -> None:
+    def hand_over(self, result: Result, writers: Mapping[str, Writer] | None = None) -> ExitCode:
         """Write the files of a result, print it, and open its report.
 
         Parameters
@@ -90,26 +99,39 @@ class Delivery:
             Its ``repr`` is the text, its ``to_dict`` the JSON.
         writers : mapping of str to callable, optional
             What writes the files beside ``result.json``, by name; called only where there is a folder.
-        """
-        self.hand_over_parts(result.to_dict(), repr(result), writers)
 
-    def hand_over_parts(self, data: Plain, text: str, writers: Mapping[str, Writer] | None = None) -> None:
+        Returns
+        -------
+        ExitCode
+            See `hand_over_parts`.
+        """
+        return self.hand_over_parts(result.to_dict(), repr(result), writers)
+
+    def hand_over_parts(
+        self, data: dict[str, Plain], text: str, writers: Mapping[str, Writer] | None = None
+    ) -> ExitCode:
         """Hand over a result that is not one object: see `hand_over`.
 
         Parameters
         ----------
-        data : dict or list
-            What is printed and written as JSON.
+        data : dict
+            What is printed and written as JSON, in the envelope of `shipid.cli.envelope`.
         text : str
             What is printed otherwise.
         writers : mapping of str to callable, optional
             See `hand_over`.
+
+        Returns
+        -------
+        ExitCode
+            `ExitCode.DOUBTFUL` where a warning of the result is serious.
 
         Raises
         ------
         Exception
             Whatever kept the files from being written; the result is printed before.
         """
+        data = self.enveloped(data)
         failed: Exception | None = None
         if self.folder is not None:
             all_writers = {RESULT: _json_writer(data), **(writers or {})}
@@ -130,6 +152,17 @@ class Delivery:
             raise failed
         if self.open_report and self.folder is not None:
             _open(self.folder / REPORT)
+        return ExitCode.DOUBTFUL if any(w["serious"] for w in data["warnings"]) else ExitCode.DONE
+
+    def enveloped(self, data: dict[str, Plain]) -> dict[str, Plain]:
+        """Return a result as it is printed as JSON, with what was said while it was made among its warnings.
+
+        Parameters
+        ----------
+        data : dict
+            The result.
+        """
+        return envelope(data | {"warnings": [*data.get("warnings", []), *plain_notices(warned())]}, self.inputs)
 
 
 def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -> Decorator:
@@ -178,7 +211,7 @@ def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -
 
 
 def json_text(value: Plain, *, indent: int | None = 1) -> str:
-    """Return a result as JSON, which holds no NaN and no infinity.
+    """Return a result as JSON, which holds no NaN and no infinity, with numbers of twelve digits and no negative zero.
 
     Parameters
     ----------
@@ -187,7 +220,16 @@ def json_text(value: Plain, *, indent: int | None = 1) -> str:
     indent : int or None
         Spaces a level; None for one line.
     """
-    return escaped(json.dumps(value, indent=indent, allow_nan=False, ensure_ascii=False))
+    return escaped(json.dumps(_rounded(value), indent=indent, allow_nan=False, ensure_ascii=False))
+
+
+def _rounded(value: Plain) -> Plain:
+    """The same with the noise of the last digits left out: 15.0 for 14.999999999999998."""
+    if isinstance(value, dict):
+        return {name: _rounded(one) for name, one in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_rounded(one) for one in value]
+    return float(f"{value:.{_DIGITS}g}") + 0.0 if isinstance(value, float) and math.isfinite(value) else value
 
 
 def output_file(path: str, overwrite: bool) -> Path:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
     TrialReader,
@@ -18,6 +19,8 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
+from shipid.cli.quantities import NumberWithUnit
+from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 
 if TYPE_CHECKING:
@@ -61,9 +64,9 @@ _ESTIMATES = "estimates.csv"
 )
 @click.option(
     "--wait",
+    type=NumberWithUnit("s"),
     default="5 s",
     show_default=True,
-    metavar="T",
     help="With --follow FILE: end when no line has come for this time.",
 )
 @delivered(_ESTIMATES, RESULT, REPORT)
@@ -84,7 +87,7 @@ def filter_trial(
     follow: str | None,
     wait: str,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Filter a trial with an extended Kalman filter generated from a model.
 
     Models made for filtering are yaw-filter, position-filter and own-ship-filter; any other model works too. Prints the last
@@ -112,19 +115,16 @@ def filter_trial(
     }
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
-        _recursively(read, str(trial), found, known, method, measured, settings, delivery)
-        return
+        return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
         from shipid.cli.following import follow as run_follow
 
-        run_follow(follow, found, known, measured, settings, read.format, wait, delivery.as_json)
-        return
+        return run_follow(follow, found, known, measured, settings, read.format, wait, delivery)
     with delivery.progress() as tell:
         tell("reading")
         record = read(str(trial))
-        tell("filtering")
-        _filter(found, known, record, measured, settings, delivery)
+        return _filter(found, known, record, measured, settings, delivery, tell)
 
 
 def _filter(
@@ -134,28 +134,38 @@ def _filter(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
-    """Run the extended Kalman filter over a record."""
+    tell: Callable[[str], None],
+) -> ExitCode:
+    """Run the extended Kalman filter over a record, with noise levels from it where none are given."""
+    from shipid.estimation.by_record import filter_by_record
     from shipid.estimation.kalman import ExtendedKalmanFilter
+    from shipid.estimation.records.observability import observability
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
+    from shipid.identification.uncertainty.amplitudes import beyond_of_record
     from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    run = kalman.filter(record)
-    seen = kalman.observability(run)
-    delivery.hand_over_parts(
-        run.to_dict() | {"observability": seen.to_dict()},
-        repr(run),
+    # What the user gave stays, and so does what a model declares to drive its states.
+    kept = [f"sensor:{n}" for n in measured or ()]
+    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    run, levels = filter_by_record(kalman, record, kept, tell)
+    for notice in beyond_of_record(model, ship, record):
+        warn(notice)
+    seen = observability(run)
+    for message in seen.messages:
+        warn(message)
+    said = [*levels.words, *(f"{'WARNING' if n.serious else 'note'}: {n}" for n in run.warnings)]
+    return delivery.hand_over_parts(
+        run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
+        "\n".join([repr(run), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(seen, path),
         },
     )
-    for message in seen.messages:
-        say(message)
 
 
 def _recursively(
@@ -167,7 +177,7 @@ def _recursively(
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.report.write_report import write_report
@@ -177,12 +187,12 @@ def _recursively(
         tell(f"identifying by {method}")
         run = identify_recursively(model, record, ship=ship, method=method, measured=measured, **settings)
     assert not isinstance(run, list), "one record gives one result"
-    delivery.hand_over(
+    for sentence in run.warnings:
+        say(sentence)
+    return delivery.hand_over(
         run,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(run, path),
         },
     )
-    if run.diverged:
-        say(f"not reliable: {run.why_diverged}")

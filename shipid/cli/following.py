@@ -9,18 +9,23 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import json_text
-from shipid.cli.messages import say
+from shipid.cli.delivery import Delivery, json_text
+from shipid.cli.messages import say, warn, warned
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
     from shipid.estimation.online.online_filter import OnlineFilter
     from shipid.foundation.aliases import Plain
     from shipid.parameters.parameter_set import ParameterSet
+    from shipid.trials.logs.live.reader import LiveLog
     from shipid.trials.logs.live.table import LiveSample
 
-#: A log that names its channels one by one is listened to for so long before the filter starts [s].
-_LISTEN = 3.0
+#: A log is listened to for so long [s], and for so many samples, before the filter starts: one wild sample at its beginning is
+#: then no first estimate, and a log that names its channels one by one has named them.
+_LISTEN, _FIRST = 3.0, 5
+#: What a filter has met is looked at every so many samples.
+_LOOK = 20
 
 
 def follow(
@@ -31,8 +36,8 @@ def follow(
     settings: Mapping[str, Plain],
     format_: str | None,
     wait: str,
-    as_json: bool,
-) -> None:
+    delivery: Delivery,
+) -> ExitCode:
     """Filter samples as they arrive, and print an estimate for each.
 
     Parameters
@@ -47,8 +52,12 @@ def follow(
         Trial format file, or ``nmea``.
     wait : str
         Seconds without a new line after which a file is taken to have ended, with its unit.
-    as_json : bool
-        Whether an estimate is a line of JSON instead of a line of a table.
+    delivery : Delivery
+        As JSON, an estimate is a line in the envelope of every command, instead of a line of a table.
+
+    Returns
+    -------
+    ExitCode
 
     Raises
     ------
@@ -63,7 +72,7 @@ def follow(
     fmt = chosen_format(format_)
     lines = lines_of(source, to_si(wait, "s", "the wait"), fmt.encoding if fmt else None)
     log = LiveLog(lines, source, fmt, say)
-    printer = _Printer(source, as_json)
+    printer = _Printer(source, delivery)
     heard: list[LiveSample] = []
     online: OnlineFilter | None = None
     for sample in log:
@@ -71,18 +80,23 @@ def follow(
             printer.update(online, sample)
             continue
         heard.append(sample)
-        if log.settled or sample.values["t"] - heard[0].values["t"] >= _LISTEN:
-            online = printer.start(model, ship, measured, settings, log.names, heard)
+        if len(heard) >= _FIRST and (log.settled or sample.values["t"] - heard[0].values["t"] >= _LISTEN):
+            online = printer.start(model, ship, measured, settings, log, heard)
     if online is None:
-        printer.start(model, ship, measured, settings, log.names, heard)
+        online = printer.start(model, ship, measured, settings, log, heard)
+    printer.look(online)
+    return ExitCode.DOUBTFUL if any(n.serious for n in warned()) else ExitCode.DONE
 
 
 class _Printer:
     """Runs the filter over samples and prints its estimates."""
 
-    def __init__(self, source: str, as_json: bool) -> None:
-        self.source, self.as_json = source, as_json
+    def __init__(self, source: str, delivery: Delivery) -> None:
+        self.source, self.delivery = source, delivery
         self.names: list[str] = []
+        self.units: dict[str, tuple[str, float]] = {}
+        self.count = 0
+        self.told: set[str] = set()
         self.channels: tuple[str, ...] = ()
         self.header = ""
 
@@ -92,7 +106,7 @@ class _Printer:
         ship: ParameterSet | None,
         measured: Mapping[str, str] | None,
         settings: Mapping[str, Plain],
-        names: tuple[str, ...],
+        log: LiveLog,
         heard: list[LiveSample],
     ) -> OnlineFilter:
         """Start a filter for the channels there are, and give it the samples that have come."""
@@ -100,13 +114,15 @@ class _Printer:
         from shipid.estimation.settings.defaults import standard_sensors
         from shipid.generation.reduction import reduced
 
-        self.channels = names
-        sensors = standard_sensors(model, names) if measured is None else measured
+        self.channels = log.names
+        sensors = standard_sensors(model, log.names) if measured is None else measured
         kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
         self.names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
-        heads = [f"{p}{n} [{kalman.model[n].unit}]" for n in self.names for p in ("", "std_")]
+        self.units = {n: _unit_of(kalman.model, n, log.units) for n in self.names}
+        heads = [f"{p}{n} [{self.units[n][0]}]" for n in self.names for p in ("", "std_")]
         self.header = ",".join(["t [s]", *heads, "rejected"])
         online = kalman.start()
+        online.look_at([sample.values for sample in heard])
         for sample in heard:
             self.update(online, sample)
         return online
@@ -127,14 +143,42 @@ class _Printer:
         if estimate.refused:
             say(f"{self.source}, line {sample.line}: refused, {estimate.refused}.")
             return
-        if self.as_json:
-            click.echo(json_text(estimate.to_dict(), indent=None))
+        self.count += 1
+        if self.count % _LOOK == 0:
+            self.look(online)
+        if self.delivery.as_json:
+            data = estimate.to_dict()
+            for name, (unit, factor) in self.units.items():
+                one = data["estimates"][name]
+                one |= {k: None if one[k] is None else one[k] * factor for k in ("value", "std")} | {"unit": unit}
+            click.echo(json_text(self.delivery.enveloped(data), indent=None))
         else:
             # With the first estimate: a record that cannot be filtered prints nothing.
             if self.header:
                 click.echo(self.header)
                 self.header = ""
-            numbers = [v for n in self.names for v in (estimate[n], estimate.std_of(n))]
+            numbers = [v * self.units[n][1] for n in self.names for v in (estimate[n], estimate.std_of(n))]
             cells = [f"{v:.9g}" if math.isfinite(v) else "" for v in numbers]
             click.echo(",".join([f"{estimate.t:.9g}", *cells, " ".join(estimate.rejected)]))
         sys.stdout.flush()
+
+    def look(self, online: OnlineFilter) -> None:
+        """Say what speaks against the filter so far, each thing once."""
+        for notice in online.tally.notices:
+            about = f"{notice.kind} {notice.known['sensor']}"
+            if about not in self.told:
+                self.told.add(about)
+                warn(notice)
+
+
+def _unit_of(model: Model, name: str, stated: Mapping[str, str]) -> tuple[str, float]:
+    """The unit in which a quantity is printed, that of the log or the one a reader expects, and the factor to it."""
+    from shipid.declaration.units import factor
+    from shipid.declaration.vocabulary import display_unit
+    from shipid.trials.columns import inside_unit, to_inside
+
+    own = model[name].unit
+    if name in stated and inside_unit(name, stated[name]) == own:
+        return stated[name], 1 / to_inside(name, stated[name])
+    shown = display_unit(name, own)
+    return shown, factor(own, shown)

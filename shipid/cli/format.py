@@ -6,6 +6,7 @@ import click
 
 from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
 from shipid.cli.messages import say
+from shipid.foundation.exit_codes import ExitCode
 
 
 @click.command("format")
@@ -13,7 +14,7 @@ from shipid.cli.messages import say
 @click.option("-o", "--output", metavar="FILE", help="TOML file to write; stdout by default.")
 @overwrite_option
 @json_option
-def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> None:
+def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> ExitCode:
     """Draft a format file for a log: its columns by the names in use, with a reason for each.
 
     LOG is any table that the other commands read; FILE#SHEET names a sheet, struct or group. What nothing says is left open, and
@@ -26,11 +27,13 @@ def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> 
     from shipid.foundation.replacing import write_text
     from shipid.trials.logs.drafting.draft import draft_format
 
+    delivery = Delivery(as_json)
     path = output_file(output, overwrite) if output is not None else None
     draft = draft_format(log)
     if path is not None:
         write_text(path, draft.text)
     if as_json or path is None:
-        Delivery(as_json).hand_over_parts(draft.to_dict(), draft.text.rstrip("\n"))
+        delivery.hand_over_parts(draft.to_dict(), draft.text.rstrip("\n"))
     if path is not None:
         say(f"written: {path}." + (f" Fill in the unit of {', '.join(draft.open)}." if draft.open else ""))
+    return ExitCode.DONE

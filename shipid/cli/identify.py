@@ -129,7 +129,7 @@ def identify(
         written = delivery.folder is not None
         fit = assess(fit, bands=written or delivery.as_json, findings=not no_check)
         criteria = _criteria(fit) if written else None
-    delivery.hand_over(
+    code = delivery.hand_over(
         fit,
         {
             _SHIP: lambda path: write_parameter_set(fit.ship, path),
@@ -139,7 +139,7 @@ def identify(
     if not fit.converged:
         say(f"the search did not converge: {fit.message} What it knows is above; do not use it as a ship.")
         return ExitCode.NO_CONVERGENCE
-    return ExitCode.DONE
+    return code
 
 
 def _criteria(fit: Fit) -> Criteria | str | None:

@@ -6,7 +6,9 @@ import click
 
 from shipid.cli.delivery import Delivery, delivered
 from shipid.cli.options import TrialReader, reading
+from shipid.cli.quantities import NumberWithUnit
 from shipid.foundation.aliases import Plain
+from shipid.foundation.exit_codes import ExitCode
 
 _KINDS = ("zig-zag", "turning circle", "spiral", "pull-out")
 _READINGS = ("order", "moved")
@@ -21,7 +23,7 @@ _READINGS = ("order", "moved")
     "--execute", type=click.Choice(_READINGS), default="order", show_default=True,
     help="The order, read back from the ramp of the rudder where it is not logged; or the rudder off its plate by 15 %.",
 )  # fmt: skip
-@click.option("--length", metavar="L", help="Ship length, as in '320 m', for the ratios to it.")
+@click.option("--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m', for the ratios to it.")
 @delivered()
 def measure(
     trial: str,
@@ -31,7 +33,7 @@ def measure(
     execute: str,
     length: str | None,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Measure a zig-zag, a turning circle, a spiral or a pull-out in the terms of ITTC and IMO.
 
     The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why.
@@ -53,4 +55,4 @@ def measure(
         if reason is not None:
             flat[f"{key}_reason"] = reason
     flat |= {"reasons": dict(measured.reasons), "notes": list(measured.notes)}
-    delivery.hand_over_parts(flat, repr(measured))
+    return delivery.hand_over_parts(flat, repr(measured))

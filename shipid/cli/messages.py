@@ -10,8 +10,12 @@ from contextlib import contextmanager
 
 import click
 
+from shipid.foundation.notices import Notice
 from shipid.foundation.printable import printable
 from shipid.foundation.stopping import stop_if_asked
+
+#: Where the context of a command keeps what was said.
+_SAID = "shipid.said"
 
 
 def watched() -> bool:
@@ -34,6 +38,27 @@ def say(message: str) -> None:
         "\n".join(textwrap.fill(line, width, break_long_words=False, break_on_hyphens=False) for line in lines),
         err=True,
     )
+
+
+def warn(notice: Notice) -> None:
+    """Say something about the result on standard error, and keep it for the ``warnings`` of the JSON and for the exit code.
+
+    Parameters
+    ----------
+    notice : Notice
+        What is not part of the result itself, which prints its own.
+    """
+    say(notice)
+    context = click.get_current_context(silent=True)
+    if context is not None:
+        context.meta.setdefault(_SAID, []).append(notice)
+
+
+def warned() -> list[Notice]:
+    """Return what `warn` has said while the command ran."""
+    context = click.get_current_context(silent=True)
+    said: list[Notice] = [] if context is None else context.meta.get(_SAID, [])
+    return list(said)
 
 
 @contextmanager

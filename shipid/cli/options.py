@@ -10,6 +10,7 @@ import click
 
 from shipid.cli.delivery import Command, Decorator
 from shipid.cli.messages import say
+from shipid.cli.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial
@@ -132,7 +133,7 @@ values_option = click.option(
     callback=lambda _context, _parameter, texts: assignments(texts),
     help="Replace a value of the ship, with its unit.",
 )
-sampling_option = click.option("--sampling", metavar="T", help="Sampling interval, as in '1 s'.")
+sampling_option = click.option("--sampling", type=NumberWithUnit("s"), help="Sampling interval, as in '1 s'.")
 starts_option = click.option(
     "--starts", default=5, show_default=True, type=click.IntRange(1), help="Number of starting points."
 )
@@ -153,7 +154,7 @@ def ship_option(*, required: bool = False, several: str = "") -> Decorator:
     return click.option("--ship", required=required, metavar="SHIP", help=f"{_SHIP}.")
 
 
-def speed_option(what: str, more: str = "") -> Decorator:
+def speed_option(what: str, more: str = "", *, several: bool = False) -> Decorator:
     """Return ``--speed``.
 
     Parameters
@@ -162,9 +163,11 @@ def speed_option(what: str, more: str = "") -> Decorator:
         Which speed it is.
     more : str
         What else may be written.
+    several : bool
+        Whether it may be a list.
     """
     words = f"{what}, as in '9 kn'{more}; the ship's own by default."
-    return click.option("--speed", metavar="V", help=words)
+    return click.option("--speed", type=NumberWithUnit("m/s", several=several), help=words)
 
 
 def estimate_option(more: str = "") -> Decorator:

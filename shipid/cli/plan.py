@@ -18,6 +18,8 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+from shipid.cli.quantities import NumberWithUnit
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.planning.selection import Criterion
@@ -26,8 +28,10 @@ if TYPE_CHECKING:
 @click.command()
 @model_option
 @ship_option(required=True)
-@click.option("--time", required=True, metavar="T", help="Time available, as in 20min, approaches included.")
-@speed_option("Speed of the trials", ", or several to choose from, '9 kn,6 kn'")
+@click.option(
+    "--time", required=True, type=NumberWithUnit("s"), help="Time available, as in 20min, approaches included."
+)
+@speed_option("Speed of the trials", ", or several to choose from, '9 kn,6 kn'", several=True)
 @estimate_option()
 @click.option(
     "--noise",
@@ -46,9 +50,13 @@ if TYPE_CHECKING:
 )
 @sampling_option
 @click.option(
-    "--correlation", metavar="T", help="Autocorrelation time of the noise in waves, as in '4 s'; white by default."
+    "--correlation",
+    type=NumberWithUnit("s"),
+    help="Autocorrelation time of the noise in waves, as in '4 s'; white by default.",
 )
-@click.option("--between", metavar="T", help="Steady approach between two manoeuvres; five L/U by default.")
+@click.option(
+    "--between", type=NumberWithUnit("s"), help="Steady approach between two manoeuvres; five L/U by default."
+)
 @click.option("--draws", default=8, type=click.IntRange(0), show_default=True, help="Draws of the coefficients.")
 @values_option
 @seed_option("draws and random telegraphs")
@@ -70,7 +78,7 @@ def plan(
     values: dict[str, str],
     seed: int,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
     Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
@@ -99,4 +107,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    delivery.hand_over(result)
+    return delivery.hand_over(result)

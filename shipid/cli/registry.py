@@ -16,5 +16,6 @@ COMMANDS = {
     "identify": ("shipid.cli.identify:identify", "Identify a model from one trial or several."),
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
+    "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }

@@ -9,9 +9,11 @@ import click
 
 from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
 from shipid.cli.messages import say
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.foundation.aliases import Plain
+    from shipid.parameters.correlation import Joint
     from shipid.parameters.parameter_set import ParameterSet, Value
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -54,7 +56,7 @@ def ship(
     overwrite: bool,
     as_json: bool,
     **stated: str | None,
-) -> None:
+) -> ExitCode:
     """Show what is known of a ship and where it comes from, or draft the file of a new one.
 
     SHIP is a name (see shipid models) or the path of a ship file. A draft lists every particular that commands ask for; one
@@ -69,6 +71,7 @@ def ship(
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.parameters.draft import draft_parameter_set
 
+    delivery = Delivery(as_json)
     given = [f"--{name.replace('_', '-')}" for name, value in stated.items() if value is not None]
     given += [
         f"--{name}"
@@ -81,8 +84,7 @@ def ship(
         if given:
             raise UsageError(f"{', '.join(given)}: only with --new NAME, which drafts a ship file.")
         found = find_ship(ship)
-        Delivery(as_json).hand_over_parts(_data(found), _text(found))
-        return
+        return delivery.hand_over_parts(_data(found), _text(found))
     if source is not None and not source.strip():
         raise UsageError("--source is empty. Say where the values come from; 'assumed' is a source.")
     path = output_file(output, overwrite) if output is not None else None
@@ -93,7 +95,8 @@ def ship(
         write_text(path, text)
         say(f"written: {path}." + ("" if source or not values else " Its sources are empty: fill them in."))
     if as_json or path is None:
-        Delivery(as_json).hand_over_parts({"ship": new, "text": text}, text.rstrip("\n"))
+        return delivery.hand_over_parts({"ship": new, "text": text}, text.rstrip("\n"))
+    return ExitCode.DONE
 
 
 def _assumed(found: ParameterSet) -> list[str]:
@@ -140,10 +143,24 @@ def _text(found: ParameterSet) -> str:
             note = f"; {value.note}" if value.note else ""
             lines.append(f"  {name:<{names}}  {shown[name]:<{width}}  {value.source}{note}{meaning}")
             lines += [f"  {'':<{names}}  {_table(value)}"] if value.speed else []
+    lines += [f"found at: [{section}] {_range(known)}" for section, known in found.joint.items()]
     assumed, unstated = _assumed(found), _unstated(found)
     lines.append(f"assumed: {', '.join(assumed) if assumed else 'nothing'}")
     lines += [f"not stated: {', '.join(unstated)}"] if unstated else []
     return "\n".join(lines)
+
+
+def _range(known: Joint) -> str:
+    from shipid.declaration.vocabulary import shown
+
+    parts = [] if known.speeds is None else [f"{known.speeds[0]:g} to {known.speeds[1]:g} m/s"]
+    fields = (("rudder", "delta", "rad"), ("rate", "r", "rad/s"), ("drift", "beta", "rad"))
+    parts += [
+        f"{what} up to {shown(value, name, unit)}"
+        for what, name, unit in fields
+        if (value := getattr(known, what)) is not None
+    ]
+    return ", ".join(parts) or "speeds and rudder angles that are not stated"
 
 
 def _shown(value: Value, unit: str) -> str:

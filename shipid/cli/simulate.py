@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from shipid.cli.delivery import output_file, overwrite_option
-from shipid.cli.messages import say
+from shipid.cli.messages import say, warn
 from shipid.cli.options import (
     LEVELS,
+    assignments,
     model_argument,
     sampling_option,
     seed_option,
@@ -18,6 +19,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
+from shipid.cli.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial
@@ -26,24 +28,46 @@ if TYPE_CHECKING:
 @click.command()
 @model_argument
 @ship_option(required=True)
-@click.option("--manoeuvre", required=True, metavar="M", help="zigzag:20/20, turn:35, spiral:25, course:60, ...")
+@click.option("--manoeuvre", metavar="M", help="zigzag:20/20, turn:35, spiral:25, course:60, ...")
+@click.option(
+    "--autopilot", metavar="FILE", help="Sail courses under this schedule.toml of shipid tune, in place of a manoeuvre."
+)
+@click.option(
+    "--course",
+    "courses",
+    multiple=True,
+    metavar="[T:]H",
+    help="With --autopilot: a heading to order, '60 deg', or at a time, '300 s:60 deg'; once or more.",
+)
 @speed_option("Speed before the manoeuvre")
 @click.option(
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
 )
 @seed_option("the noise and the random telegraph")
-@click.option("--duration", metavar="T", help="As in '600 s'; long enough for the manoeuvre by default.")
+@click.option("--duration", type=NumberWithUnit("s"), help="As in '600 s'; long enough for the manoeuvre by default.")
 @sampling_option
-@click.option("--heading", default="0 deg", show_default=True, help="Heading of the approach.")
+@click.option(
+    "--heading", type=NumberWithUnit("deg"), default="0 deg", show_default=True, help="Heading of the approach."
+)
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
+@click.option("--waves", metavar="W", help="With --autopilot: yaw by waves, '0.5 deg from 300 deg'.")
+@click.option(
+    "--input",
+    "inputs",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="With --autopilot: an input of the model that is held, with its unit.",
+)
 @values_option
 @click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
 @overwrite_option
 def simulate(
     model: str,
     ship: str,
-    manoeuvre: str,
+    manoeuvre: str | None,
+    autopilot: str | None,
+    courses: tuple[str, ...],
     speed: str | None,
     noise: str,
     seed: int,
@@ -52,11 +76,13 @@ def simulate(
     heading: str,
     current: str | None,
     wind: str | None,
+    waves: str | None,
+    inputs: tuple[str, ...],
     values: dict[str, str],
     output: str | None,
     overwrite: bool,
 ) -> None:
-    """Simulate a manoeuvre and write it as a trial.
+    """Simulate a manoeuvre, or courses under an autopilot, and write it as a trial.
 
     \b
     zigzag:20/20        rudder and heading angle; zigzag:-20/20 begins to port
@@ -64,26 +90,27 @@ def simulate(
     spiral:25           direct spiral          reversed-spiral:0.6  up to r L/U = 0.6
     course:60/15        course change with at most 15 degrees of rudder
     telegraph:10        random telegraph
-    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
-    from shipid.parameters.catalogue import find_model, find_ship
-    from shipid.trials.logs.writing import write_trial
-    from shipid.trials.manoeuvres.simulate import simulate as run_simulation
 
+    \b
+    shipid simulate de-keizer --ship soesterberg --manoeuvre zigzag:20/20 -o trial.csv
+    shipid simulate de-keizer --ship soesterberg --autopilot schedule.toml --course '60 deg' -o voyage.csv
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.foundation.notices import Notice
+    from shipid.trials.logs.writing import write_trial
+
+    _check(manoeuvre, autopilot, courses, waves, inputs)
     place = None if output is None else output_file(output, overwrite)
-    trial = run_simulation(
-        find_model(model),
-        find_ship(ship),
-        manoeuvre,
-        speed=speed,
-        noise=noise,
-        seed=seed,
-        duration=duration,
-        sampling=sampling,
-        heading=heading,
-        current=_flow(current, "current"),
-        wind=_flow(wind, "wind"),
-        values=values,
-    )
+    settings = {
+        "speed": speed, "noise": noise, "seed": seed, "duration": duration, "sampling": sampling, "heading": heading,
+        "current": flow_of(current, "current"), "wind": flow_of(wind, "wind"), "values": values,
+    }  # fmt: skip
+    if autopilot is None:
+        trial = _manoeuvre(model, ship, str(manoeuvre), settings)
+    else:
+        trial = _voyage(model, ship, autopilot, courses, waves, inputs, settings)
+    for note in trial.source.notes:
+        if isinstance(note, Notice):
+            warn(note)
     if place is None:
         _print(trial)
         return
@@ -95,13 +122,88 @@ def simulate(
     say(f"{place}: {len(trial)} samples. {trial.source.comment}")
 
 
+def _check(
+    manoeuvre: str | None,
+    autopilot: str | None,
+    courses: tuple[str, ...],
+    waves: str | None,
+    inputs: tuple[str, ...],
+) -> None:
+    from shipid.foundation.errors import UsageError
+
+    if (manoeuvre is None) == (autopilot is None):
+        raise UsageError("simulate needs a --manoeuvre, or an --autopilot with a --course. See shipid simulate --help.")
+    if autopilot is not None and not courses:
+        raise UsageError("--autopilot needs a --course to sail, as in --course '60 deg'.")
+    if autopilot is None and (courses or waves or inputs):
+        raise UsageError("--course, --waves and --input belong to --autopilot: leave them out of a manoeuvre.")
+
+
+def _manoeuvre(model: str, ship: str, manoeuvre: str, settings: dict[str, Any]) -> Trial:
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.trials.manoeuvres.simulate import simulate as run_simulation
+
+    return run_simulation(find_model(model), find_ship(ship), manoeuvre, **settings)
+
+
+def _voyage(
+    model: str,
+    ship: str,
+    autopilot: str,
+    courses: tuple[str, ...],
+    waves: str | None,
+    inputs: tuple[str, ...],
+    settings: dict[str, Any],
+) -> Trial:
+    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.prediction.sailing.sail import sail
+
+    orders: list[tuple[str, str]] | str = (
+        [_order_of(c) for c in courses] if len(courses) > 1 or ":" in courses[0] else courses[0]
+    )
+    return sail(
+        read_schedule(autopilot, model),
+        orders,
+        model=find_model(model),
+        ship=find_ship(ship),
+        waves=flow_of(waves, "waves", "rad"),
+        inputs=assignments(inputs),
+        **settings,
+    )
+
+
+def _order_of(text: str) -> tuple[str, str]:
+    from shipid.foundation.errors import UsageError
+
+    when, mark, heading = text.partition(":")
+    if not mark:
+        raise UsageError(f"of several courses each has its time, and '{text}' has none: write '300 s:{text}'.")
+    return when, heading
+
+
 def _print(trial: Trial) -> None:
     click.echo(f"# {trial.source.comment}")
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
-def _flow(text: str | None, what: str) -> tuple[float, float] | None:
-    """Read ``"3 kn to 30 deg"``: speed and direction it flows TO, SI."""
+def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, float] | None:
+    """Return what ``"3 kn to 30 deg"`` says: speed and direction it flows TO, SI; None for none.
+
+    Parameters
+    ----------
+    text : str or None
+        As above, or ``"10 m/s from 270 deg"``.
+    what : str
+        What flows, for the message.
+    unit : str
+        Of its size, SI.
+
+    Raises
+    ------
+    UsageError
+        If the text has another form.
+    """
     import math
 
     from shipid.declaration.units import to_si
@@ -116,4 +218,4 @@ def _flow(text: str | None, what: str) -> tuple[float, float] | None:
         )
     direction = to_si(match.group(3), "rad", f"direction of the {what}")
     turned = math.pi if match.group(2) == "from" else 0.0
-    return to_si(match.group(1), "m/s", f"speed of the {what}"), direction + turned
+    return to_si(match.group(1), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"), direction + turned

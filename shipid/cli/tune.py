@@ -9,6 +9,8 @@ import click
 
 from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.options import seed_option, ship_option
+from shipid.cli.quantities import NumberWithUnit
+from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
     from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
@@ -20,16 +22,24 @@ _SCHEDULE = "schedule.toml"
 @click.command()
 @click.argument("model", required=False)
 @ship_option(several="for load conditions")
-@click.option("--speeds", metavar="A:B:STEP", help="Or a list; in m/s unless it names a unit: 4:12:1, '8,12,16 kn'.")
+@click.option("--speeds", metavar="A:B:STEP", help="With the unit: '4:12:1 m/s'; or a list, '8,12,16 kn'.")
 @click.option("--design", default="pole", show_default=True, metavar="pole|lqr|pid", help="How the gains are found.")
 @click.option("--mode", default="course", show_default=True, metavar="course|rate", help="What the autopilot holds.")
 @click.option(
-    "--omega-n", metavar="W", help="Natural frequency in rad/s at the ship's own speed; it follows the speed."
+    "--omega-n",
+    type=NumberWithUnit("rad/s"),
+    help="Natural frequency at the ship's own speed, as in '0.05 rad/s'; it follows the speed.",
 )
 @click.option("--zeta", type=float, metavar="Z", help="Damping ratio; 0.9 by default.")
 @click.option("--integral", type=float, metavar="R", help="For pid: the third pole over the natural frequency.")
 @click.option("--rudder-weight", type=float, metavar="W", help="For lqr: weight of the rudder against the heading.")
-@click.option("--rudder-limit", default="15 deg", show_default=True, help="Largest rudder angle the autopilot orders.")
+@click.option(
+    "--rudder-limit",
+    type=NumberWithUnit("deg"),
+    default="15 deg",
+    show_default=True,
+    help="Largest rudder angle the autopilot orders.",
+)
 @click.option(
     "--samples", default=200, type=click.IntRange(0), show_default=True, help="Ships drawn from the uncertainty."
 )
@@ -59,7 +69,7 @@ def tune(
     adapt: Adaptation | None,
     compare: tuple[str, str] | None,
     delivery: Delivery,
-) -> None:
+) -> ExitCode:
     """Tune an autopilot for a ship: gains against speed, margins, robustness, course changes, and a report.
 
     The ship.toml of ``shipid identify`` holds the covariance of its coefficients, over which the robustness is worked out.
@@ -78,8 +88,7 @@ def tune(
                 "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out. Only a "
                 "model file is given, as FILE.py:NAME."
             )
-        _compare(compare, model, samples, seed, delivery)
-        return
+        return _compare(compare, model, samples, seed, delivery)
     if model is None or not ships:
         raise UsageError("tune needs a MODEL and a --ship, or --compare with two schedules. See shipid tune --help.")
     if adapt is not None and on_board is None:
@@ -93,7 +102,7 @@ def tune(
         speeds=speeds,
         design=design,
         mode=mode,
-        omega_n=_frequency(omega_n),
+        omega_n=omega_n,
         damping=zeta,
         rudder_limit=rudder_limit,
         integral=INTEGRAL if integral is None else integral,
@@ -104,7 +113,7 @@ def tune(
         if on_board is not None:
             runs = run_on_board(pilot, on_board, adaptation=adapt or "none", seed=seed, progress=tell)
         judged = judge(pilot, samples, seed, on_board=runs, progress=tell)
-    delivery.hand_over(
+    return delivery.hand_over(
         judged,
         {
             _SCHEDULE: lambda path: write_schedule(judged.pilot, path, model),
@@ -113,15 +122,7 @@ def tune(
     )
 
 
-def _frequency(text: str | None) -> str | float | None:
-    """The option counts in rad/s; another unit may be named."""
-    try:
-        return None if text is None else float(text)
-    except ValueError:
-        return text
-
-
-def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> None:
+def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> ExitCode:
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
     from shipid.autopilot.judgement.judge import judge
     from shipid.report.write_report import write_report
@@ -130,7 +131,7 @@ def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int,
     with delivery.progress() as tell:
         first, second = (judge(p, samples, seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
-    delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
+    return delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
 
 
 def _read(file: str, model: str | None) -> Autopilot:

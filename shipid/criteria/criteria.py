@@ -10,11 +10,16 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 
 if TYPE_CHECKING:
     import pandas as pd
 
 WORDING = "evaluated against MSC.137(76) 5.3"
+#: What the standard asks for and no model here can show.
+NOT_COVERED = (
+    "stopping, MSC.137(76) 5.3.4: a track of at most 15 L under full astern; the models have no reversing engine",
+)
 Band = tuple[float, float] | None
 
 
@@ -38,6 +43,20 @@ def second_overshoot_limit(unit_time: float) -> float:
         L/V in s.
     """
     return float(np.clip(17.5 + 0.75 * unit_time, 25.0, 40.0))
+
+
+def loop_width_limit(unit_time: float) -> float:
+    """Return the recommended limit of the width of the spiral's loop in degrees.
+
+    It is recommended beside the standard (ABS Guide for Vessel Maneuverability, 2006) and no criterion of MSC.137(76): 0 below
+    L/V 9 s, then L/V/3 - 3, and 12 from 45 s on.
+
+    Parameters
+    ----------
+    unit_time : float
+        L/V in s.
+    """
+    return float(np.clip(unit_time / 3 - 3, 0.0, 12.0))
 
 
 @dataclass(frozen=True)
@@ -105,8 +124,8 @@ class Criteria:
     rows : tuple of Criterion
         The quantities.
     spiral : mapping or None
-        ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width; None
-        where the model has no spiral.
+        ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width, and the
+        recommended limit of the width; None where the model has no spiral.
     notes : tuple of str
         Notes for the reader.
     """
@@ -137,12 +156,16 @@ class Criteria:
                     "limit": row.limit,
                     "limit_text": row.limit_text,
                     "within": row.within,
-                    **{name: _plain(side) for name, side in (("starboard", row.starboard), ("port", row.port))},
+                    **{
+                        name: _plain(side, row.unit)
+                        for name, side in (("starboard", row.starboard), ("port", row.port))
+                    },
                 }
                 for row in self.rows
             },
             "spiral": None if self.spiral is None else dict(self.spiral),
-            "notes": list(self.notes),
+            "not_covered": list(NOT_COVERED),
+            "warnings": plain_notices(self.notes),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -150,7 +173,7 @@ class Criteria:
         import pandas as pd
 
         rows = [
-            {"quantity": row.key, "side": name, "value": side.value, "band95": side.band95}
+            {"quantity": row.key, "side": name, "value": side.value, "interval_95": side.band95}
             | {"unit": row.unit, "limit": row.limit, "words": side.words}
             for row in self.rows
             for name, side in (("starboard", row.starboard), ("port", row.port))
@@ -174,16 +197,19 @@ class Criteria:
             lines.append(
                 "  straight course: stable, no spiral loop" if s["half_width_deg"] == 0 and s["stable"]
                 else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
-                f"{s['half_width_deg']:.3g} deg half width"
+                f"{s['half_width_deg']:.3g} deg half width; width {s['loop_width_deg']:.3g} deg, {s['limit_text']}, "
+                f"{'within' if s['within'] else 'BEYOND'}"
             )  # fmt: skip
+        lines += [f"  not covered: {what}" for what in NOT_COVERED]
         return "\n".join([*lines, *(f"  {n}" for n in self.notes)])
 
 
-def _plain(side: CriterionSide) -> dict[str, Plain]:
-    return {"value": side.value, "band95": None if side.band95 is None else list(side.band95), "words": side.words}
+def _plain(side: CriterionSide, unit: str) -> dict[str, Plain]:
+    ends = None if side.band95 is None else list(side.band95)
+    return {"value": side.value, "unit": unit, "interval_95": ends, "words": side.words}
 
 
 def _cell(side: CriterionSide) -> str:
     if side.value is None:
-        return side.words.split(":")[0][:22] or "not reached"
+        return side.words.split(":")[0].removesuffix(" by this model")[:22] or "not reached"
     return f"{side.value:.2f}" + (f" ({side.band95[0]:.2f}..{side.band95[1]:.2f})" if side.band95 else "")

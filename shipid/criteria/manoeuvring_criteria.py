@@ -17,22 +17,27 @@ from shipid.criteria.criteria import (
     Criterion,
     CriterionSide,
     first_overshoot_limit,
+    loop_width_limit,
     second_overshoot_limit,
 )
 from shipid.criteria.spiral import Spiral, spiral_of
-from shipid.criteria.standard_manoeuvres import ManoeuvreNumbers, StandardManoeuvres
+from shipid.criteria.standard_manoeuvres import KINDS, LENGTHS, ManoeuvreNumbers, StandardManoeuvres
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import display_factor, display_unit, to_display
+from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
+from shipid.foundation.notices import Notice
 from shipid.identification.fit import Fit
 from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.validity import BEYOND, beyond
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
@@ -96,13 +101,9 @@ def manoeuvring_criteria(
         sets, about = _sets(fit, model, own, known, draws)
         sides = [(manoeuvres(known, side), [manoeuvres(values, side) for values in sets]) for side in (1, -1)]
         spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
-    lost = sorted({kind for point, _ in sides for kind in point.lost})
-    notes = [f"The model runs away in: {', '.join(lost)}. It has no number there."] if lost else []
+    notes: list[str] = _not_sailed(model, [point for point, _ in sides], rudder)
     notes += _scope(length, velocity, model)
-    notes += (
-        ["Beyond the rudder angles and speeds its coefficients come from, the model extrapolates."] if not fit else []
-    )
-    notes += _beyond(fit, velocity, rudder) if fit else []
+    notes += _beyond(fit, velocity, rudder) if fit else beyond(model, own, [velocity], rudder)
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:
@@ -116,7 +117,7 @@ def manoeuvring_criteria(
         velocity,
         rudder,
         _rows(sides, length, length / velocity),
-        _spiral(spiral, spirals),
+        _spiral(spiral, spirals, length / velocity),
         (*notes, about),
     )
 
@@ -178,22 +179,44 @@ def _rows(
     return tuple(rows)
 
 
+def _not_sailed(model: Model, points: Sequence[ManoeuvreNumbers], rudder: float) -> list[str]:
+    """The manoeuvres that the model does not sail, with the reason, a sentence each."""
+    lost = {kind: why for point in points for kind, why in point.lost.items()}
+    names = {"turn": f"The turning circle at {to_display(rudder, 'delta'):g} deg"}
+    return [
+        Notice(
+            f"{names.get(kind, f'The {kind} zig-zag')} is {NOT_SAILED} ({model.name}): {lost[kind]}. It has no numbers.",
+            "not-sailed",
+            serious=True,
+            manoeuvre=kind,
+        )
+        for kind in KINDS
+        if kind in lost
+    ]
+
+
 def _why(key: str, point: ManoeuvreNumbers) -> str:
     kind = "20/20" if key.endswith("_20") else "10/10" if key.endswith("_10") or key == "initial_turning" else "turn"
-    return "runs away: the model does" if kind in point.lost else "not reached: not within 25 L/V of the order"
+    if kind in point.lost:
+        return f"{NOT_SAILED}: {point.lost[kind]}"
+    return f"not reached: not within {LENGTHS[kind]:g} L/V of the order"
 
 
-def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None]) -> dict[str, Plain] | None:
+def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: float) -> dict[str, Plain] | None:
     if point is None:
         return None
     deg = display_factor("psi", "rad")
+    limit = loop_width_limit(unit_time)
     band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
     return {
         "stable": point.stable,
         "half_width_deg": point.half_width * deg,
-        "half_width_band95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+        "half_width_interval_95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
         "loop_width_deg": point.loop_width * deg,
         "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
+        "limit_deg": limit,
+        "limit_text": f"recommended limit {limit:.3g} deg at L/V {unit_time:.3g} s",
+        "within": bool(point.loop_width * deg <= limit),
     }
 
 
@@ -214,25 +237,26 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
 
 def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
     """Where the criteria go beyond the trials of a fit, and the coefficients that the trials do not determine."""
-    notes = []
+    notes: list[str] = []
     largest = max(
         (float(np.nanmax(np.abs(c.trial["delta"]), initial=0.0)) for c in fit.fitted if c.trial.has("delta")),
         default=0.0,
     )
-    beyond = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
-    if beyond:
-        notes.append(
+    harder = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
+    if harder:
+        words = (
             f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: the values for "
-            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(beyond))} deg are extrapolated, and the bands do not include that error."
+            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(harder))} deg are extrapolated, and the bands do not include that error."
         )
+        notes.append(Notice(words, BEYOND, quantity="delta"))
     speeds = recorded_speeds([c.trial for c in fit.fitted])
-    if speeds and not 0.7 * min(speeds) <= speed <= 1.3 * max(speeds):
+    if speeds and not 0.9 * min(speeds) <= speed <= 1.1 * max(speeds):
+        words = f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
+        notes.append(Notice(words, BEYOND, quantity="u"))
+    unknown = [n for n in fit.unidentifiable if fit.parameters[n].standing == UNKNOWN]
+    if unknown:
         notes.append(
-            f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
-        )
-    if fit.unidentifiable:
-        notes.append(
-            f"The trials do not determine {', '.join(fit.unidentifiable)}: quantities that depend on them have a wide band, or none."
+            f"The trials do not determine {', '.join(unknown)}: quantities that depend on them have a wide band, or none."
         )
     if not fit.converged:
         notes.append("The search did not converge: these are the numbers of an unfinished fit.")

@@ -14,15 +14,19 @@ import numpy as np
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre, plan
 
-#: Clock and length of a manoeuvre, in L/U, after an approach of one.
-_STEP, _LENGTH = 0.01, 25.0
-#: Rate of turn, as r L/V, beyond that of any ship: the model has run away.
-_FASTEST = 30.0
+#: Clock of the simulation in L/U.
+_STEP = 0.01
+#: Heading change in degrees after which the rudder of the turn goes amidships: never.
+_ROUND = 10**6
 _SHOWN = ("psi", "x", "y", "delta_order")
 KINDS = ("turn", "10/10", "20/20")
+#: Length of each manoeuvre in L/U, after an approach of one. The turn is held for a hundred ship lengths: an unstable one is
+#: lost slowly, and its first half shows nothing of it.
+LENGTHS = {"turn": 100.0, "10/10": 25.0, "20/20": 25.0}
 
 
 @dataclass(frozen=True)
@@ -34,12 +38,12 @@ class ManoeuvreNumbers:
     values : mapping of str to float or None
         By quantity: advance, transfer, tactical_diameter, initial_turning, first_overshoot_10, second_overshoot_10,
         first_overshoot_20.
-    lost : tuple of str
-        Manoeuvres in which the model ran away.
+    lost : mapping of str to str
+        Manoeuvres that the model does not sail, and why; they have no numbers.
     """
 
     values: Mapping[str, float | None]
-    lost: tuple[str, ...] = field(default=())
+    lost: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,11 +76,11 @@ class StandardManoeuvres:
         for kind in KINDS:
             for side in (1, -1):
                 angle = {"turn": degrees, "10/10": 10.0, "20/20": 20.0}[kind] * side
-                text = f"turn:{angle:.12g}/540" if kind == "turn" else f"zigzag:{angle:g}/{abs(angle):g}"
+                text = f"turn:{angle:.12g}/{_ROUND}" if kind == "turn" else f"zigzag:{angle:g}/{abs(angle):g}"
                 planned = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
-                whole = join(model.name, model, SteeringMachine, planned.helm)
+                whole = join(model.name, model, SteeringMachine, planned.helm, *manoeuvring_range(model))
                 simulator = make_simulator(whole, _SHOWN, hold="zero")
-                self._steered[kind, side] = _Steered(simulator, {**steering, **planned.constants})
+                self._steered[kind, side] = _Steered(simulator, {"L": length, **steering, **planned.constants})
 
     def __call__(self, values: Mapping[str, float], side: int) -> ManoeuvreNumbers:
         """Simulate all of them.
@@ -98,22 +102,24 @@ class StandardManoeuvres:
             If the model reads an input that nothing states.
         """
         found: dict[str, float | None] = {}
-        lost = []
+        lost: dict[str, str] = {}
         approach = {"u": self._speed, "cruise": self._speed}
         for kind in KINDS:
             steered = self._steered[kind, side]
             begin = steered.constants["helm_start"]
-            t = np.arange(0.0, begin + _LENGTH * self._unit_time, _STEP * self._unit_time)
+            span = LENGTHS[kind] * self._unit_time
+            t = np.arange(0.0, begin + span, _STEP * self._unit_time)
             run = steered.simulator(t, {**values, **steered.constants}, approach, approach)
             psi = run["psi"]
-            if not run.finite.all() or np.abs(np.diff(psi)).max() > _FASTEST * _STEP:
-                lost.append(kind)
+            if run.departure is not None:
+                after = (run.departure.time - begin) / self._unit_time
+                lost[kind] = f"{run.departure.reason}, {after:.3g} L/V after the order"
                 psi = np.full_like(psi, np.nan)
             if kind == "turn":
                 found |= _turn(t, side * psi, run["x"], side * run["y"], begin)
             else:
                 found |= _zigzag(kind, t, side * psi, run["x"], run["y"], side * run["delta_order"], begin)
-        return ManoeuvreNumbers(found, tuple(lost))
+        return ManoeuvreNumbers(found, lost)
 
 
 def _until(y: np.ndarray, level: float, first: int = 0) -> float | None:

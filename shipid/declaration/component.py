@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
-from shipid.declaration.quantity import Equation, Quantity
+from shipid.declaration.quantity import COMPUTED, Equation, Quantity
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, nearest
 
@@ -20,7 +20,7 @@ _RESERVED = ("t",)
 class Component:
     """A part of a ship model: quantities with units, and one method for each equation.
 
-    Subclass it, declare quantities with `state`, `given`, `derived`, `constant`, `parameter` or `output`, and
+    Subclass it, declare quantities with `state`, `given`, `derived`, `constant`, `parameter`, `output` or `guard`, and
     write one decorated method for each equation; NumPy's functions and arithmetic are all an equation needs.
     A subclass of a component inherits its quantities and equations; a method of the same name replaces the
     equation. Components are never instantiated: `shipid.join` makes a model of them.
@@ -109,7 +109,7 @@ def _check_quantity(cls: type[Component], name: str, quantity: Quantity) -> None
     equation = cls.__equations__.get(name)
     if quantity.kind == "state" and equation is None:
         raise DeclarationError(f"state '{name}' of {cls.__name__} has no equation: add a method under @{name}.rate.")
-    if quantity.kind in ("derived", "output") and equation is None:
+    if quantity.kind in COMPUTED and equation is None:
         raise DeclarationError(
             f"{quantity.kind} '{name}' of {cls.__name__} has no equation: add a method under @{name}.equals."
         )

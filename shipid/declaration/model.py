@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Any
 
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope
-from shipid.declaration.quantity import Equation, Kind, Quantity
+from shipid.declaration.quantity import COMPUTED, Equation, Kind, Quantity
 from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
@@ -132,6 +132,11 @@ class Model:
         return self._names("output")
 
     @property
+    def guards(self) -> tuple[str, ...]:
+        """Names of the margins that are not negative while the model is valid."""
+        return self._names("guard")
+
+    @property
     def is_sampled(self) -> bool:
         """Whether every state is defined by its next sample, so that no integration is needed."""
         return all(self._equation(s).kind == "next" for s in self.states)
@@ -229,7 +234,7 @@ class Evaluation:
         if name in self._known:
             return self._known[name]
         entry = self._model[name]
-        if entry.quantity.kind in ("derived", "output"):
+        if entry.quantity.kind in COMPUTED:
             self._known[name] = self._call(name, entry)
             return self._known[name]
         if self._missing is not None:
@@ -317,7 +322,7 @@ def find_loops(model: Model, advice: str = "") -> None:
     """
     import numpy as np
 
-    plain = {n: np.float64(0.7311) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
+    plain = {n: np.float64(0.7311) for n, e in model.entries.items() if e.quantity.kind not in COMPUTED}
     evaluation = Evaluation(model, plain | {SAMPLING_INTERVAL: np.float64(0.7311)})
     with np.errstate(all="ignore"):
         try:

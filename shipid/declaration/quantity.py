@@ -17,7 +17,7 @@ from typing import Any, Literal
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError
 
-Kind = Literal["state", "given", "derived", "constant", "parameter", "output"]
+Kind = Literal["state", "given", "derived", "constant", "parameter", "output", "guard"]
 EquationKind = Literal["rate", "next", "equals", "instead"]
 Number = float | str | None
 
@@ -26,10 +26,13 @@ ALLOWED: dict[str, tuple[str, ...]] = {
     "state": ("rate", "next"),
     "derived": ("equals",),
     "output": ("equals",),
+    "guard": ("equals",),
     "parameter": ("instead",),
     "given": (),
     "constant": (),
 }
+#: Kinds whose value follows from the others.
+COMPUTED = ("derived", "output", "guard")
 
 
 @dataclass(frozen=True)
@@ -84,12 +87,12 @@ def _restore(quantity: Quantity, kind: EquationKind, module: str, qualname: str)
 
 @dataclass(frozen=True)
 class Quantity:
-    """A named quantity of a component; made by `state`, `given`, `derived`, `constant`, `parameter`, `output`.
+    """A named quantity of a component; made by `state`, `given`, `derived`, `constant`, `parameter`, `output`, `guard`.
 
     Attributes
     ----------
     kind : str
-        What it is: state, given, derived, constant, parameter or output.
+        What it is: state, given, derived, constant, parameter, output or guard.
     unit : str
         Coherent SI unit, radians for angles; ``"1"`` where it has none.
     meaning : str

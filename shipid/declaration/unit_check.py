@@ -12,6 +12,7 @@ import types
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
+from shipid.declaration.quantity import COMPUTED
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Expression, PintUnit
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
@@ -44,7 +45,7 @@ def check_units(model: Model) -> None:
     def value(name: str, unit: str) -> Expression:
         return quantity(np.float64(_SOME_NUMBER), units.unit(unit))
 
-    plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in ("derived", "output")}
+    plain = {n: value(n, e.unit) for n, e in model.entries.items() if e.quantity.kind not in COMPUTED}
     evaluation = _Checked(model, plain | {SAMPLING_INTERVAL: value(SAMPLING_INTERVAL, "s")})
     with np.errstate(all="ignore"):
         for entry in model.entries.values():

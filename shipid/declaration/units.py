@@ -110,11 +110,13 @@ def pretty(text: str) -> str:
         return "1"
     # Blanks beside an operator or a bracket go; one between two units stays, as in m/(rad s).
     shown = re.sub(r"\s*(\*\*|[*/()])\s*", r"\1", shown)
-    shown = re.sub(r"\*\*(?:\((-?\d+)\)|(-?\d+))", lambda m: _raise(m.group(1) or m.group(2)), shown)
+    shown = re.sub(r"\*\*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda m: _raise(m.group(1) or m.group(2)), shown)
     return shown.replace("*", "·")
 
 
 def _raise(digits: str) -> str:
+    if "." in digits:  # there is no raised point
+        return f"^{digits}"
     return digits.translate(str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"))
 
 

@@ -29,6 +29,7 @@ from shipid.estimation.recursion.step import make_filter_step
 from shipid.estimation.settings.initial import (
     FirstEstimates,
     drifting,
+    log_scaled,
     parameter_starts,
     read_deviations,
     read_states,
@@ -134,8 +135,8 @@ class FilterDesign:
     integration: tuple[str, str, int, bool]
     compiled: bool
     single: bool
-    _loops: dict[object, Loop] = field(default_factory=dict, init=False)
-    _quantities: dict[str, CasadiFunction] = field(default_factory=dict, init=False)
+    _loops: dict[object, Loop] = field(default_factory=dict)
+    _quantities: dict[str, CasadiFunction] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         kind = "Kalman filter" if self.linear else "extended Kalman filter"
@@ -233,18 +234,21 @@ class FilterDesign:
         """The loop that sums the observability Gramian, compiled once."""
         return make_loop(make_gramian_step(self.equations), self.compiled)
 
-    def score(self, unknowns: tuple[Unknown, ...]) -> Loop:
+    def score(self, unknowns: tuple[Unknown, ...], innovations: bool = False) -> Loop:
         """Return the loop of the likelihood with its derivatives, compiled once for each choice of unknowns.
 
         Parameters
         ----------
         unknowns : tuple of Unknown
             What the likelihood is differentiated by.
+        innovations : bool
+            Whether it returns the innovations and their derivatives.
         """
-        if unknowns not in self._loops:
-            step = make_score_step(self.equations, bare(self.step_settings), unknowns)
-            self._loops[unknowns] = make_loop(step, self.compiled)
-        return self._loops[unknowns]
+        key = (unknowns, innovations)
+        if key not in self._loops:
+            step = make_score_step(self.equations, bare(self.step_settings), unknowns, innovations)
+            self._loops[key] = make_loop(step, self.compiled)
+        return self._loops[key]
 
     @functools.cached_property
     def fingerprint(self) -> str:
@@ -263,7 +267,13 @@ class FilterDesign:
             sorted(self.parameters.items()),
             *(
                 sorted(each.items())
-                for each in (instruments.rates, instruments.ranges, instruments.inputs, instruments.lost)
+                for each in (
+                    instruments.rates,
+                    instruments.ranges,
+                    instruments.inputs,
+                    instruments.lost,
+                    instruments.biases,
+                )
             ),
         )
         return hashlib.sha256(repr(parts).encode()).hexdigest()
@@ -302,17 +312,17 @@ def design_filter(
     gate = _gate(given)
     base, ship = model_of(model), ship_of(ship)
     estimated = drifting(base) if given.estimated is None else given.estimated
-    whole = augment(base, estimated, given.log) if estimated else base
-    parameters = {n: n if n in whole.states else f"log_{n}" for n in estimated}
     scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
-    levels = sensor_levels(whole, given.measured if given.measured is not None else dict.fromkeys(whole.outputs))
     known = ship.values(base, speed=scale.speed) | dict(given.values or {})
-    initial = given.initial or {}
-    starts = dict(given.start or {})
+    initial, starts = given.initial or {}, dict(given.start or {})
+    begin = parameter_starts(base, tuple(estimated), ship, known, starts, scale, initial)
+    whole = augment(base, estimated, log_scaled(base, begin, given.log)) if estimated else base
+    parameters = {n: n if n in whole.states else f"log_{n}" for n in estimated}
+    levels = sensor_levels(whole, given.measured if given.measured is not None else dict.fromkeys(whole.outputs))
     states = read_states(whole, {n: v for n, v in starts.items() if n not in estimated}, parameters)
     first = FirstEstimates(
         states,
-        parameter_starts(base, tuple(estimated), ship, known, starts, scale, initial),
+        begin,
         read_deviations(whole, initial, parameters),
     )
     lost = read_lost(whole, given.lost or {})

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 
 from shipid.declaration.model import Entry
 from shipid.declaration.units import pretty
+from shipid.estimation.standing import DETERMINED, Standing, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import uncertain_text
 from shipid.foundation.statistics import interval_95, plain
-
-#: A coefficient whose standard deviation is a larger share of its size is not determined.
-UNDETERMINED = 0.5
 
 
 @dataclass(frozen=True)
@@ -28,10 +26,10 @@ class Estimate:
         Standard deviation; None where the data give none.
     ci95 : tuple of float or None
         95 % confidence interval.
-    identifiable : bool
-        Whether the data determine it.
+    standing : {"determined", "not distinguishable from zero", "not determined"}
+        What the data say of it, by the rule of `shipid.estimation.standing`.
     why : str
-        If not, why not, where a reason is known.
+        Why it is not determined; empty where it is.
     follows : bool
         Whether it is a published coefficient that follows from the estimated ones.
     prime : float or None
@@ -47,11 +45,16 @@ class Estimate:
     value: float | None
     std: float | None
     ci95: tuple[float, float] | None
-    identifiable: bool
+    standing: Standing
     why: str = ""
     follows: bool = False
     prime: float | None = None
     prime_unit: str = ""
+
+    @property
+    def identifiable(self) -> bool:
+        """Whether the data determine it."""
+        return self.standing == DETERMINED
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""
@@ -60,8 +63,9 @@ class Estimate:
             "value": self.value,
             "unit": self.unit,
             "std": self.std,
-            "ci95": list(self.ci95) if self.ci95 else None,
+            "interval_95": list(self.ci95) if self.ci95 else None,
             "identifiable": self.identifiable,
+            "standing": self.standing,
             "why": self.why,
             "follows": self.follows,
             "meaning": self.meaning,
@@ -71,23 +75,9 @@ class Estimate:
 
     def __str__(self) -> str:
         value = uncertain_text(self.value, self.std)
-        return f"{self.name:<12s}{value:>20s} {pretty(self.unit)}   {self.meaning}"
-
-
-def is_determined(value: float, std: float) -> bool:
-    """Return whether a standard deviation is small enough for the coefficient to count as determined.
-
-    Parameters
-    ----------
-    value, std : float
-        Estimate and standard deviation.
-
-    Returns
-    -------
-    bool
-        False where either number is not finite.
-    """
-    return bool(std < UNDETERMINED * abs(value) < float("inf"))
+        unit = "" if pretty(self.unit) == "1" else pretty(self.unit)
+        doubt = f"   {self.standing}: {self.why}" if self.why else ""
+        return f"{self.name:<12s}{value:>20s} {unit:<5s} {self.meaning}{doubt}"
 
 
 def estimate_of(
@@ -96,7 +86,7 @@ def estimate_of(
     std: float,
     *,
     ci95: tuple[float, float] | None = None,
-    why: str = "",
+    standing: tuple[Standing, str] | None = None,
     follows: bool = False,
 ) -> Estimate:
     """Return the estimate of a coefficient from numbers that may not be finite.
@@ -109,15 +99,14 @@ def estimate_of(
         Estimate and standard deviation, SI.
     ci95 : tuple of float, optional
         The 95 % interval; that of a normal distribution unless it is given.
-    why : str
-        Why it is not determined, for reasons other than its standard deviation.
+    standing : tuple of str, optional
+        What the data say of it, and why; from the value and its standard deviation alone by default.
     follows : bool
         Whether it follows from the estimated coefficients.
 
     Returns
     -------
     Estimate
-        Determined where `why` is empty and the standard deviation is below half of the value.
     """
     ends = tuple(plain(end) for end in ci95 or interval_95(value, std))
     return Estimate(
@@ -127,7 +116,6 @@ def estimate_of(
         plain(value),
         plain(std),
         (ends[0], ends[1]) if ends[0] is not None and ends[1] is not None else None,
-        is_determined(value, std) and not why,
-        why,
+        *(standing or standing_of(value, std)),
         follows,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -12,6 +13,8 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
 from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.levels.learn_levels import learn_levels
+from shipid.estimation.levels.record_levels import RecordLevels
 from shipid.estimation.online.online_filter import OnlineFilter
 from shipid.estimation.records.arrangement import Arrangement, FilterRecord, arrange, columns_of
 from shipid.estimation.records.controls import controls_of
@@ -22,6 +25,7 @@ from shipid.estimation.records.restart import restarted, run_stretches
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.smoother import Smoothed, smooth
 from shipid.estimation.recursion.layout import Form
+from shipid.estimation.redesign import started_at, with_levels
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.parameters.parameter_set import ParameterSet
@@ -90,6 +94,8 @@ class ExtendedKalmanFilter:
     ----------
     design : FilterDesign
         The settings, read and checked once.
+    settings : FilterSettings
+        As they were given.
 
     Raises
     ------
@@ -129,34 +135,31 @@ class ExtendedKalmanFilter:
         compiled: bool = True,
         single: bool = False,
     ) -> None:
-        self.design: FilterDesign = design_filter(
-            model,
-            ship,
-            FilterSettings(
-                values=values,
-                measured=measured,
-                estimated=estimated,
-                noise=noise,
-                initial=initial,
-                start=start,
-                rates=rates,
-                inputs=inputs,
-                lost=lost,
-                ranges=ranges,
-                gate=gate,
-                patience=patience,
-                log=log,
-                shared_noise=shared_noise,
-                model_noise=model_noise,
-                switchable=switchable,
-                method=method,
-                hold=hold,
-                substeps=substeps,
-                form=form,
-                compiled=compiled,
-                single=single,
-            ),
+        self.settings = FilterSettings(
+            values=values,
+            measured=measured,
+            estimated=estimated,
+            noise=noise,
+            initial=initial,
+            start=start,
+            rates=rates,
+            inputs=inputs,
+            lost=lost,
+            ranges=ranges,
+            gate=gate,
+            patience=patience,
+            log=log,
+            shared_noise=shared_noise,
+            model_noise=model_noise,
+            switchable=switchable,
+            method=method,
+            hold=hold,
+            substeps=substeps,
+            form=form,
+            compiled=compiled,
+            single=single,
         )
+        self.design: FilterDesign = design_filter(model, ship, self.settings)
 
     def __repr__(self) -> str:
         return repr(self.design)
@@ -277,6 +280,47 @@ class ExtendedKalmanFilter:
             Whether the inputs of the record are known to be whole.
         """
         return make_likelihood(self.design, record, unknowns, filled=filled)
+
+    def learn_levels(self, record: FilterRecord, kept: Sequence[str] = ()) -> RecordLevels:
+        """Return the noise levels under which a record is most probable, and what it says of the coefficients.
+
+        Parameters
+        ----------
+        record : Trial or mapping of str to ndarray
+            What is filtered.
+        kept : sequence of str
+            ``sensor:NAME`` and ``noise:NAME`` that stay as they are.
+
+        Returns
+        -------
+        RecordLevels
+            For `with_levels`.
+        """
+        return learn_levels(self.design, self.settings, record, kept)
+
+    def with_levels(self, levels: RecordLevels) -> ExtendedKalmanFilter:
+        """Return the same filter with other noise levels, and with the biases of its inputs taken out.
+
+        Parameters
+        ----------
+        levels : RecordLevels
+            Of every sensor and of all that drives the states.
+        """
+        other = copy.copy(self)
+        other.design = with_levels(self.design, levels.sensors, levels.noise, levels.biases)
+        return other
+
+    def started_at(self, starts: Mapping[str, tuple[float, float]]) -> ExtendedKalmanFilter:
+        """Return the same filter with other first estimates of parameters.
+
+        Parameters
+        ----------
+        starts : mapping of str to tuple of float
+            First value and standard deviation by estimated parameter, SI.
+        """
+        other = copy.copy(self)
+        other.design = started_at(self.design, starts)
+        return other
 
     def start(self, lag: Amount | None = None) -> OnlineFilter:
         """Return the filter for samples that arrive one by one.

@@ -26,6 +26,7 @@ class ExitCode(IntEnum):
         "a file that cannot be read, used or written; a result that could not be written is printed",
     )
     NO_CONVERGENCE = 4, "no convergence", "the search did not converge; what it knows is printed and written"
+    DOUBTFUL = 5, "doubtful", "a serious warning stands beside the result: do not use its numbers as they are"
     FAULT = 70, "a fault of shipid itself", "please report it; with `SHIPID_DEBUG=1` it shows where"
     INTERRUPTED = 130, "interrupted", "Ctrl-C (SIGINT); every file is as it was before or whole"
     TERMINATED = 143, "terminated", "asked to end (SIGTERM); every file is as it was before or whole"

@@ -35,6 +35,8 @@ class Record:
         The step with its sensitivities, run over the samples.
     seed : ndarray
         Derivatives of the initial states, which the loop starts with after the states.
+    guards : tuple of str
+        Names of the margins that `run` returns, without derivatives.
     """
 
     system: System
@@ -42,6 +44,7 @@ class Record:
     unknowns: tuple[str, ...]
     loop: Loop = field(repr=False)
     seed: np.ndarray = field(repr=False)
+    guards: tuple[str, ...] = ()
 
     @property
     def step(self) -> Expression:
@@ -73,17 +76,39 @@ class Record:
         dy : ndarray, shape (outputs, unknowns, N)
             Derivatives of the outputs by the unknowns.
         """
+        y, dy, _ = self.run(x0, u, intervals, p, bias)
+        return y, dy
+
+    def run(
+        self, x0: np.ndarray, u: np.ndarray, intervals: np.ndarray, p: np.ndarray, bias: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Run the record, and return the margins of its guards as well.
+
+        Parameters
+        ----------
+        x0, u, intervals, p, bias
+            See `__call__`.
+
+        Returns
+        -------
+        y, dy : ndarray
+            See `__call__`.
+        margins : ndarray, shape (guards, N)
+            Negative where the model is not valid.
+        """
         count = u.shape[1]
         n_y, n_q = len(self.outputs), len(self.unknowns)
         shifted = u if bias is None else u + bias[:, None]
         following = np.concatenate([shifted[:, 1:], shifted[:, -1:]], axis=1)
         if count == 0:
-            return np.empty((n_y, 0)), np.empty((n_y, n_q, 0))
+            return np.empty((n_y, 0)), np.empty((n_y, n_q, 0)), np.empty((len(self.guards), 0))
         steps = np.array(intervals, dtype=float)
         steps[-1] = 0.0
         controls = np.vstack([shifted, following, steps]).T
         _, out = self.loop(np.concatenate([x0, self.seed]), controls, p)
-        return out[:, :n_y].T, out[:, n_y:].reshape(count, n_q, n_y).transpose(2, 1, 0)
+        end = n_y * (1 + n_q)
+        slopes = out[:, n_y:end].reshape(count, n_q, n_y).transpose(2, 1, 0)
+        return out[:, :n_y].T, slopes, out[:, end:].T
 
     def __hash__(self) -> int:
         return id(self)
@@ -100,6 +125,7 @@ def make_record(
     hold: str = "linear",
     substeps: int = 1,
     compiled: bool = True,
+    guarded: bool = False,
 ) -> Record:
     """Generate a record function, with forward sensitivities carried inside the step.
 
@@ -115,6 +141,8 @@ def make_record(
         See `shipid.generation.step.make_step`.
     compiled : bool
         Whether to compile the step.
+    guarded : bool
+        Whether to compute the margins of the model's guards.
 
     Returns
     -------
@@ -143,7 +171,8 @@ def make_record(
     z = ca.vertcat(system.x, ca.vec(sensitivities))
     z_next = ca.vertcat(step.x_next, ca.vec(carried))
     # Dense, as the record is read from plain memory: a derivative that is structurally zero has its place too.
-    out = ca.densify(ca.vertcat(outputs_now, ca.vec(shown)))
+    guards = model.guards if guarded else ()
+    out = ca.densify(ca.vertcat(outputs_now, ca.vec(shown), system.expression(guards)))
     function = ca.Function("step", [z, ca.vertcat(system.u, u1, system.T), system.p], [z_next, out])
     seed = np.zeros((n_x, n_q))
     for j, name in enumerate(initial):
@@ -155,6 +184,7 @@ def make_record(
         unknowns,
         make_loop(function, compiled),
         seed.ravel(order="F"),
+        guards,
     )
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import casadi as ca
 
 from shipid.declaration.model import Model
+from shipid.declaration.quantity import COMPUTED
 from shipid.generation.system import generate
 
 
@@ -27,7 +28,7 @@ def reduced(model: Model, names: Sequence[str]) -> Model:
     Returns
     -------
     Model
-        The same equations; derived quantities and outputs that read a state left out are left out too.
+        The same equations; derived quantities, outputs and guards that read a state left out are left out too.
     """
     system = generate(model)
     kept = system.states_behind(names)
@@ -37,7 +38,7 @@ def reduced(model: Model, names: Sequence[str]) -> Model:
     entries = {}
     for name, entry in model.entries.items():
         kind = entry.quantity.kind
-        reads = kind in ("derived", "output") and name in system.values and ca.depends_on(system.values[name], gone)
+        reads = kind in COMPUTED and name in system.values and ca.depends_on(system.values[name], gone)
         if not reads and (kind != "state" or name in kept):
             entries[name] = entry
     return replace(model, entries=entries)

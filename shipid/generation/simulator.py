@@ -12,6 +12,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UsageError
+from shipid.generation.departure import Departure, first_departure
 from shipid.generation.record import Record, make_record
 from shipid.generation.system import generate
 
@@ -144,11 +145,14 @@ class Simulation:
         Outputs by name, SI; not finite from where the model diverges.
     slopes : ndarray, shape (outputs, unknowns, N)
         Derivatives of the outputs by the unknowns of the simulator, in their order.
+    departure : Departure or None
+        Where the run first leaves the range in which the model is valid.
     """
 
     t: np.ndarray
     columns: Mapping[str, np.ndarray]
     slopes: np.ndarray
+    departure: Departure | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return an output, SI, shape (N,)."""
@@ -215,7 +219,7 @@ class Simulator:
             If an input has a hole.
         """
         system = self.record.system
-        needed = system.inputs_behind(self.record.outputs)
+        needed = system.inputs_behind((*self.record.outputs, *self.record.guards))
         rows = input_rows(self.model, inputs or {}, t.size, where, needed)
         for name, row in zip(self.model.inputs, rows):
             if name in needed and not np.isfinite(row).all():
@@ -225,14 +229,15 @@ class Simulator:
                     "(shipid.trials.stretches)."
                 )
         shift = None if not biases else np.array([float(biases.get(n, 0.0)) for n in self.model.inputs])
-        y, slopes = self.record(
+        y, slopes, margins = self.record.run(
             initial_state(self.model, start),
             rows,
             np.diff(t, append=t[-1]),
             coefficient_vector(self.model, values),
             shift,
         )
-        return Simulation(t, dict(zip(self.record.outputs, y)), slopes)
+        left = first_departure(self.model, t, dict(zip(self.record.guards, margins)), y)
+        return Simulation(t, dict(zip(self.record.outputs, y)), slopes, left)
 
 
 def make_simulator(
@@ -268,6 +273,15 @@ def make_simulator(
         Generated once for each choice, and kept.
     """
     record = make_record(
-        model, tuple(outputs), tuple(coefficients), tuple(initial), tuple(biases), method, hold, substeps, compiled
+        model,
+        tuple(outputs),
+        tuple(coefficients),
+        tuple(initial),
+        tuple(biases),
+        method,
+        hold,
+        substeps,
+        compiled,
+        True,
     )
     return Simulator(model, record)

@@ -11,12 +11,14 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
+from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
@@ -24,6 +26,7 @@ from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
@@ -181,7 +184,7 @@ class Fit:
 
         rows = [{"name": e.name, **e.to_dict()} for e in self.parameters.values()]
         frame = pd.DataFrame(rows).set_index("name")
-        return frame[["value", "std", "unit", "ci95", "identifiable", "follows", "meaning"]]
+        return frame[["value", "std", "unit", "interval_95", "identifiable", "follows", "meaning"]]
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values for JSON: SI, angles in radians, no NaN.
@@ -200,7 +203,8 @@ class Fit:
             "message": self.message,
             "loss": self.loss,
             "ladder": [r.to_dict() for r in self.ladder],
-            "findings": None if findings is None else [f.to_dict() for f in findings],
+            "checked": findings is not None,
+            "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
@@ -230,6 +234,7 @@ class Fit:
                     "overshoots_deg": in_degrees(c.overshoots),
                     "predicted_overshoots_deg": in_degrees(c.predicted_overshoots),
                     **(bands[c.trial.name].to_dict() if c.trial.name in bands else {}),
+                    "not_sailed": None if c.departure is None else str(c.departure),
                 }
                 for c in compared
             },
@@ -255,6 +260,22 @@ class Fit:
             "provenance": dict(self.provenance),
         }
 
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What makes the coefficients or a prediction unusable; the findings on the trials stand in the assessment."""
+        found = []
+        if not self.converged:
+            found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
+        for c in (*self.fitted, *self.validation):
+            if c.departure is not None:
+                words = f"the prediction of {c.trial.name} is {c.departure}"
+                found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
+        for c in self.validation:
+            found += [
+                n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
+            ]
+        return tuple(found)
+
     def __repr__(self) -> str:
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         trials = ", ".join(c.trial.name for c in self.fitted)
@@ -268,6 +289,7 @@ class Fit:
                 *coefficient_lines(self.parameters),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
+                *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),

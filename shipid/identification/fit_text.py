@@ -12,7 +12,7 @@ from shipid.declaration.vocabulary import display_unit, shown, to_display
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
 from shipid.identification.methods import METHODS
-from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.validation.comparison import Comparison
@@ -27,7 +27,7 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
         The coefficients.
     """
     return [
-        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   not determined: {e.why}")
+        f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   {e.standing}: {e.why}")
         for e in parameters.values()
     ]
 
@@ -46,6 +46,8 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     for c in comparisons:
         errors = ", ".join(_error_text(s, v) for s, v in c.rmse.items())
         lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
+        if c.departure is not None:
+            lines.append(f"             {c.departure}")
         if c.refitted:
             again = ", ".join(_error_text(s, v) for s, v in c.refitted.items())
             lines.append(f"             with rudder bias and initial state refitted: {again}")
@@ -92,9 +94,20 @@ def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
     for name, level in levels.process.items():
         density = shown(level, name, model[name].unit, digits=3)
         lines.append(f"  noise     drives {name}: {density}/s^0.5 (white, per root second)")
+    for name, gust in levels.gusts.items():
+        size = f"{to_display(gust.size, name, model[name].unit):.3g} {display_unit(name, model[name].unit)}/s"
+        lines.append(f"  noise     drives {name}: gusts of {size} that last for {gust.time:.3g} s")
     for name, level in levels.sensors.items():
         std = shown(level, name, model[name].unit, digits=3)
         lines.append(f"  noise     sensor of {name}: {std} in one sample")
+    coloured = [n for n, p in levels.whiteness.items() if p < WHITE]
+    if levels.whiteness:
+        words = (
+            f"not white in {', '.join(coloured)}: standard deviations by their spectrum; what the noise lacks, such as waves, may bias the coefficients"
+            if coloured
+            else "white"
+        )
+        lines.append(f"  noise     innovations are {words}")
     return lines
 
 

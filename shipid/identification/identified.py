@@ -7,7 +7,7 @@ record.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
@@ -39,6 +39,8 @@ class Identified:
         Fitted coefficients, then published ones that follow from them.
     method : str
         Name of the method that found them (`shipid.identification.methods`).
+    spreads : mapping of str to float
+        Standard deviation, stated beforehand, of coefficients about which the trials say nothing.
     """
 
     ship: ParameterSet
@@ -47,6 +49,7 @@ class Identified:
     covariance: Covariance
     parameters: Mapping[str, Estimate]
     method: Method
+    spreads: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def problem(self) -> Problem:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
 
+import numpy as np
 from threadpoolctl import threadpool_limits
 
 import shipid
@@ -33,7 +34,7 @@ from shipid.identification.search.prediction_weights import independent_samples,
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
-from shipid.identification.uncertainty.estimates import estimates_of
+from shipid.identification.uncertainty.estimates import estimates_of, unseen_words
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
@@ -182,14 +183,21 @@ def _result(
 ) -> Fit:
     problem, covariance = solution.problem, covariance_of(solution)
     shared = len(problem.estimated)
+    unseen = [n for n, v in zip(problem.estimated, np.diag(covariance.matrix)) if np.isinf(v)]
+    # About these the trials say nothing: they keep what is known of them beforehand.
+    spreads = {n: std for n in unseen if (std := setting.stated.get(n, (0.0, None))[1]) is not None}
+    if spreads:
+        covariance = covariance_of(solution, np.array([spreads.get(n, np.inf) for n in problem.estimated]))
     block = covariance.matrix[:shared, :shared]
     correlation = correlation_of(block)
-    parameters = estimates_of(problem, solution.q, block, box, setting.scale)
+    words = unseen_words({n: float(solution.q[problem.estimated.index(n)]) for n in unseen}, setting.stated)
+    degrees = None if solution.levels is None else solution.levels.degrees
+    parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
     trials = [data.trial for data in problem.trials]
     names = ", ".join(t.name for t in trials)
     source = f"identified by {used.method.replace('-', ' ')} from {names} (shipid {shipid.__version__})"
-    ship = identified_ship(setting, parameters, trials, source, correlation)
+    ship = identified_ship(setting, parameters, trials, source, correlation, unseen)
     return Fit(
         model=setting.model,
         ship=ship,
@@ -207,7 +215,7 @@ def _result(
         chi_square=2 * solution.cost / max(1, solution.residual.size - problem.missing - problem.size),
         evaluations=solution.evaluations,
         provenance=_provenance(setting.model, trials),
-        identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method),
+        identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method, spreads),
         ladder=rungs,
         loss=problem.loss,
         levels=solution.levels,

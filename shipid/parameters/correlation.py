@@ -1,17 +1,20 @@
-"""The correlation of the coefficients of a parameter set, and the speeds they were identified at."""
+"""The correlation of the coefficients of a parameter set, and the speeds and amplitudes they were identified at."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from shipid.declaration.units import to_si
+from shipid.declaration.units import factor, to_si
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError
 
 #: The table of a parameter set in which it stands, one inner table a model.
 IDENTIFIED = "identified"
-_KEYS = {"names", "correlation", "speeds", "speed_unit"}
+_KEYS = {"names", "correlation", "speeds", "speed_unit", "rudder", "rate", "drift"}
+#: Largest amplitudes of the trials: entry, SI unit, and the unit that is written.
+_AMPLITUDES = (("rudder", "rad", "deg"), ("rate", "rad/s", "deg/s"), ("drift", "rad", "deg"))
 
 
 @dataclass(frozen=True)
@@ -26,11 +29,16 @@ class Joint:
         Their correlation matrix, in that order.
     speeds : tuple of float or None
         Lowest and highest speed of the trials in m/s.
+    rudder, rate, drift : float or None
+        Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad of the trials, where they are known.
     """
 
     names: tuple[str, ...]
     correlation: tuple[tuple[float, ...], ...]
     speeds: tuple[float, float] | None = None
+    rudder: float | None = None
+    rate: float | None = None
+    drift: float | None = None
 
 
 def read_joint(where: str, raw: Plain) -> dict[str, Joint]:
@@ -60,7 +68,7 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
             f"{where} has an entry '{unknown[0]}' it does not know. Known: {', '.join(sorted(_KEYS))}."
         )
     names, matrix = raw.get("names", []), raw.get("correlation", [])
-    square = isinstance(matrix, list) and len(matrix) == len(names) and all(
+    square = isinstance(names, list) and isinstance(matrix, list) and len(matrix) == len(names) and all(
         isinstance(row, list) and len(row) == len(names) and all(_is_correlation(v) for v in row) for row in matrix
     )  # fmt: skip
     if not square or not all(isinstance(n, str) for n in names):
@@ -83,7 +91,22 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
                 f"{where}: speeds are {speeds}, and have to be zero or greater than zero and rising."
             )
         speeds = (low, high)
-    return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds)
+    reached = {name: _amplitude(where, name, raw.get(name), unit) for name, unit, _ in _AMPLITUDES}
+    return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds, **reached)
+
+
+def _amplitude(where: str, name: str, text: Plain, unit: str) -> float | None:
+    if text is None:
+        return None
+    if not isinstance(text, str):
+        raise ParameterSetError(f"{where}: '{name}' is {text!r}. Write it with its unit, as in '20 deg'.")
+    try:
+        value = to_si(text, unit, f"'{name}' in {where}")
+    except UnitError as error:
+        raise ParameterSetError(str(error)) from None
+    if not 0 <= value < math.inf:
+        raise ParameterSetError(f"{where}: '{name}' is {text}, and has to be zero or greater.")
+    return value
 
 
 def _is_correlation(value: Plain) -> bool:
@@ -106,5 +129,11 @@ def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
     for model, one in joint.items():
         rows = [[float(f"{v:.6g}") for v in row] for row in one.correlation]
         speeds = {} if one.speeds is None else {"speeds": list(one.speeds), "speed_unit": "m/s"}
-        tables[model] = {"names": list(one.names), "correlation": rows, **speeds}
+        reached = {n: getattr(one, n) for n, *_ in _AMPLITUDES}
+        written = {
+            n: f"{reached[n] * factor(unit, shown):.4g} {shown}"
+            for n, unit, shown in _AMPLITUDES
+            if reached[n] is not None
+        }
+        tables[model] = {"names": list(one.names), "correlation": rows, **speeds, **written}
     return {IDENTIFIED: tables} if tables else {}

@@ -60,6 +60,7 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
     Drawn
     """
     joint = ship.joint.get(model.name)
+    joint = joint if joint is not None and joint.names else None  # a set may state its range alone
     scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
     names, nominal, spread, box = [], [], [], []
     open_ones = []

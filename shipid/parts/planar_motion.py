@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.component import Component
+from shipid.declaration.guard import guard
 from shipid.declaration.quantity import constant, derived, given, state
 
 #: Below this share of the cruising speed, the equations that divide by the speed use the share instead, and turning
 #: slows the ship in proportion to the speed it still has. A model that is scaled with the speed is not valid for a
 #: ship that hardly moves, and its steady turn may not exist (De Keizer's runs down to u = 0 in finite time): the floor
-#: keeps such a run finite and the speed positive. Above it the equations are as printed.
+#: keeps such a run finite and the speed positive, and the guard of `SpeedScaled` says that the model does not sail it. Above it
+#: the equations are as printed.
 LEAST_WAY = 0.05
 
 
@@ -53,11 +55,17 @@ class SpeedScaled(Component):
     cruise = given("m/s", "cruising speed, the speed before the manoeuvre", latex="U_0")
     L = constant("m", "length between perpendiculars")
     way = derived("m/s", "forward speed to scale with: u, not less than a twentieth of the cruise", latex="u^+")
+    way_kept = guard("m/s", "the forward speed is on the model's floor, a twentieth of the cruising speed")
 
     @way.equals
     def speed_to_scale_with(self):
         """U in Passenier (1989), eq. (2.40) and (2.42), with the floor `LEAST_WAY`."""
         return np.maximum(self.u, LEAST_WAY * self.cruise)
+
+    @way_kept.equals
+    def speed_above_the_floor(self):
+        """The floor of `way`: on it the equations are not the published ones."""
+        return self.u - LEAST_WAY * self.cruise
 
     @property
     def way_left(self):

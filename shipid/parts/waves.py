@@ -14,8 +14,10 @@ from shipid.declaration.quantity import constant, derived, given, state
 class Waves(Component):
     """The yaw motion by waves: white noise through a narrow filter at the frequency of encounter.
 
-    It changes what the instruments show, and not the path. With white noise of intensity q, the variance of the
-    rate by waves is q / (4 zeta omega).
+    It changes what the instruments show, and not the path. With white noise of intensity q, the variance of the heading by
+    waves is q / (4 zeta omega_e^3) in seas from ahead and abeam. In a following sea that would grow without limit as the ship
+    keeps up with the waves, and the energy of the waves does not: there the variance stays q / (4 zeta omega_0^3), that of the
+    ship at rest.
     """
 
     psi_wave = state("rad", "heading by the waves", nominal="0.5 deg", latex=r"\psi_v")
@@ -44,11 +46,15 @@ class Waves(Component):
     def shaping(self):
         """Van der Klugt (1987): s / (s^2 + 2 zeta omega s + omega^2), at the frequency of encounter.
 
-        The frequency passes zero in following seas; its magnitude is used.
+        The frequency passes zero in following seas; its magnitude is used. A spectrum of relative width zeta keeps the width
+        zeta omega_0 where its middle is met at zero, so that the frequency of the filter is not smaller; and below omega_0 the
+        noise falls with omega^1.5, which keeps the energy of the waves: S(omega_e) d omega_e = S(omega) d omega. Both are this
+        project's own.
         """
-        omega = np.abs(self.encounter)
+        omega = np.maximum(np.abs(self.encounter), self.wave_damping * self.wave_frequency)
+        kept = np.minimum(omega / self.wave_frequency, 1.0) ** 1.5
         damping = 2 * self.wave_damping * omega * self.r_wave
-        return self.wave_noise - damping - omega**2 * self.psi_wave
+        return kept * self.wave_noise - damping - omega**2 * self.psi_wave
 
 
 class ColouredWaves(Component):

@@ -15,15 +15,17 @@ from shipid.declaration.quantity import constant, derived, given, parameter
 class Wind(Component):
     """The yaw and surge accelerations by the wind.
 
-    The relative wind is written by its components along and across the ship, so that nothing is divided
-    by a wind speed that may be zero.
+    The relative wind is what blows over the ship, which moves over the ground with the current. It is written by its components
+    along and across the ship, so that nothing is divided by a wind speed that may be zero.
     """
 
-    wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
+    wind_speed = given("m/s", "true wind speed, over the ground", default=0.0, latex="V_w")
     wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
     u = given("m/s", "forward speed through the water")
     v = given("m/s", "sway speed through the water, positive to starboard", default=0.0)
+    current_north = given("m/s", "current, component to the north", default=0.0, latex="U_{c,N}")
+    current_east = given("m/s", "current, component to the east", default=0.0, latex="U_{c,E}")
     L = constant("m", "length between perpendiculars")
     N_w = parameter(
         "rad/m^2",
@@ -52,13 +54,15 @@ class Wind(Component):
 
     @wind_ahead.equals
     def ahead(self):
-        """Passenier (1989), eq. (2.74), along the ship."""
-        return self.wind_speed * np.cos(self.wind_direction - self.psi) - self.u
+        """Passenier (1989), eq. (2.74), along the ship; its speed over the ground includes the current."""
+        drift = self.current_north * np.cos(self.psi) + self.current_east * np.sin(self.psi)
+        return self.wind_speed * np.cos(self.wind_direction - self.psi) - self.u - drift
 
     @wind_aside.equals
     def aside(self):
-        """Passenier (1989), eq. (2.74), across the ship."""
-        return self.wind_speed * np.sin(self.wind_direction - self.psi) - self.v
+        """Passenier (1989), eq. (2.74), across the ship; its speed over the ground includes the current."""
+        drift = self.current_east * np.cos(self.psi) - self.current_north * np.sin(self.psi)
+        return self.wind_speed * np.sin(self.wind_direction - self.psi) - self.v - drift
 
     @wind_relative.equals
     def relative_speed(self):

@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 from shipid.planning.selection import Criterion
 
 if TYPE_CHECKING:
@@ -195,7 +196,7 @@ class Plan:
             "independent_s": self.independent,
             "draws": self.draws,
             "candidates": self.candidates,
-            "warnings": list(self.warnings),
+            "warnings": plain_notices(self.warnings),
         }
 
     def __repr__(self) -> str:

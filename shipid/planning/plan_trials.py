@@ -10,10 +10,12 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import display_unit, to_display
-from shipid.estimation.estimate import UNDETERMINED
+from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.notices import Notice
 from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
@@ -22,7 +24,7 @@ from shipid.planning.plan import Forecast, Leg, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
-from shipid.trials.manoeuvres.simulate import SimulationDivergedError
+from shipid.trials.manoeuvres.simulate import NotSailedError
 
 #: Candidates by kind of manoeuvre, as `shipid simulate` takes them; spirals take long and are only used on request.
 REPERTOIRE: dict[str, tuple[str, ...]] = {
@@ -139,8 +141,8 @@ def plan_trials(
         For a name that does not exist: model, ship, coefficient, criterion or manoeuvre.
     UsageError
         If values do not fit together, or no manoeuvre of the repertoire can be sailed.
-    SimulationDivergedError
-        If the model runs away in every manoeuvre.
+    NotSailedError
+        If the model sails no manoeuvre.
     ParameterSetError
         If the ship lacks its length, its speed or a coefficient.
     TimeTooShortError
@@ -172,9 +174,9 @@ def plan_trials(
         pair = _standard(problem, rows, warnings)
         _fill(problem, rows, candidates, warnings, tell)
         if not rows.candidates:
-            raise SimulationDivergedError(
-                f"model {problem.experiment.model.name} with ship {problem.ship.name} runs away in every manoeuvre of the "
-                "repertoire, or is too unstable to be followed through it. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
+            raise NotSailedError(
+                f"every manoeuvre of the repertoire is {NOT_SAILED} ({problem.experiment.model.name} with ship {problem.ship.name}), or "
+                "it is too unstable to be followed through it. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
             )
         tell(f"choosing among {len(rows.candidates)} candidates")
         table = CandidateTable(
@@ -218,11 +220,11 @@ def _within_limits(
     lost = [a for a in angles if a not in beyond and not _turns_steadily(problem, a)]
     if lost:
         warnings.append(
-            f"with rudder angles of {_degrees(lost)} model {name} has no steady turn, or loses its way in it; they are left out."
+            f"turns with {_degrees(lost)} of rudder are {NOT_SAILED} ({name}), which has no steady turn there; they are left out."
         )
     kept = [s for s in candidates if s.rudder is None or s.rudder not in {*beyond, *lost}]
     if not kept:
-        kind = SimulationDivergedError if lost else UsageError
+        kind = NotSailedError if lost else UsageError
         raise kind(f"no manoeuvre of the repertoire can be sailed: {' '.join(warnings)}")
     return kept
 
@@ -240,7 +242,7 @@ def _degrees(angles: Sequence[float]) -> str:
 
 def _over_draws(problem: PlanningProblem, candidate: CandidateManoeuvre, durations: list[float]) -> np.ndarray | None:
     """Information for each length under each draw, shape (durations, draws, n, n), as far as it can be
-    followed in all; None where it runs away in one.
+    followed in all; None where one does not sail it.
     """
     found = []
     for values in problem.draws:
@@ -280,7 +282,7 @@ def _standard_candidates(problem: PlanningProblem) -> tuple[list[CandidateManoeu
 
 
 def _standard(problem: PlanningProblem, rows: _Rows, warnings: list[str]) -> list[int]:
-    """Sail the standard pair in the same time; rows of the table, none where the model runs away."""
+    """Sail the standard pair in the same time; rows of the table, none where the model does not sail it."""
     candidates, share = _standard_candidates(problem)
     if len(candidates) < len(STANDARD):
         warnings.append("the time is too short for both standard zig-zags: the 20/20 alone is the comparison.")
@@ -288,8 +290,8 @@ def _standard(problem: PlanningProblem, rows: _Rows, warnings: list[str]) -> lis
     for candidate, matrices in zip(candidates, found):
         if matrices is None:
             warnings.append(
-                f"the model runs away in the standard {candidate.manoeuvre}, or is too unstable to be followed through it; the "
-                "plan is not compared with it."
+                f"the standard {candidate.manoeuvre} is {NOT_SAILED}, or the model is too unstable to be followed through it; "
+                "the plan is not compared with it."
             )
             return []
     return [i for candidate, m in zip(candidates, found) if m is not None for i in rows.add(candidate, [share], m)]
@@ -309,7 +311,7 @@ def _fill(
             rows.add(candidate, lengths[: len(matrices)], matrices)
     if dropped:
         warnings.append(
-            f"dropped, because the model runs away, loses its way or is too unstable to be followed, with the values of the ship or one of the "
+            f"dropped, because they are {NOT_SAILED}, or it is too unstable to be followed, with the values of the ship or one of the "
             f"{len(problem.draws) - 1} draws about them: {', '.join(dict.fromkeys(dropped))}."
         )
 
@@ -323,6 +325,7 @@ def _result(
     warnings: list[str],
 ) -> Plan:
     experiment = problem.experiment
+    warnings += problem.beyond([rows.candidates[i] for i in chosen])
     # In the order to sail: the fastest first, then from gentle to hard.
     chosen = sorted(chosen, key=lambda i: (-table.speed[i], rows.candidates[i].rudder or 0.0, rows.durations[i], i))
     scale = np.outer(problem.size, problem.size)
@@ -333,15 +336,11 @@ def _result(
     std = np.sqrt(np.diag(covariance))
     other = np.sqrt(np.diag(covariance_from(usual[0]) * scale)) if pair else np.full(len(std), np.nan)
     for j, name in enumerate(experiment.estimated):
+        standing, why = standing_of(problem.known[name], std[j], size=problem.size[j])
         if not possible[j]:
-            warnings.append(
-                f"{name} stays undetermined by every manoeuvre of this repertoire, with {_words(experiment.signals)}."
-            )
-        elif std[j] > UNDETERMINED * problem.size[j]:
-            share = std[j] / problem.size[j]
-            warnings.append(
-                f"{name} stays undetermined: its standard deviation is {share:.0%} of its size after this plan."
-            )
+            standing, why = UNKNOWN, f"no manoeuvre of this repertoire tells, with {_words(experiment.signals)}."
+        if standing == UNKNOWN:
+            warnings.append(Notice(f"{name} stays undetermined: {why}", "not-determined", name=name))
     count = max(1, int(possible.sum()))
     gains = (value_of(planned[:, None], "D") - value_of(usual[:, None], "D")) * len(possible) if pair else None
     forecasts = {

@@ -13,12 +13,14 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import Notice
 from shipid.generation.system import generate
 from shipid.identification.problem.setting import estimated_parameters, time_constant
 from shipid.identification.problem.signals import unknown_biases, usual_signals
-from shipid.identification.uncertainty.information import Experiment
+from shipid.identification.uncertainty.information import CandidateManoeuvre, Experiment
 from shipid.parameters.draws import normal_draws
 from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
+from shipid.parameters.validity import beyond
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.noise import parse_noise
 
@@ -129,6 +131,17 @@ class PlanningProblem:
         """
         step = 1.0 if self.shortest(speed) > 20 else 0.1
         return round(float(np.floor(duration / step + 1e-9)) * step, 6) or duration
+
+    def beyond(self, sailed: Sequence[CandidateManoeuvre]) -> list[Notice]:
+        """Return what has to be said where manoeuvres go beyond the range that the ship's coefficients come from.
+
+        Parameters
+        ----------
+        sailed : sequence of CandidateManoeuvre
+            The manoeuvres.
+        """
+        hardest = max((s.rudder or self.experiment.limit for s in sailed), default=None)
+        return beyond(self.experiment.model, self.ship, [s.speed for s in sailed], hardest)
 
 
 def _si(value: str | float, unit: str, what: str) -> float:

@@ -18,9 +18,17 @@ if TYPE_CHECKING:
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
+    from shipid.prediction.prediction import Prediction
 
     Reported: TypeAlias = (
-        Fit | FilterRun | Observability | RecursiveIdentification | Autopilot | Judgement | TuningComparison
+        Fit
+        | FilterRun
+        | Observability
+        | RecursiveIdentification
+        | Autopilot
+        | Judgement
+        | TuningComparison
+        | Prediction
     )
 
 
@@ -35,7 +43,7 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement or TuningComparison
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison or Prediction
         What to report.
     path : str or Path
         The file to write.
@@ -85,6 +93,7 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
+    from shipid.prediction.prediction import Prediction
 
     if isinstance(result, Fit):
         from shipid.report.views.fit.page import fit_page
@@ -114,5 +123,9 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.tuning.comparison import comparison_page
 
         return comparison_page(result)
-    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison"
+    if isinstance(result, Prediction):
+        from shipid.report.views.prediction.page import prediction_page
+
+        return prediction_page(result)
+    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")

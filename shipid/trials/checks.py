@@ -179,6 +179,8 @@ def _per_minute(ratio: float, stated: str) -> tuple[str, str] | None:
 
     A factor of 60 is told from one of 57.3 (degrees and radians) by what is nearer, and by the unit that is stated.
     """
+    if not ratio > 0:
+        return None  # the two go opposite ways: a sign, and no unit
     unit = stated.replace("°", "deg").replace(" ", "")
     minute = unit.startswith("deg/m") and not unit.startswith("deg/ms")
     for says, seems, factor in (("deg/s", "deg/min", 1 / 60), ("deg/min", "deg/s", 60.0)):

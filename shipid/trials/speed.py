@@ -68,6 +68,37 @@ def check_ahead(speed: float | None, record: str, model: str) -> None:
         )
 
 
+def check_way(columns: Columns, record: str, model: str) -> None:
+    """Check that a ship does not go astern in the course of a record, for a model that is scaled with the forward speed.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray, shape (N,)
+        The record, SI. Samples of the forward speed ``u`` that noise alone makes negative are passed over: ten in a row are not.
+    record, model : str
+        The names of trial and model, for the message.
+
+    Raises
+    ------
+    NotAheadError
+        If it does, with the time.
+    """
+    if "u" not in columns:
+        return
+    there = np.isfinite(columns["u"])
+    t, astern = columns["t"][there], columns["u"][there] < 0
+    runs = np.convolve(astern, np.ones(_LEAST), mode="valid") if astern.size >= _LEAST else np.zeros(0)
+    if (runs >= _LEAST - 0.5).any():
+        first = float(t[np.argmax(runs >= _LEAST - 0.5)])
+        since = f"from {first:.4g} s on" if first > t[0] else "before the manoeuvre"
+        before = f" (FILE@{float(t[0]):.4g}:{first:.4g} for the part before)" if first > t[0] else ""
+        raise NotAheadError(
+            f"trial {record}: the ship goes astern {since}, and model {model} holds for a ship that goes ahead. Take "
+            f"a window in which it does{before}, or correct the sign of the speed "
+            "in the format of the trial."
+        )
+
+
 def recorded_speed(columns: Columns) -> np.ndarray | None:
     """Return the recorded forward speed in m/s, shape (N,); the speed over all where there is no other.
 

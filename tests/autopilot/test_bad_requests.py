@@ -169,12 +169,13 @@ def test_a_request_that_leaves_the_loop_unstable():
     ("options", "error", "words"),
     [
         ({"design": "magic"}, UnknownNameError, "no design 'magic'"),
-        ({"speeds": "4"}, DesignRequestError, None),
+        ({"speeds": "4 m/s"}, DesignRequestError, None),
         ({"speeds": "nonsense"}, DesignRequestError, "neither FROM:TO:STEP nor a list"),
-        ({"speeds": "9:4:1"}, DesignRequestError, "neither FROM:TO:STEP"),
-        ({"speeds": "0:4:1"}, DesignRequestError, "no speeds of a ship under way"),
+        ({"speeds": "4:12:1"}, DesignRequestError, "have no unit"),
+        ({"speeds": "9:4:1 m/s"}, DesignRequestError, "neither FROM:TO:STEP"),
+        ({"speeds": "0:4:1 m/s"}, DesignRequestError, "no speeds of a ship under way"),
         ({"speeds": []}, DesignRequestError, "no speeds of a ship under way"),
-        ({"speeds": "1:100:0.1"}, DesignRequestError, "more than a schedule holds"),
+        ({"speeds": "1:100:0.1 m/s"}, DesignRequestError, "more than a schedule holds"),
         ({"speeds": "4:12:1 deg"}, UnitError, "the speeds needs the unit"),
         ({"omega_n": -1.0}, DesignRequestError, "natural frequency of -1 rad/s"),
         ({"omega_n": "1 m"}, UnitError, "omega_n needs the unit"),
@@ -217,7 +218,7 @@ def test_no_ship_and_no_numbers():
         (
             "nomoto",
             "zeefakkel",
-            {"speeds": "1:6:1"},
+            {"speeds": "1:6:1 m/s"},
             "outside the identified range: ship zeefakkel was tried from 2 to 6.2",
         ),
         ("nomoto", "soesterberg", {}, "scaled by speed: the coefficients of nomoto hold at 9.5 m/s"),
@@ -236,7 +237,7 @@ def test_named_warnings(model, chosen, options, words):
 
 def test_a_rudder_that_works_the_other_way(sized):
     pilot = shipid.design_autopilot("de-keizer", sized("soesterberg", "de-keizer", K=-1.6))
-    assert "reversed rudder" in pilot.warnings[0] and (pilot.schedule.gains["Kp"] < 0).all()
+    assert any("reversed rudder" in w for w in pilot.warnings) and (pilot.schedule.gains["Kp"] < 0).all()
     assert poles_at(pilot, 9.5).real.max() < 0
 
 
@@ -245,7 +246,8 @@ def test_the_rudder_rate_a_request_needs():
     asked = shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.3)
     most = float(asked.warnings[-1].split("At most ")[1].split(" rad/s")[0])
     assert most == pytest.approx(np.deg2rad(2.5) / np.deg2rad(15) * 9.5 / 11.4, rel=5e-3)
-    assert not shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.99 * most).warnings
+    slower = shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.99 * most)
+    assert not any(w.startswith("rudder rate") for w in slower.warnings)
 
 
 def test_a_ship_that_no_rudder_holds_between_two_speeds_is_refused():

@@ -44,4 +44,4 @@ def test_a_ship_identified_at_zero_speed_is_read(call, moved, tmp_path):
     out, ship = tmp_path / "out", ("--model", "nomoto", "--ship", "soesterberg")
     assert call("identify", moved(0.0), *ship, "--signals", "psi,r", "--starts", "1", "--out", out).code == 0
     assert shipid.read_parameter_set(out / "ship.toml").joint["nomoto"].speeds == (0.0, 0.0)
-    assert call("simulate", "nomoto", "--ship", out / "ship.toml", "--manoeuvre", "turn:20").code == 0
+    assert call("simulate", "nomoto", "--ship", out / "ship.toml", "--manoeuvre", "turn:10").code == 0

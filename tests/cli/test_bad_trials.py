@@ -1,11 +1,13 @@
 """Bad records: exit code 3, and the paragraph says which file, which rows, what to do."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import shipid
 from shipid import read_trial
 
 FORMAT = """
@@ -187,3 +189,19 @@ def test_windows_of_a_format_file(call, refused, changed, tmp_path, fitted):
     answer = call("identify", f"{log}@middle", *fitted, "--format", form, "--json")
     assert answer.code == 0
     assert list(json.loads(answer.out)["fit"]) == ["log@50:150"]
+
+
+def test_a_ship_that_reverses_is_refused_by_every_command(refused, tmp_path):
+    """The second half of the record goes astern, and the models that are scaled with the speed hold for a ship that goes ahead."""
+    ship = ("--ship", "soesterberg")
+    ahead = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", sampling="1 s")
+    table = ahead.table.assign(u=ahead["u"] * np.linspace(1.0, -0.5, len(ahead)))
+    good, bad = tmp_path / "ahead.csv", tmp_path / "reverses.csv"
+    shipid.write_trial(ahead, good)
+    shipid.write_trial(replace(ahead, table=table), bad)
+    said = ("reverses", "goes astern from", "model", "holds for a ship that goes ahead")
+    refused(3, ["identify", bad, "--model", "de-keizer", *ship], *said)
+    refused(3, ["identify", bad, "--model", "de-keizer", *ship, "--for", "filter"], *said)
+    refused(3, ["identify", good, "--model", "de-keizer", *ship, "--starts", "1", "--validate", bad], *said)
+    refused(3, ["filter", bad, "--model", "de-keizer", *ship], *said)
+    refused(3, ["filter", bad, "--model", "yaw-filter", *ship], *said)

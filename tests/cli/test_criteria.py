@@ -18,7 +18,7 @@ def test_criteria_as_json(call):
     assert result["criteria"]["first_overshoot_10"]["limit"] == 10
     assert result["criteria"]["advance"]["starboard"]["value"] < 4.5
     assert result["spiral"]["half_width_deg"] == 0
-    assert any("45 m long" in n for n in result["notes"])
+    assert any("45 m long" in w["message"] for w in result["warnings"])
 
 
 def test_criteria_of_an_own_ship_and_model(call, own_model, own_ship):
@@ -31,5 +31,5 @@ def test_refusals(refused, own_ship):
     refused(2, ["criteria", "de-keizer"], "--ship")
     refused(2, ["criteria", "de-keizr", "--ship", "soesterberg"], "de-keizer")
     refused(2, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "0 kn"], "greater than zero")
-    refused(3, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "fast"], "'9 kn'")
+    refused(2, ["criteria", "de-keizer", "--ship", "soesterberg", "--speed", "fast"], "'9 kn'")
     refused(3, ["criteria", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")

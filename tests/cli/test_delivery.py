@@ -20,6 +20,13 @@ from shipid.cli.registry import COMMANDS
 from shipid.foundation.errors import ShipidError
 from shipid.foundation.exit_codes import ExitCode, markdown
 
+#: What stands around every result.
+ENVELOPE = {
+    "schema_version": 1,
+    "command": "own",
+    "provenance": {"shipid": shipid.__version__, "inputs": []},
+    "warnings": [],
+}
 #: Options that mean the same in every command that has them.
 SHARED = (
     "--model",
@@ -48,7 +55,7 @@ def test_an_option_says_the_same_in_every_command():
         words = {f[option] for f in found.values() if option in f}
         assert len(words) == 1, (option, words)
     assert sum("--json" in f for f in found.values()) == len(COMMANDS) - 1  # a simulated trial is a table
-    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune"}
+    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune", "predict"}
 
 
 def test_one_table_of_exit_codes():
@@ -57,6 +64,7 @@ def test_one_table_of_exit_codes():
         (2, "usage"),
         (3, "bad data"),
         (4, "no convergence"),
+        (5, "doubtful"),
         (70, "a fault of shipid itself"),
         (130, "interrupted"),
         (143, "terminated"),
@@ -119,7 +127,8 @@ def test_a_new_command_is_a_file_and_a_line(own_command, call):
     assert "\n  own " in call("--help").out
     answer = own_command()
     assert (answer.code, answer.out, answer.err) == (0, "the answer is 1.5\n", "")
-    assert json.loads(own_command("--json").out) == {"answer": 1.5}
+    told = json.loads(own_command("--json").out)
+    assert told == {**ENVELOPE, "answer": 1.5} and list(told)[:4] == list(ENVELOPE)
 
 
 def test_files_are_written_under_their_names(own_command, tmp_path):
@@ -127,7 +136,7 @@ def test_files_are_written_under_their_names(own_command, tmp_path):
     answer = own_command("--out", out)
     assert answer.out.splitlines()[-1] == f"written: {out / 'result.json'}, {out / 'notes.txt'}, {out / 'report.html'}"
     assert {p.name for p in out.iterdir()} == {"result.json", "notes.txt", "report.html"}
-    assert json.loads((out / "result.json").read_text()) == {"answer": 1.5}
+    assert json.loads((out / "result.json").read_text()) == {**ENVELOPE, "answer": 1.5}
     assert own_command("--out", out).code == ExitCode.USAGE
     assert own_command("--out", out, "--overwrite", "--json").code == 0
 
@@ -179,7 +188,7 @@ def test_a_result_that_cannot_be_written_is_printed(failing_command):
     assert (answer.code, answer.out) == (ExitCode.BAD_DATA, "the answer is 1.5\n")
     assert answer.said == "shipid: the output: No space left on device."
     answer = failing_command(OSError(30, "Read-only file system"), "--json")
-    assert (answer.code, json.loads(answer.out)) == (ExitCode.BAD_DATA, {"answer": 1.5})
+    assert (answer.code, json.loads(answer.out)) == (ExitCode.BAD_DATA, {**ENVELOPE, "answer": 1.5})
     answer = failing_command(RuntimeError("a report that fails"))
     assert (answer.code, answer.out) == (ExitCode.FAULT, "the answer is 1.5\n")
 
@@ -228,3 +237,11 @@ def test_a_file_that_comes_while_the_work_is_done_is_not_lost(own_command, monke
     assert "notes.txt' exists already" in answer.said
     assert [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
     assert (tmp_path / "notes.txt").read_text() == "of the other run"
+
+
+def test_numbers_of_json_have_no_noise_and_no_negative_zero():
+    noisy = {"a": [14.999999999999998, -0.0, 1e-300], "b": (1 / 3,), "n": 7, "yes": True, "none": None}
+    told = json_text(noisy, indent=None)
+    assert told == '{"a": [15.0, 0.0, 1e-300], "b": [0.333333333333], "n": 7, "yes": true, "none": null}'
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        json_text({"a": float("nan")})

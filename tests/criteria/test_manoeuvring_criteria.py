@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.criteria.criteria import first_overshoot_limit, second_overshoot_limit
+from shipid.criteria.criteria import first_overshoot_limit, loop_width_limit, second_overshoot_limit
 from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.criteria.spiral import spiral_of
+from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 
@@ -26,6 +27,35 @@ def test_limits_of_the_resolution(unit_time, first, second):
     """MSC.137(76) 5.3.3: 10, 5 + 0.5 L/V, 20 deg; 25, 17.5 + 0.75 L/V, 40 deg; continuous at 10 s and 30 s."""
     assert first_overshoot_limit(unit_time) == pytest.approx(first)
     assert second_overshoot_limit(unit_time) == pytest.approx(second)
+
+
+@pytest.mark.parametrize(("unit_time", "width"), [(5, 0), (9, 0), (24, 5), (45, 12), (80, 12)])
+def test_limit_of_the_loop(unit_time, width):
+    """0 below 9 s, L/V/3 - 3, 12 deg from 45 s on; continuous at both ends."""
+    assert loop_width_limit(unit_time) == pytest.approx(width)
+
+
+def test_the_width_of_a_loop_stands_beside_its_limit():
+    """Norrbin's ship, a loop of 6.16 deg: beyond 4.93 deg at L/V 23.8 s, within 9.9 deg at half the speed."""
+    own = shipid.find_ship("soesterberg")
+    for speed, within in ((U, False), (U / 1.625, True)):
+        section = {n: Value(n, v, shipid.find_model("norrbin")[n].unit, "assumed") for n, v in unstable(speed).items()}
+        ship = replace(own, sections={**own.sections, "norrbin": section})
+        result = manoeuvring_criteria("norrbin", ship=ship, speed=speed, draws=0)
+        spiral = json.loads(json.dumps(result.to_dict()))["spiral"]
+        assert spiral["loop_width_deg"] == pytest.approx(6.16, abs=0.01)
+        assert spiral["limit_deg"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
+        assert f"{'within' if within else 'BEYOND'}\n" in repr(result).partition("straight course")[2]
+
+
+def unstable(speed: float) -> dict[str, float]:
+    """Norrbin's unstable ship at a speed."""
+    return {"a": 1.6 * (speed / L) ** 2, "b1": -speed / L, "b3": 20 * L / speed}
+
+
+def test_stopping_is_named_as_not_covered():
+    result = manoeuvring_criteria("norrbin", ship="zeefakkel", draws=0)
+    assert "not covered: stopping" in repr(result) and "15 L" in result.to_dict()["not_covered"][0]
 
 
 def norrbin(a1: float) -> dict[str, float]:
@@ -85,15 +115,15 @@ def test_bands_from_a_fit_and_words_of_extrapolation(sail):
     result = shipid.manoeuvring_criteria(fit)
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     swing = plain["criteria"]["first_overshoot_10"]
-    low, high = swing["starboard"]["band95"]
+    low, high = swing["starboard"]["interval_95"]
     assert low < swing["starboard"]["value"] < high
-    notes = " ".join(plain["notes"])
+    notes = " ".join(w["message"] for w in plain["warnings"])
     assert "up to 10 deg" in notes and "35 deg are extrapolated" in notes
     assert "20 and 35" in notes
     assert plain["standard"] == "evaluated against MSC.137(76) 5.3"
     assert "90 % of the speed at 85 %" in notes and "100 m and longer" in notes
     assert "compliant" not in repr(result) + str(plain)
-    assert set(result.to_frame().columns) >= {"value", "band95", "limit"}
+    assert set(result.to_frame().columns) >= {"value", "interval_95", "limit"}
 
 
 def test_bands_from_the_standard_deviations_of_a_set():
@@ -117,7 +147,59 @@ def test_a_model_that_runs_away_says_so():
     plain = json.loads(json.dumps(result.to_dict(), allow_nan=False))
     turn = plain["criteria"]["tactical_diameter"]
     assert turn["starboard"]["value"] is None and turn["within"] is None
-    assert "runs away" in turn["starboard"]["words"] and "runs away" in plain["notes"][0]
+    assert turn["starboard"]["words"].startswith(f"{NOT_SAILED}: it turns faster than any ship")
+    first = plain["warnings"][0]
+    assert first["message"].startswith(f"The turning circle at 30 deg is {NOT_SAILED} (norrbin): it turns faster")
+    assert first["kind"] == "not-sailed" and first["serious"] and first["manoeuvre"] == "turn"
+    assert "not sailed" in repr(result)
+
+
+def slowed(loss: float, rudder: float) -> ParameterSet:
+    """The container ship with another share of speed lost, and another largest rudder angle in degrees."""
+    own = shipid.find_ship("soesterberg")
+    sections = {
+        name: {n: replace(v, value=loss) if n in ("K_u", "K_u_star") else v for n, v in section.items()}
+        for name, section in own.sections.items()
+    }
+    sections[PARTICULARS]["delta_max"] = Value("delta_max", rudder, "deg", "assumed")
+    return replace(own, sections=sections)
+
+
+@pytest.mark.parametrize("model", ["de-keizer", "de-keizer-minimal", "de-keizer-cubic", "gain-scheduled"])
+@pytest.mark.parametrize("rudder", [26.0, 30.0, 35.0])
+def test_a_ship_that_loses_its_way_has_no_circle(model, rudder):
+    """K_u* 0.9: at 180 deg of this turn u was 0.005 of 9.5 m/s, and the circle 2.19 L, "within"."""
+    result = manoeuvring_criteria(model, ship=slowed(0.9, rudder), draws=0)
+    rows = {r.key: r for r in result.rows}
+    for key in ("advance", "transfer", "tactical_diameter"):
+        assert rows[key].starboard.value is rows[key].port.value is rows[key].within is None
+        assert rows[key].starboard.words.startswith(NOT_SAILED)
+    assert rows["first_overshoot_20"].within
+    assert result.notes[0].startswith(
+        f"The turning circle at {rudder:g} deg is {NOT_SAILED} ({model}): it keeps less than"
+    )
+
+
+def test_a_turn_below_the_limit_is_sailed():
+    row = manoeuvring_criteria("de-keizer", ship=slowed(0.9, 25.0), draws=0).rows[2]
+    assert row.within and row.starboard.value == pytest.approx(3.125, abs=0.005)
+
+
+def test_the_readme_s_ship_sails_its_circle():
+    """A circle that is held for a hundred ship lengths, at two thirds of the approach speed."""
+    found = {r.key: r for r in manoeuvring_criteria("de-keizer", ship="soesterberg", draws=0).rows}
+    assert found["tactical_diameter"].starboard.value == pytest.approx(2.53, abs=0.01)
+    trial = shipid.simulate("de-keizer", "soesterberg", "turn:35/3000", duration="1500 s")
+    assert trial["u"][-1] / U == pytest.approx(1 - 0.35 * (1.6 * np.deg2rad(35)) ** 2, abs=2e-3)
+
+
+def test_draws_that_lose_their_way_leave_no_band():
+    """The ship itself sails the turn at 25 deg, and many of its draws do not: a band of the others would be too narrow."""
+    own = slowed(0.9, 25.0)
+    section = {n: replace(v, std=0.1 * abs(v.value) or None) for n, v in own.sections["de-keizer"].items()}
+    row = manoeuvring_criteria("de-keizer", ship=replace(own, sections={**own.sections, "de-keizer": section})).rows[2]
+    assert row.starboard.value is not None and row.starboard.band95 is None
+    assert row.starboard.words == "no band: more than one draw in twenty does not reach it"
 
 
 def test_what_is_missing_is_said():

@@ -146,3 +146,11 @@ def test_a_power_that_overflows_is_refused() -> None:
 def test_a_shaft_is_counted_and_not_turned_through_an_angle(value: str, wanted: str) -> None:
     with pytest.raises(UnitError, match="shaft speed"):
         units.to_si(value, wanted, "the shaft speed")
+
+
+def test_a_broken_power_is_not_raised():
+    assert (
+        units.pretty("rad/s^1.5") == "rad/s^1.5"
+        and units.pretty("m/(rad s)") == "m/(rad s)"
+        and units.pretty("s^-2") == "s⁻²"
+    )

@@ -149,7 +149,7 @@ def test_uncompiled_is_the_same_filter(case: Any, monkeypatch: pytest.MonkeyPatc
     run = hand.kalman.filter(record)
     kalman = copy.copy(hand.kalman)
     # The same design, of which nothing has been generated yet.
-    kalman.design = replace(hand.kalman.design)
+    kalman.design = replace(hand.kalman.design, _loops={}, _quantities={})
     monkeypatch.setenv("SHIPID_COMPILE", "0")
     slow = kalman.filter(record)
     assert not kalman.design.loop(full=True).compiled and hand.kalman.design.loop(full=True).compiled

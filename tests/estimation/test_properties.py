@@ -149,12 +149,12 @@ def test_results_as_plain_values(filters: dict[str, Any]) -> None:
     assert plain["model"] == "yaw" and plain["samples"] == 40 and plain["clock_went_back"] == 0
     assert set(plain["parameters"]) == {"K", "tau"} and set(plain["states"]) == {"psi", "r"}
     assert plain["innovations"]["psi"] == {
-        "nis_mean": None, "nis_band95": None, "white_p": None, "rejected": 0, "out_of_range": 0, "samples": 0,
+        "nis_mean": None, "nis_interval_95": None, "white_p": None, "rejected": 0, "out_of_range": 0, "samples": 0,
     }  # fmt: skip
-    low, high = plain["innovations"]["r"]["nis_band95"]
+    low, high = plain["innovations"]["r"]["nis_interval_95"]
     assert low < 1 < high and 0 <= plain["innovations"]["r"]["white_p"] <= 1
     K = run.parameters["K"]
-    assert plain["parameters"]["K"]["ci95"] == list(K.ci95) and K.ci95[0] < K.value < K.ci95[1]
+    assert plain["parameters"]["K"]["interval_95"] == list(K.ci95) and K.ci95[0] < K.value < K.ci95[1]
     assert K.value == run["K"][-1] and K.std == pytest.approx(run.std_of("K")[-1])
     # Of a parameter estimated by its logarithm: exactly, so not symmetric.
     assert K.ci95[0] * K.ci95[1] == pytest.approx(K.value**2)

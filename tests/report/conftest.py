@@ -97,7 +97,7 @@ def diverged(fit):
     )
     parameters = dict(fit.parameters)
     parameters["tau"] = dataclasses.replace(
-        parameters["tau"], value=None, std=None, ci95=None, identifiable=False, why="it runs away.", prime=None
+        parameters["tau"], value=None, std=None, ci95=None, standing="not determined", why="it runs away.", prime=None
     )
     return dataclasses.replace(
         fit,

@@ -25,7 +25,7 @@ def judged():
 @pytest.fixture(scope="module")
 def weak():
     """Poles far too quick for the servo, a speed range beyond the table, and no uncertainty known."""
-    return shipid.judge(shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2"), samples=20)
+    return shipid.judge(shipid.design_autopilot("nomoto", "zeefakkel", omega_n=3.0, speeds="1:5:2 m/s"), samples=20)
 
 
 @pytest.fixture(scope="module")

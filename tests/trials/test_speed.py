@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from shipid.trials.speed import speed_before
+from shipid.trials.errors import NotAheadError
+from shipid.trials.speed import check_way, speed_before
 
 T = np.arange(0.0, 100.0, 0.5)
 
@@ -56,3 +57,19 @@ def test_a_ship_that_gathers_way_has_no_approach() -> None:
 def test_a_helmsman_who_keeps_the_course_has_not_executed() -> None:
     keeping = np.deg2rad(1.0) * np.sin(T)
     assert speed_before(T, losing(30.0), np.where(T < 30.0, keeping, 0.35), 8.0).samples == 60
+
+
+def test_a_ship_that_goes_astern_in_a_record_is_named() -> None:
+    """Ten samples in a row below zero; fewer are noise about a ship that lies still."""
+    speed = 5.0 - T / 10.0
+    with pytest.raises(NotAheadError, match=r"goes astern from 50\.5 s on, and model de-keizer .*\(FILE@0:50\.5 for"):
+        check_way({"t": T, "u": speed}, "stopping", "de-keizer")
+    with pytest.raises(NotAheadError, match="Take a window in which it does, or"):
+        check_way({"t": T, "u": speed - 6.0}, "astern", "de-keizer")
+    noisy = np.where(np.arange(T.size) % 10 == 0, 0.1, -0.1)
+    check_way({"t": T, "u": noisy}, "still", "de-keizer")
+    check_way({"t": T[:5], "u": -np.ones(5)}, "short", "de-keizer")
+    check_way({"t": T}, "no log", "de-keizer")
+    holed = np.where(np.arange(T.size) % 2 == 0, np.nan, speed)
+    with pytest.raises(NotAheadError, match=r"astern from 50\.5 s on"):
+        check_way({"t": T, "u": holed}, "holed", "de-keizer")

@@ -15,6 +15,7 @@ from shipid.declaration.join import join
 from shipid.declaration.quantity import constant, given, state
 from shipid.foundation.aliases import Expression
 from shipid.generation.simulator import make_simulator
+from shipid.parts.guard_watch import DEPARTED
 
 #: A course change is settled within this part of it, and at least half a degree.
 _BAND, _LEAST_BAND = 0.02, np.deg2rad(0.5)
@@ -183,13 +184,15 @@ def read_measures(
     Parameters
     ----------
     end : mapping of str to ndarray, shape (runs,)
-        The last states of the model by name; a run with one that is not finite has diverged.
+        The last states of the model by name; a run with one that is not finite has diverged, and one
+        that has left the range of its model has no measures either.
     speeds, changes : ndarray, shape (runs,)
         Speed before the change in m/s, and the change in rad.
     duration, begin : ndarray, shape (runs,)
         Of the run, and the time from which errors and activity were summed, in s.
     """
     good = np.isfinite(np.stack(list(end.values()))).all(axis=0)
+    good &= ~(end.get(DEPARTED, np.zeros(good.shape)) > 0.5)
     span = duration - begin
     settled = end["settled"] + duration / 1e9
     found = {

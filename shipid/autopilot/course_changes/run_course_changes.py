@@ -19,6 +19,7 @@ from shipid.declaration.model import Model
 from shipid.generation.ensemble import make_ensemble, steps_of
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.draws import Drawn
+from shipid.parts.guard_watch import guard_watch
 
 #: Length of a run in L/u, and the clock: a fiftieth of L/u, and short enough for the servo and the fastest pole of the ship.
 LENGTHS, PACE, _SERVO, _FASTEST = 40.0, 0.02, 0.8, 0.8
@@ -121,6 +122,7 @@ def run_course_changes(
     speeds, changes = np.asarray(speeds, dtype=float), np.asarray(changes, dtype=float)
     parts: list[type[Component]] = [
         CourseMeasures,
+        *guard_watch(pilot.model),
         *ordering(pilot),
         *(weather.components(pilot.model) if weather else ()),
     ]

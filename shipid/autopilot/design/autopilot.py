@@ -14,6 +14,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 Design = Literal["pole", "lqr", "pid"]
 #: What the autopilot holds: a course, or a rate of turn.
 Mode = Literal["course", "rate"]
+#: The quantities of a request, and the unit each is in.
+REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight": "1"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +145,7 @@ class Autopilot:
             "ship": self.ship.name,
             "design": self.design,
             "mode": self.mode,
-            "request": dict(self.request),
+            "request": {n: {"value": v, "unit": REQUEST_UNITS[n]} for n, v in self.request.items()},
             "service_speed": self.service_speed,
             "rudder_limit_deg": to_display(self.rudder_limit, "delta"),
             "actuator": self.actuator.__name__,
@@ -154,7 +157,7 @@ class Autopilot:
             found["conditions"] = {
                 name: {"gains": self._gains(j), "poles": self._poles(j)} for j, name in enumerate(self.conditions)
             }
-        return found | {"warnings": list(self.warnings)}
+        return found | {"warnings": plain_notices(self.warnings)}
 
     def _gains(self, condition: int) -> dict[str, list[float]]:
         return {n: g[condition].tolist() for n, g in self.schedule.gains.items()}
@@ -163,7 +166,7 @@ class Autopilot:
         return [[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]]
 
     def __repr__(self) -> str:
-        asked = ", ".join(f"{n} {v:.4g}" for n, v in self.request.items())
+        asked = ", ".join(_with_unit(v, n) for n, v in self.request.items())
         holds = "" if self.mode == "course" else f", {self.mode}"
         lines = [f"autopilot of {self.ship.name} ({self.model.name}){holds}, {self.design}: {asked}"]
         for j, name in enumerate(self.conditions):
@@ -174,3 +177,8 @@ class Autopilot:
                 row = "".join(f"{g[j][i]:12.4g}" for g in self.schedule.gains.values())
                 lines.append(f"  {speed:10.3f}  {row}")
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+
+def _with_unit(value: float, name: str) -> str:
+    unit = "" if REQUEST_UNITS[name] == "1" else f" {REQUEST_UNITS[name]}"
+    return f"{name} {value:.4g}{unit}"

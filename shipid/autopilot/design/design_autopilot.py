@@ -68,7 +68,7 @@ def design_autopilot(
         The steering machine, by default `shipid.parts.steering_machine.SteeringMachine`; None for a rudder that is where it is ordered.
         The gains are those of the ship alone, as published; the judgement includes the machine.
     speeds : str or sequence of float, optional
-        ``"4:12:1 m/s"``, ``"8,12,16 kn"``, or numbers in m/s (text without a unit counts in m/s); by default 0.5 to 1.2 of
+        ``"4:12:1 m/s"``, ``"8,12,16 kn"``, or numbers in m/s; by default 0.5 to 1.2 of
         the ship's own speed, by tenths of it.
     design : {"pole", "lqr", "pid"}
         Poles placed; the least cost of heading error and rudder; poles placed with an integral for a steady moment.

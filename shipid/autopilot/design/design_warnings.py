@@ -11,7 +11,9 @@ from shipid.autopilot.design.plant import coefficients_at
 from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import BEYOND, beyond
 
 #: Speeds outside those of the trials by less than this part are no extrapolation.
 _SLACK = 0.05
@@ -35,22 +37,25 @@ def design_warnings(
     """
     return (
         _outside_trials(problem.model, problem.ships, schedule.speeds)
+        + [n for ship in problem.ships for n in beyond(problem.model, ship, rudder=rudder_limit)]
         + _about_ship(problem, schedule)
         + _too_fast(problem, schedule, rudder_limit, limits)
     )
 
 
 def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.ndarray) -> list[str]:
-    found = []
+    found: list[str] = []
     for ship in ships:
         known = [coefficients_at(model, ship, float(v)) for v in (speeds[0], speeds[-1])]
         span = known[0].span
-        if span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK)):
-            found.append(
+        outside = span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK))
+        if span and outside:
+            words = (
                 f"outside the identified range: ship {ship.name} was tried from {span[0]:.3g} to {span[1]:.3g} m/s, and the "
                 f"schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s; beyond the trials it is extrapolation."
             )
-        elif not span and any(k.scaled for k in known):
+            found.append(Notice(words, BEYOND, quantity="u"))
+        if any(k.scaled for k in known) and (outside or not span):
             found.append(
                 f"scaled by speed: the coefficients of {model.name} hold at {ship.particular('speed', 'm/s'):.3g} m/s; at other "
                 "speeds they are scaled by L and L/U, which a ship follows only roughly."

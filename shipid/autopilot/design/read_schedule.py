@@ -8,12 +8,12 @@ from typing import cast
 
 import numpy as np
 
-from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
+from shipid.autopilot.design.autopilot import REQUEST_UNITS, Autopilot, Design, Mode
 from shipid.autopilot.design.closed_loop import schedule_poles
 from shipid.autopilot.design.design_autopilot import DESIGNS, MODES
 from shipid.autopilot.design.plant import check_steerable
 from shipid.autopilot.design.schedule import GAINS, Schedule
-from shipid.autopilot.design.write_schedule import KIND, LIMIT_UNITS, REQUEST_UNITS
+from shipid.autopilot.design.write_schedule import KIND, LIMIT_UNITS
 from shipid.autopilot.errors import ModelFileError, ScheduleError
 from shipid.declaration.component import Component, declared_quantities
 from shipid.declaration.model import Model

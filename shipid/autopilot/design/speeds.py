@@ -38,7 +38,7 @@ def parse_speeds(text: str | Sequence[float] | None, own: float | None) -> np.nd
     """
     if text is None:
         if own is None:
-            raise ParameterSetError("the ship has no speed of its own: give the speeds, as in --speeds 4:12:1.")
+            raise ParameterSetError("the ship has no speed of its own: give the speeds, as in --speeds '4:12:1 m/s'.")
         return np.round(own * np.arange(0.5, 1.25, 0.1), 6)
     found = _read(text) if isinstance(text, str) else np.array(sorted({float(v) for v in text}))
     if not len(found) or not np.isfinite(found).all() or found.min() <= 0:
@@ -61,7 +61,9 @@ def _read(text: str) -> np.ndarray:
         numbers, (last, unit) = [float(p) for p in parts[:-1]], split(parts[-1])
     except (ValueError, UnitError):
         raise refusal from None
-    scale = factor(unit or "m/s", "m/s", "the speeds")
+    if unit is None:
+        raise DesignRequestError(f"the speeds '{text}' have no unit. Write '{text} m/s': shipid does not guess.")
+    scale = factor(unit, "m/s", "the speeds")
     if ":" not in text:
         return np.unique(np.array([*numbers, last]) * scale)
     if len(numbers) == 1:

@@ -8,7 +8,7 @@ import numpy as np
 import tomli_w
 
 import shipid
-from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.autopilot import REQUEST_UNITS, Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.replacing import write_text
@@ -19,8 +19,6 @@ from shipid.parts.helm import DirectRudder
 KIND = "shipid autopilot schedule"
 #: Limits of the steering machine, and the unit each is written in.
 LIMIT_UNITS = {"delta_max": "rad", "delta_rate": "rad/s", "tau_delta": "s"}
-#: The quantities of a request, and the unit each is written in.
-REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight": "1"}
 #: The control law of each mode.
 _LAWS = {
     "course": "Kp (psi_order - psi) - Kd r + Ki integral(psi_order - psi)",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from shipid.autopilot.judgement.judgement import Judgement
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import notice_of, plain_notices
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ class TuningComparison:
             "names": list(self.names),
             "rows": [r.to_dict() for r in self.rows],
             "tunings": [j.to_dict() for j in self.judged],
-            "warnings": list(self.warnings),
+            "warnings": plain_notices(self.warnings),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -126,7 +127,7 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
             f"two speeds: the ships' own speeds are {one.service_speed:.3g} and {two.service_speed:.3g} m/s."
         )
     for name, judged in zip(names, (first, second)):
-        warnings += [f"{name}: {w}" for w in judged.warnings]
+        warnings += [notice_of(w).about(name) for w in judged.warnings]
     return TuningComparison(names, (first, second), tuple(rows), tuple(warnings))
 
 

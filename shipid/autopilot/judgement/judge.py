@@ -22,7 +22,9 @@ from shipid.autopilot.judgement.judgement import (
 from shipid.autopilot.judgement.margins import Margins, loop_polynomials, margins_at
 from shipid.autopilot.judgement.robustness import robustness_of
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
+from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import UsageError
+from shipid.foundation.notices import Notice
 from shipid.parameters.draws import draw_coefficients
 
 #: Course changes at the slowest, the ship's own and the fastest speed.
@@ -95,8 +97,12 @@ def judge(
     lost = sorted({abs(s.change_deg) for s in steps if s.lost})
     if lost:
         warnings.append(
-            f"lost: the model runs away in course changes of {', '.join(f'{c:.3g}' for c in lost)} deg; with this rudder limit "
-            "they are outside its range."
+            Notice(
+                f"lost: course changes of {', '.join(f'{c:.3g}' for c in lost)} deg with this rudder limit are {NOT_SAILED} "
+                f"({pilot.model.name}): it runs away, or loses its way.",
+                "not-sailed",
+                serious=True,
+            )
         )
     return Judgement(
         pilot=pilot,

@@ -13,6 +13,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.judgement.margins import Margins
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -268,7 +269,7 @@ class Judgement:
             }
         if self.on_board is not None:
             found["on_board"] = self.on_board.to_dict()
-        return found | {"warnings": list(self.warnings)}
+        return found | {"warnings": plain_notices(self.warnings)}
 
     def to_frame(self) -> pd.DataFrame:
         """Return the margins as a pandas table, a row for each load condition and speed."""

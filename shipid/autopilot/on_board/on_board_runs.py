@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -91,7 +92,7 @@ class OnBoardRuns:
             "interval_s": self.interval,
             "adaptation": self.adaptation,
             "runs": [r.to_dict() for r in self.runs],
-            "warnings": list(self.warnings),
+            "warnings": plain_notices(self.warnings),
         }
 
     def to_frame(self) -> pd.DataFrame:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
@@ -15,9 +15,9 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.online.saving import (
+    check_carried,
     check_clock,
     check_counts,
-    check_covariance,
     check_finite,
     examined,
     names_among,
@@ -25,21 +25,19 @@ from shipid.estimation.online.saving import (
     read_state,
     write_state,
 )
+from shipid.estimation.online.tally import Tally
 from shipid.estimation.records.controls import check_scale, check_switch
 from shipid.estimation.records.derived import named
 from shipid.estimation.records.first_estimate import carried_vector
 from shipid.estimation.records.smoother import run_back
-from shipid.estimation.records.triangles import deviations_of, unpacked
-from shipid.estimation.recursion.gate import MEMORY, REJECTED, TAKEN
+from shipid.estimation.records.triangles import deviations_of
+from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.estimation.recursion.layout import total
+from shipid.estimation.settings.first_look import first_value
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
-
-#: No sensor has been watched for longer, in s or in samples.
-_LONGEST_AGE = 1e15
-#: No coefficient is larger than e to this.
-_LARGEST_LOG = 70.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,10 +87,12 @@ class OnlineEstimate:
         """Return plain values, SI; None where a number is not finite."""
         names = [s for s in self.design.model.states if s not in self.design.parameters.values()]
         names += list(self.design.parameters)
-        estimates = {n: {"value": self[n], "std": self.std_of(n)} for n in names}
+        model = self.design.model
         return {
             "t": self.t,
-            "estimates": {n: {k: v if math.isfinite(v) else None for k, v in e.items()} for n, e in estimates.items()},
+            "estimates": {
+                n: {"value": plain(self[n]), "unit": model[n].unit, "std": plain(self.std_of(n))} for n in names
+            },
             "taken": list(self.taken),
             "rejected": list(self.rejected),
             "refused": self.refused,
@@ -123,6 +123,8 @@ class OnlineFilter:
     ----------
     rejected : dict of str to int
         Samples of each sensor beyond the gate or out of range so far.
+    tally : Tally
+        Samples beyond the gate, and the size of the innovations, so far.
     stepper : Stepper or None
         The step alone on fixed memory (`control`, `step()`, `out`), for a loop in which microseconds count; None
         before the first sample.
@@ -142,6 +144,8 @@ class OnlineFilter:
         self._reader = SampleReader(design.instruments)
         self._unseen: set[str] = set()
         self._window: deque[_Row] = deque()
+        self._first: dict[str, float] = {}
+        self.tally = Tally(design)
         # Looked up once: a sample costs microseconds.
         model, lost = design.model, design.instruments.lost
         self._lost = tuple(
@@ -159,6 +163,26 @@ class OnlineFilter:
     def refused(self) -> int:
         """Whole samples left out so far: their time stamp cannot be right (see `shipid.estimation.records.clock`)."""
         return self._reader.refused
+
+    def look_at(self, samples: Sequence[Mapping[str, float]]) -> None:
+        """Take the first estimates from several samples instead of the first one alone, which may be wild.
+
+        Parameters
+        ----------
+        samples : sequence of mapping of str to float
+            The first samples, SI, with ``t``; each is then given to `update` as well.
+        """
+        instruments = self.design.instruments
+        for name, level in zip(self.design.measured, self.design.r):
+            columns = [(s["t"], s.get(instruments.column_of(name, s) or "", math.nan)) for s in samples]
+            shown = np.array([(t, float(v)) for t, v in columns if v is not None and math.isfinite(v)])
+            if shown.size:
+                quantity = instruments.quantity_of(name)
+                values = shown[:, 1]
+                if self.design.model[quantity].quantity.wraps:
+                    # From the last sample back: a wild first one must not turn the others.
+                    values = np.unwrap(values[::-1])[::-1]
+                self._first[quantity] = first_value(shown[:, 0], values, float(level))
 
     def update(
         self, sample: Mapping[str, float], *, adapt: bool = True, scale: Mapping[str, float] | None = None
@@ -194,7 +218,10 @@ class OnlineFilter:
         elapsed = reader.elapsed(sample)
         if elapsed is None:
             return self._estimate((), (), reader.why_refused(sample))
-        inputs, lost = reader.inputs(sample, None if self.stepper is None else self.stepper.z[carried["u"]])
+        shown = (
+            sample if self.stepper is not None else {**sample, **{n: v for n, v in self._first.items() if n in sample}}
+        )
+        inputs, lost = reader.inputs(shown, None if self.stepper is None else self.stepper.z[carried["u"]])
         stepper = self.stepper or self._begin(sample, inputs)
         outside: tuple[str, ...] = ()
         for interval, between, is_sample in reader.bridge(elapsed, stepper.z[carried["u"]].astype(float), inputs):
@@ -210,6 +237,7 @@ class OnlineFilter:
             {n: float(v) for n, v in sample.items() if v is not None and np.isfinite(v)}
         )
         stated = {*first, *design.first.states}
+        first |= {n: v for n, v in self._first.items() if n in first}
         self._unseen = {n for n in design.measured if instruments.quantity_of(n) not in stated}
         self.stepper = self.first_stepper(carried_vector(design, first, inputs))
         self._reader.begin()
@@ -270,6 +298,7 @@ class OnlineFilter:
 
     def _outcome(self, stepper: Stepper, outside: tuple[str, ...]) -> OnlineEstimate:
         design = self.design
+        self.tally.add(stepper.out)
         fate = stepper.out[design.layout.brief["fate"]].tolist()
         rejected = outside + tuple(n for n, f in zip(design.measured, fate) if f == REJECTED)
         for name in rejected:
@@ -350,7 +379,7 @@ class OnlineFilter:
             check_clock(state, design.instruments.rates)
             carried = numbers(state, "carried", total(layout.carried))
             out = numbers(state, "out", layout.brief["ll"].stop)
-            _check_carried(design, carried)
+            check_carried(design, carried)
             check_finite("out", out[layout.brief["x"]])
             check_finite("out", out[layout.brief["var"]])
             rejected = check_counts("rejected", state["rejected"], design.measured)
@@ -359,24 +388,3 @@ class OnlineFilter:
         self.rejected, self._unseen = rejected, unseen
         self.stepper = self.first_stepper(carried)
         self.stepper.out[: len(out)] = out
-
-
-def _check_carried(design: FilterDesign, carried: np.ndarray) -> None:
-    """Check what is carried from sample to sample; a ValueError says which part cannot be right."""
-    layout, parts = design.layout, {n: carried[place] for n, place in design.layout.carried.items()}
-    for name in ("x", "w", "u", "P"):
-        check_finite(name, parts[name])
-    low, high = design.step_settings.low, design.step_settings.high
-    margin = 1e-6 * (1 + np.abs(parts["x"]))  # single precision rounds a bound
-    check_finite("x", parts["x"] - np.clip(parts["x"], low - margin, high + margin), 0.0, 0.0)
-    logarithms = [design.model.states.index(s) for n, s in design.parameters.items() if s != n]
-    check_finite("x", parts["x"][logarithms], -_LARGEST_LOG, _LARGEST_LOG)
-    for name in MEMORY:
-        # Without a last value, and without two that differ, the gate remembers an infinite one.
-        values = parts[name][~np.isposinf(parts[name])] if name in ("last", "grain") else parts[name]
-        check_finite(name, values, -np.inf if name == "last" else 0.0, _LONGEST_AGE)
-    if design.form == "square-root":
-        root = parts["P"].reshape(layout.joint, layout.joint, order="F")
-        check_covariance(root @ root.T, design.single)
-    else:
-        check_covariance(unpacked(parts["P"][None, :], layout.joint)[0], design.single)

@@ -15,6 +15,7 @@ from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import unstated_input
+from shipid.trials.speed import check_ahead
 
 
 class SampleReader:
@@ -41,7 +42,9 @@ class SampleReader:
         self._counts = {n: -1 for n in instruments.rates}
         # Looked up once: a sample costs microseconds.
         model, free = instruments.model, (-math.inf, math.inf)
-        self._inputs = tuple((n, instruments.inputs.get(n), n in instruments.lost) for n in model.inputs)
+        self._inputs = tuple(
+            (n, instruments.inputs.get(n), n in instruments.lost, instruments.biases.get(n, 0.0)) for n in model.inputs
+        )
         self._sensors = tuple(
             (i, n, model[n].quantity.measures, instruments.rates.get(n), *instruments.ranges.get(n, free))
             for i, n in enumerate(instruments.sensors)
@@ -121,10 +124,10 @@ class SampleReader:
             If the first sample lacks an input that is needed and declares no default.
         """
         values, lost = np.empty(len(self._inputs)), np.zeros(len(self._inputs), dtype=bool)
-        for i, (name, fixed, can_be_lost) in enumerate(self._inputs):
+        for i, (name, fixed, can_be_lost, bias) in enumerate(self._inputs):
             value = sample.get(name) if fixed is None else fixed
             if value is not None and math.isfinite(value):
-                values[i] = value
+                values[i] = value + bias
                 continue
             lost[i] = name in sample or can_be_lost
             values[i] = held[i] if held is not None else self._first_input(name, sample)
@@ -135,6 +138,8 @@ class SampleReader:
         instruments = self.instruments
         for speed in (sample.get("u"), instruments.scale.speed) if name in ("cruise", "u") else ():
             if speed is not None and math.isfinite(speed):
+                if name == "cruise" and name in instruments.needed:
+                    check_ahead(float(speed), "being followed", instruments.model.name)
                 return speed
         default = instruments.model[name].number("default")
         if default is None and name in instruments.needed:

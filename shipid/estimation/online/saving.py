@@ -14,8 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
+from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import SavedStateError
 from shipid.estimation.records.clock import CONFIRMED, LATEST, LONGEST_GAP
+from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.recursion.gate import MEMORY
 from shipid.foundation.aliases import Plain
 from shipid.foundation.printable import printable
 from shipid.foundation.replacing import write_text
@@ -27,6 +30,10 @@ _LARGEST_FILE = 16 << 20
 _LARGEST = 1e30
 #: The smallest eigenvalue of a correlation matrix may be so far below zero by rounding; in double and in single precision.
 _ROUNDING, _ROUNDING_SINGLE = 1e-6, 1e-2
+#: No sensor has been watched for longer, in s or in samples.
+_LONGEST_AGE = 1e15
+#: No coefficient is larger than e to this.
+_LARGEST_LOG = 70.0
 
 
 def write_state(path: Path, fingerprint: str, model: str, state: dict[str, Plain]) -> None:
@@ -331,3 +338,37 @@ def check_clock(state: Mapping[str, Plain], rates: Iterable[str]) -> None:
     check_finite("clock", _numbers("clock", clock[2], 0, CONFIRMED - 1), -LATEST, LATEST)
     check_counts("counts", state["counts"], rates, least=-1)
     check_count("refused", state["refused"])
+
+
+def check_carried(design: FilterDesign, carried: np.ndarray) -> None:
+    """Check what is carried from sample to sample.
+
+    Parameters
+    ----------
+    design : FilterDesign
+        The filter.
+    carried : ndarray, shape (carried,)
+        What was read.
+
+    Raises
+    ------
+    ValueError
+        Which part cannot be right.
+    """
+    layout, parts = design.layout, {n: carried[place] for n, place in design.layout.carried.items()}
+    for name in ("x", "w", "u", "P"):
+        check_finite(name, parts[name])
+    low, high = design.step_settings.low, design.step_settings.high
+    margin = 1e-6 * (1 + np.abs(parts["x"]))  # single precision rounds a bound
+    check_finite("x", parts["x"] - np.clip(parts["x"], low - margin, high + margin), 0.0, 0.0)
+    logarithms = [design.model.states.index(s) for n, s in design.parameters.items() if s != n]
+    check_finite("x", parts["x"][logarithms], -_LARGEST_LOG, _LARGEST_LOG)
+    for name in MEMORY:
+        # Without a last value, and without two that differ, the gate remembers an infinite one.
+        values = parts[name][~np.isposinf(parts[name])] if name in ("last", "grain") else parts[name]
+        check_finite(name, values, -np.inf if name == "last" else 0.0, _LONGEST_AGE)
+    if design.form == "square-root":
+        root = parts["P"].reshape(layout.joint, layout.joint, order="F")
+        check_covariance(root @ root.T, design.single)
+    else:
+        check_covariance(unpacked(parts["P"][None, :], layout.joint)[0], design.single)

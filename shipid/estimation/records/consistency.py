@@ -6,6 +6,10 @@ import numpy as np
 
 from shipid.foundation.statistics import ljung_box
 
+#: A larger share of a sensor's samples beyond the gate is no accident.
+REJECTED_SHARE = 0.1
+#: Mean squared normalised innovations that still fit a filter: standard deviations right to 40 %.
+FITTING = (0.5, 2.0)
 #: Lags of the whiteness test: enough for a ship's oscillation sampled a few times a second, few enough for a short record.
 _LAGS = 20
 #: Smallest number of values that is tested.

@@ -10,11 +10,14 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.arrangement import Arrangement, FilterRecord, columns_of
 from shipid.estimation.records.triangles import diagonal_of
 from shipid.estimation.recursion.layout import total
+from shipid.estimation.settings.first_look import LOOK, first_value
 from shipid.estimation.settings.initial import state_spreads
 
 
 def first_sample(design: FilterDesign, record: FilterRecord, used: np.ndarray) -> dict[str, float]:
     """Return the first finite value of each column, under the names of the measured quantities as well.
+
+    A first value of a sensor that is wild beside those that follow it is not taken (`shipid.estimation.settings.first_look`).
 
     Parameters
     ----------
@@ -26,8 +29,14 @@ def first_sample(design: FilterDesign, record: FilterRecord, used: np.ndarray) -
         Which of its samples are used.
     """
     columns, _ = columns_of(record)
-    firsts = {n: c[used & np.isfinite(c)][:1] for n, c in columns.items()}
-    return design.instruments.with_quantities({n: float(c[0]) for n, c in firsts.items() if c.size})
+    there = {n: np.flatnonzero(used & np.isfinite(c))[:LOOK] for n, c in columns.items()}
+    firsts = {n: float(columns[n][at[0]]) for n, at in there.items() if at.size}
+    for name, level in zip(design.measured, design.r):
+        column = design.instruments.column_of(name, firsts)
+        if column is not None:
+            at = there[column]
+            firsts[column] = first_value(columns["t"][at], columns[column][at], float(level))
+    return design.instruments.with_quantities(firsts)
 
 
 def first_estimate(design: FilterDesign, sample: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:

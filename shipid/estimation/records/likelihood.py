@@ -6,7 +6,7 @@ One pass over the record gives the value, the gradient and Fisher's expected inf
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -40,10 +40,9 @@ class Likelihood:
 
     unknowns: tuple[str, ...]
     start: np.ndarray
-    _loop: Loop = field(repr=False)
+    _design: FilterDesign = field(repr=False)
     _carried: tuple[np.ndarray, ...] = field(repr=False)
     _controls: tuple[np.ndarray, ...] = field(repr=False)
-    _constants: np.ndarray = field(repr=False)
     _places: tuple[Unknown, ...] = field(repr=False)
     _inputs: int = field(repr=False)
 
@@ -64,7 +63,39 @@ class Likelihood:
             Fisher's, summed over the record.
         """
         size = len(self.unknowns)
-        first, constants = self._carried[0].copy(), self._constants.copy()
+        value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
+        for end, out in self._passes(q, self._design.score(self._places)):
+            with np.errstate(invalid="ignore", over="ignore"):  # a filter that diverges is told below
+                value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
+            information = information + unpacked(end[None, end.size - covariance_form.size(size) :], size)[0]
+        if not (np.isfinite(value) and np.isfinite(gradient).all()):
+            return -np.inf, np.zeros(size), np.zeros((size, size))
+        return value, gradient, information
+
+    def innovations(self, q: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+        """Return the innovations in standard deviations and their derivatives, one pair for each stretch between holes of an input.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            SI; natural logarithms of noise levels.
+
+        Returns
+        -------
+        list of (ndarray, ndarray)
+            Shapes (sensors, N) and (sensors, N, unknowns); NaN and zero where a sample is missing.
+        """
+        pairs = []
+        for _, out in self._passes(q, self._design.score(self._places, innovations=True)):
+            sensors = out.shape[1] // (2 + len(self.unknowns))
+            there, series = out[:, :sensors].T > 0, out[:, sensors : 2 * sensors].T
+            slopes = out[:, 2 * sensors :].reshape(len(out), len(self.unknowns), sensors).transpose(2, 0, 1)
+            pairs.append((np.where(there, series, np.nan), slopes))
+        return pairs
+
+    def _passes(self, q: np.ndarray, loop: Loop) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+        """What is carried at the end of each stretch, and its outputs sample by sample."""
+        first, constants = self._carried[0].copy(), self._design.constants.copy()
         shift = np.zeros(self._inputs)
         for value, place in zip(q, self._places):
             if place.kind == "constant":
@@ -75,18 +106,12 @@ class Likelihood:
                 first[place.at] = value
             else:
                 shift[place.at] += value
-        value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
         # Behind a hole of an input everything starts anew.
         for z0, control in zip((first, *self._carried[1:]), self._controls):
             if shift.any():
                 control = control.copy()
                 control[:, : self._inputs] += shift
-            end, out = self._loop(z0, control, constants)
-            value, gradient = value + float(out[:, 0].sum()), gradient + out[:, 1:].sum(axis=0)
-            information = information + unpacked(end[None, z0.size - covariance_form.size(size) :], size)[0]
-        if not (np.isfinite(value) and np.isfinite(gradient).all()):
-            return -np.inf, np.zeros(size), np.zeros((size, size))
-        return value, gradient, information
+            yield loop(z0, control, constants)
 
 
 def make_likelihood(
@@ -134,10 +159,9 @@ def make_likelihood(
     return Likelihood(
         tuple(unknowns),
         np.array([_value(design.constants, starts[0], p) for p in places]),
-        design.score(places),
+        design,
         tuple(np.concatenate([z, seed.ravel(order="F"), information]) for z, seed in zip(starts, seeds)),
         tuple(control[piece] for piece in arranged.pieces),
-        design.constants,
         places,
         layout.inputs,
     )

@@ -17,6 +17,7 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice
 
 #: Eigenvalue, as a share of the largest, below which it is zero but for rounding.
 _NULL = 1e-12
@@ -75,7 +76,7 @@ class Observability:
         return self.run.states
 
     @property
-    def messages(self) -> tuple[str, ...]:
+    def messages(self) -> tuple[Notice, ...]:
         """One sentence for each direction that is not observable."""
         said = []
         for d in self.unobservable:
@@ -89,14 +90,13 @@ class Observability:
                     f"{names} are not observable apart: no sensor shows the combination {d}, which keeps the error it starts "
                     "with. Take one of them as known, or start from a consistent estimate."
                 )
-        return tuple(said)
+        return tuple(Notice(s, "not-observable") for s in said)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
             "unobservable": [dict(d.weights) for d in self.unobservable],
             "weak": [{"weights": dict(d.weights), "information": d.information} for d in self.weak],
-            "messages": list(self.messages),
         }
 
 

@@ -14,6 +14,7 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.arrangement import Arrangement, Hole
 from shipid.estimation.records.first_estimate import carried_vector
 from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.settings.first_look import LOOK, first_value
 from shipid.generation.loop import Loop
 
 #: From the carried vector at the end of a stretch, and the hole behind it, to the one before the next.
@@ -117,7 +118,11 @@ def first_behind(design: FilterDesign, arranged: Arrangement, hole: Hole) -> dic
     """
     piece = next(p for p in arranged.pieces if p.start == hole.row)
     z, there = arranged.z[piece], arranged.there[piece]
-    first = {n: float(z[np.argmax(there[:, j]), j]) for j, n in enumerate(design.measured) if there[:, j].any()}
+    first = {}
+    for j, name in enumerate(design.measured):
+        at = np.flatnonzero(there[:, j])[:LOOK]
+        if at.size:
+            first[name] = first_value(arranged.t[piece][at], z[at, j], float(design.r[j]))
     inputs = dict(zip(design.model.inputs, arranged.inputs[hole.row].tolist()))
     return design.instruments.with_quantities(inputs | first)
 

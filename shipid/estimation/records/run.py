@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -13,16 +14,21 @@ from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.derived import named, published, quantity_along
+from shipid.estimation.records.first_estimate import first_estimate
 from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
+from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.statistics import interval_95
 
 if TYPE_CHECKING:
     import pandas as pd
 
+#: Largest standard deviation of a logarithm whose interval is still a number.
+_WIDEST = 150.0
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "meaning")
 
 
 @dataclass(frozen=True)
@@ -83,6 +89,12 @@ class FilterRun:
         What it carried into the first row of each stretch between holes of an input (`StepLayout.carried`).
     out : ndarray, shape (rows, outputs)
         What it returned for each row (`StepLayout.full`).
+    warnings : tuple of Notice
+        What speaks against the result (`shipid.estimation.levels.judge_filter`); empty as long as nothing was examined.
+    widening : mapping of str to float
+        By estimated parameter: how many times wider its interval is than by the filter's own covariance.
+    withheld : str
+        Why no interval of a parameter is given; empty where they are.
     smoothable : bool
         Whether the rows are those of one filter, so that it can be run back over them; a mixture of several is not.
     """
@@ -93,6 +105,9 @@ class FilterRun:
     control: np.ndarray
     starts: tuple[np.ndarray, ...]
     out: np.ndarray
+    warnings: tuple[Notice, ...] = field(default=(), kw_only=True)
+    widening: Mapping[str, float] = field(default_factory=dict, kw_only=True)
+    withheld: str = field(default="", kw_only=True)
     smoothable: ClassVar[bool] = True
 
     def rows(self, name: str) -> np.ndarray:
@@ -195,20 +210,42 @@ class FilterRun:
         The interval of one estimated by its logarithm is exact, that of one that follows first-order.
         """
         result = {}
+        _, first = first_estimate(self.design, {})
+        scale = self.design.instruments.scale
         for name, state in self.design.parameters.items():
-            value, spread = (float(column[-1]) for column in self.quantity(name))
+            value, spread = (float(column[-1]) for column in self._widened(name))
             ends = None
-            if state != name:
+            if state != name and not self.withheld:
                 i = self.states.index(state)
-                low, high = interval_95(float(self.x[-1, i]), float(self.std[-1, i]))
+                wide = self.widening.get(name, 1.0) * float(self.std[-1, i])
+                low, high = interval_95(float(self.x[-1, i]), min(wide, _WIDEST))
                 ends = (float(np.exp(low)), float(np.exp(high)))
-            result[name] = estimate_of(self.design.base[name], value, spread, ci95=ends)
+            entry, i = self.design.base[name], self.states.index(state)
+            # In the state's own terms, which may be the logarithm: how much the record has added to the first estimate.
+            # Where the ship's set states a standard deviation, the first estimate is knowledge too.
+            held = self.design.ship.find(self.design.base, name)
+            assumed = held is None or not held.std
+            before = spread * float(first[i] / self.std[-1, i]) if assumed and self.std[-1, i] > 0 else np.inf
+            size = abs(scale.start_of(entry) or 0.0)
+            standing = standing_of(value, spread, low=scale.bounds_of(entry)[0], size=size, before=before)
+            if self.withheld:
+                standing = UNKNOWN, self.withheld
+            result[name] = estimate_of(entry, value, spread, ci95=ends, standing=standing)
         for name in self._published:
-            value, spread = (float(column[-1]) for column in self.quantity(name))
+            value, spread = (float(column[-1]) for column in self._widened(name))
             # A gain or a time constant that passes through infinity has no value.
-            if np.isfinite([value, spread]).all():
-                result[name] = estimate_of(self.design.base[name], value, spread, follows=True)
+            if np.isfinite(value) and (np.isfinite(spread) or self.withheld):
+                why = (UNKNOWN, self.withheld) if self.withheld else None
+                result[name] = estimate_of(self.design.base[name], value, spread, standing=why, follows=True)
         return result
+
+    def _widened(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """A parameter, or what follows from several, with standard deviations as wide as the innovations ask for."""
+        value, spread = self.quantity(name)
+        if self.withheld and (name in self.design.parameters or name in self._published):
+            return value, np.full_like(spread, np.nan)
+        others = max(self.widening.values(), default=1.0) if name in self._published else 1.0
+        return value, spread * self.widening.get(name, others)
 
     @property
     def _published(self) -> tuple[str, ...]:
@@ -222,7 +259,7 @@ class FilterRun:
         names = [s for s in self.states if s not in self.design.parameters.values()]
         for name in (*names, *self.design.parameters, *self._published):
             unit = self.design.model[name].unit
-            columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = self.quantity(name)
+            columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = self._widened(name)
         return pd.DataFrame(columns)
 
     def to_dict(self) -> dict[str, Plain]:
@@ -244,7 +281,7 @@ class FilterRun:
             "innovations": {
                 n: {
                     "nis_mean": i.nis_mean,
-                    "nis_band95": None if i.nis_band is None else list(i.nis_band),
+                    "nis_interval_95": None if i.nis_band is None else list(i.nis_band),
                     "white_p": i.white_p,
                     "rejected": i.rejected,
                     "out_of_range": i.limited,
@@ -255,7 +292,14 @@ class FilterRun:
             "clock_went_back": self.arranged.back,
             "holes": self.arranged.to_dict(),
             "log_likelihood": self.log_likelihood,
+            "warnings": plain_notices(self.warnings),
+            "widening": dict(self.widening),
         }
+
+    @property
+    def reliable(self) -> bool:
+        """Whether nothing serious speaks against the result, as far as it was examined."""
+        return not any(n.serious for n in self.warnings)
 
     def __repr__(self) -> str:
         lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]

@@ -2,7 +2,8 @@
 
 A sample is beyond the gate where its innovation exceeds a number of standard deviations. A sensor that repeats one value is
 stuck, and its gate is narrower. One that stays beyond the gate while its value changes is accepted after a time: the
-estimate was wrong, not the sensor.
+estimate was wrong, not the sensor. The same holds for one that is beyond it in a large share of its recent samples: the gate
+is open until the share is small again, since many samples are rarely wrong all at once.
 """
 
 from __future__ import annotations
@@ -21,9 +22,13 @@ TAKEN, MISSING, REJECTED = 1, 0, -1
 _SUSPECT, _NARROW = 5, 0.5
 #: Values are equal within this part of the sensor's noise; a sensor whose values differ by less than that part is a fine one.
 _EQUAL, _FINE = 1e-6, 0.1
+#: The gate of a sensor is open while more than this share of its recent samples, those that repeat a value apart, is beyond it.
+OPEN_SHARE = 0.5
+#: Recent are so many samples, and at least three times the patience.
+_RECENT = 30
 #: What is stored for each sensor: its last value, how often it has been repeated and for how long, how long the sensor has
-#: been rejected, and the smallest difference of two of its values.
-MEMORY = ("last", "same", "rejecting", "held", "grain")
+#: been rejected, the smallest difference of two of its values, and the share of its recent samples that is beyond the gate.
+MEMORY = ("last", "same", "rejecting", "held", "grain", "share")
 
 
 @dataclass(frozen=True)
@@ -80,7 +85,7 @@ def apply_gate(
     """
     if gate is None:
         return there, ca.SX(0), []
-    last, same, rejecting, held, grain = memory
+    last, same, rejecting, held, grain, share = memory
     change, patience = ca.fabs(z - last), (1 - 1e-6) * gate.patience
     equal = change <= _EQUAL * deviation
     repeats = ca.if_else(there, ca.if_else(equal, same + 1, 0), same)
@@ -92,7 +97,9 @@ def apply_gate(
     stuck = ca.fmax((repeats >= _SUSPECT) * (rejecting > 0), (holding >= patience) * (grain < _FINE * deviation))
     beyond = ca.fmax(outside, stuck)
     waited = rejecting + interval
-    accepted = (waited >= patience) * (repeats == 0)
+    weight = ca.fmin(1 / _RECENT, interval / max(3 * gate.patience, 1e-9))
+    recent = share + weight * (outside * (repeats == 0) - share)
+    accepted = ca.fmax(waited >= patience, share > OPEN_SHARE) * (repeats == 0)
     counts = there * (1 - beyond * (1 - accepted))
     remembered = [
         ca.if_else(there, z, last),
@@ -101,6 +108,7 @@ def apply_gate(
         ca.if_else(there, beyond, rejecting > 0) * waited,
         holding,
         ca.if_else(there * (1 - equal), ca.fmin(grain, change), grain),
+        ca.if_else(there, recent, share),
     ]
     return counts, beyond, remembered
 

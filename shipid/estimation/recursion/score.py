@@ -49,7 +49,9 @@ def bare(settings: StepSettings) -> StepSettings:
     return replace(settings, form="covariance", gate=None, low=-unbounded, high=unbounded)
 
 
-def make_score_step(equations: Equations, settings: StepSettings, unknowns: Sequence[Unknown]) -> CasadiFunction:
+def make_score_step(
+    equations: Equations, settings: StepSettings, unknowns: Sequence[Unknown], innovations: bool = False
+) -> CasadiFunction:
     """Generate the step ``(carried, control, constants) -> (carried, [log-likelihood, its gradient])``.
 
     Parameters
@@ -60,6 +62,9 @@ def make_score_step(equations: Equations, settings: StepSettings, unknowns: Sequ
         See `bare`.
     unknowns : sequence of Unknown
         What the likelihood is differentiated by.
+    innovations : bool
+        Whether the outputs are, instead, for each sensor whether a sample is there, its innovation in standard deviations, and the
+        derivatives of that (of the innovation alone), unknown by unknown.
 
     Returns
     -------
@@ -92,6 +97,9 @@ def make_score_step(equations: Equations, settings: StepSettings, unknowns: Sequ
         gained += fate[i] * ((mean.T @ mean) / spread[i] + (variance.T @ variance) / (2 * spread[i] ** 2))
     following = ca.vertcat(z_next, ca.vec(slopes[:n, :]), information + covariance_form.pack(gained))
     outputs = ca.vertcat(shown[n], slopes[n, :].T)
+    if innovations:
+        root = ca.sqrt(spread)
+        outputs = ca.vertcat(fate, fate * e / root, ca.vec(by_e * ca.repmat(fate / root, 1, size)))
     following, outputs = ca.cse([ca.densify(following), ca.densify(outputs)])
     return ca.Function(
         "score_step", [ca.vertcat(z, ca.vec(carried), information), control, constants], [following, outputs]

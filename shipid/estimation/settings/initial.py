@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,7 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
 from shipid.estimation.errors import NoiseLevelError
 from shipid.estimation.settings.instruments import Amount
-from shipid.foundation.errors import UnitError, UnknownNameError
+from shipid.foundation.errors import UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import ParameterSet
 
 #: Default standard deviation of a first estimate: a share of a parameter, and of the scale by L and U of any other quantity.
@@ -107,9 +107,13 @@ def parameter_starts(
     ------
     NoiseLevelError
         If neither start nor standard deviation of a parameter follow from what is given.
+    UnknownNameError
+        If a name is no parameter of the model.
     """
     result = {}
     for name in names:
+        if name not in base.parameters + base.constants:
+            raise UnknownNameError(f"parameter in model {base.name} called", name, base.parameters + base.constants)
         entry = base[name]
         declared, factor = scale.start_of(entry), scale.factor_of(entry)
         if name in given:
@@ -132,6 +136,36 @@ def parameter_starts(
             deviation = _usual_size(entry, scale)
         result[name] = (value, deviation)
     return result
+
+
+def log_scaled(base: Model, starts: Mapping[str, tuple[float, float]], asked: Sequence[str] | None) -> tuple[str, ...]:
+    """Return the estimated parameters that are states by their logarithm.
+
+    Parameters
+    ----------
+    base : Model
+        The model in which they are parameters.
+    starts : mapping of str to (float, float)
+        First value and standard deviation of each estimated one, SI.
+    asked : sequence of str, optional
+        Those that the user wants so; by default each whose lower bound is zero or more. One that starts at zero has no
+        logarithm there, and is a state within its bounds.
+
+    Raises
+    ------
+    UsageError
+        If the first value of one that the user wants so is not greater than zero, or a first value is below its bound of zero.
+    """
+    positive = tuple(n for n in starts if (low := base[n].number("low")) is not None and low >= 0)
+    for name in positive if asked is None else asked:
+        value = starts[name][0] if name in starts else 1.0
+        if value < 0 or (value == 0 and asked is not None):
+            raise UsageError(
+                f"the first value of '{name}' is {value:g} {base[name].unit}, and "
+                + ("a positive parameter cannot be negative." if asked is None else "zero or less has no logarithm.")
+                + f" Give start={{'{name}': ...}}, greater than zero."
+            )
+    return tuple(asked) if asked is not None else tuple(n for n in positive if starts[n][0] > 0)
 
 
 def _usual_size(entry: Entry, scale: Scale) -> float:

@@ -10,7 +10,7 @@ from shipid.estimation.settings.instruments import Instruments
 from shipid.generation.simulator import input_rows
 from shipid.trials.errors import NoStretchError
 from shipid.trials.filling import GAP, usual_interval
-from shipid.trials.speed import check_ahead, speed_before_in
+from shipid.trials.speed import check_ahead, check_way, speed_before_in
 from shipid.trials.stretches import fill_input, is_order
 
 
@@ -45,7 +45,12 @@ def input_table(instruments: Instruments, columns: Mapping[str, np.ndarray], rec
     given |= instruments.inputs
     if "cruise" in instruments.needed and isinstance(given.get("cruise"), float):
         check_ahead(float(given["cruise"]), record, instruments.model.name)
-    return input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
+    if instruments.model.guards:
+        check_way(columns, record, instruments.model.name)
+    table = input_rows(instruments.model, given, columns["t"].size, f"trial {record}", instruments.needed).T
+    if instruments.biases:
+        table = table + np.array([instruments.biases.get(n, 0.0) for n in instruments.model.inputs])
+    return table
 
 
 def hold_last(table: np.ndarray) -> np.ndarray:

@@ -38,6 +38,8 @@ class Instruments:
         Standard deviation of an input while it is missing.
     scale : Scale
         Length and speed of the ship; the speed is used where a record has none.
+    biases : mapping of str to float
+        What is added to inputs that a record or a sample holds.
     """
 
     model: Model
@@ -48,6 +50,7 @@ class Instruments:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     lost: Mapping[str, float] = field(default_factory=dict)
     scale: Scale = field(default_factory=lambda: Scale(None, None))
+    biases: Mapping[str, float] = field(default_factory=dict)
 
     def quantity_of(self, sensor: str) -> str:
         """Return the quantity a sensor measures: its own name, or what its output is declared to measure.

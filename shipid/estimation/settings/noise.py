@@ -181,11 +181,11 @@ def process_sources(
         if state in model.states:
             share = sizes.get(name)
             own = model[name].unit if share is not None else model[state].unit
-            level, dense = _positive(value, (own, _times(own, "1/s^0.5")), f"noise of '{name}'")
+            level, dense = _positive(value, (own, times(own, "1/s^0.5")), f"noise of '{name}'")
             found.append(NoiseSource(state, level / abs(share or 1.0), "state", bool(dense)))
         elif name in model.inputs:
             own = model[name].unit
-            level, dense = _positive(value, (own, _times(own, "s^0.5")), f"noise of '{name}'")
+            level, dense = _positive(value, (own, times(own, "s^0.5")), f"noise of '{name}'")
             found.append(NoiseSource(name, level, "input", bool(dense)))
         else:
             raise UnknownNameError(
@@ -197,7 +197,7 @@ def process_sources(
         driven = {s.name for s in found} | set(estimated.values()) | set(COORDINATES)
         for name in model.states:
             if name not in driven and _walks(model, name):
-                density = _times(model[name].unit, "1/s^0.5")
+                density = times(model[name].unit, "1/s^0.5")
                 found.append(NoiseSource(name, MODEL_NOISE * scale.factor(density), "state", True, True))
     driven = {s.name for s in found}
     found += [NoiseSource(n, v, "input", False) for n, v in (lost or {}).items() if n not in driven]
@@ -214,6 +214,12 @@ def _walks(model: Model, name: str) -> bool:
     return equation is not None and equation.kind == "rate"
 
 
-def _times(first: str, second: str) -> str:
-    """The product of two units, as it is written."""
+def times(first: str, second: str) -> str:
+    """Return the product of two units, as it is written.
+
+    Parameters
+    ----------
+    first, second : str
+        The units.
+    """
     return f"{unit(first) * unit(second):~C}"

@@ -85,6 +85,7 @@ def _fingerprint(model: Model) -> str:
             symbol(e),
             e.owner.__name__,
             e.equation and (e.equation.kind, e.equation.name, e.equation.source),
+            str(generate(model).values[n]) if e.quantity.kind == "guard" else "",
         )
         for n, e in model.entries.items()
     ]

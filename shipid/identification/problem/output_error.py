@@ -181,14 +181,35 @@ class Problem:
         dy : ndarray, shape (signals, unknowns of the record, N)
             Their derivatives.
         """
+        y, dy, _ = self.guarded_run(q, index, record or self.record)
+        return y, dy
+
+    def guarded_run(
+        self, q: np.ndarray, index: int, record: Record
+    ) -> tuple[np.ndarray, np.ndarray, Mapping[str, np.ndarray]]:
+        """Run one trial, and return the margins of the guards of a record that computes them as well.
+
+        Parameters
+        ----------
+        q, index, record
+            See `run`.
+
+        Returns
+        -------
+        y, dy : ndarray
+            See `run`.
+        margins : mapping of str to ndarray, shape (N,)
+            By guard; negative where the model is not valid.
+        """
         data = self.trials[index]
-        return (record or self.record)(
+        y, dy, margins = record.run(
             initial_state(self.model, self.start(q, index)),
             data.inputs,
             data.intervals,
             coefficient_vector(self.model, self.values(q)),
             self.bias_vector(q[self.own(index)]),
         )
+        return y, dy, dict(zip(record.guards, margins))
 
     def residuals(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return weighted residuals, shape (M,), and their Jacobian, shape (M, unknowns).

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
-from shipid.declaration.units import to_si
+from shipid.declaration.units import factor, to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.problem.box import Box, box_of
 from shipid.identification.problem.ship_scale import scale_of, usual_speed
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.trials.speed import check_way
 from shipid.trials.trial import Trial
 
 
@@ -49,6 +52,24 @@ class Setting:
     def fixed(self) -> dict[str, float]:
         """Values that are held, SI, by name."""
         return {n: v for n, v in self.known.items() if n not in self.estimated}
+
+    @property
+    def stated(self) -> dict[str, tuple[float, float | None]]:
+        """What is known of the coefficients to estimate before the trials: value and standard deviation, SI, by name.
+
+        The ship's value; where it has none, that of a declaration that states its spread. None for a standard deviation that
+        nothing states.
+        """
+        found: dict[str, tuple[float, float | None]] = {}
+        for name in self.estimated:
+            entry, held = self.model[name], self.ship.find(self.model, name)
+            start, spread = self.scale.start_of(entry), entry.number("spread")
+            if name in self.known:
+                std = None if held is None or not held.std else held.std * factor(held.unit, entry.unit)
+                found[name] = self.known[name], std
+            elif start is not None and spread is not None:
+                found[name] = start, spread * self.scale.factor_of(entry)
+        return found
 
 
 def settle(
@@ -158,10 +179,17 @@ def search_box(setting: Setting) -> Box:
         entry = setting.model[name]
         declared = setting.scale.start_of(entry)
         starts[name] = setting.known.get(name, setting.scale.factor_of(entry) if declared is None else declared)
-    return box_around(setting.model, setting.scale, starts)
+    stated = setting.stated
+    spread = {}
+    for name in starts:
+        std = stated[name][1] if name in stated else np.inf
+        spread[name] = np.nan if std is None else std
+    return box_around(setting.model, setting.scale, starts, spread)
 
 
-def box_around(model: Model, scale: Scale, values: Mapping[str, float]) -> Box:
+def box_around(
+    model: Model, scale: Scale, values: Mapping[str, float], spread: Mapping[str, float] | None = None
+) -> Box:
     """Return the declared bounds of parameters, widened to hold the given values.
 
     Parameters
@@ -172,12 +200,14 @@ def box_around(model: Model, scale: Scale, values: Mapping[str, float]) -> Box:
         Length and speed, for bounds in the prime system.
     values : mapping of str to float
         Values of the parameters, SI.
+    spread : mapping of str to float, optional
+        Their standard deviations, see `shipid.identification.problem.box.Box`.
     """
     bounds = {}
     for name, value in values.items():
         low, high = scale.bounds_of(model[name])
         bounds[name] = (value, min(low, value), max(high, value))
-    return box_of(bounds)
+    return box_of(bounds, spread)
 
 
 def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
@@ -194,11 +224,16 @@ def check_length(setting: Setting, trials: Sequence[Trial]) -> None:
     ------
     TrialTooShortError
         With both times.
+    NotAheadError
+        If the ship goes astern, and the model is scaled with its speed.
     """
     slowest, unit_time = time_constant(setting.model, setting.known), setting.scale.unit_time
     needed = max(unit_time, slowest)
     why = "the ship's time constant" if slowest > unit_time else "the time L/U in which the ship sails its length"
     for trial in trials:
+        if setting.model.guards:
+            # A mean speed near zero would make the time L/U too long, and the message wrong.
+            check_way({n: trial[n] for n in ("t", "u") if n == "t" or trial.has(n)}, trial.name, setting.model.name)
         if trial.duration < needed:
             raise TrialTooShortError(
                 f"trial {trial.name} lasts {trial.duration:.3g} s, and {why} is {needed:.3g} s: it ends before the ship has "

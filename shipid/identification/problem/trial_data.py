@@ -12,7 +12,7 @@ from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
 from shipid.trials.filling import interpolated, usual_interval
-from shipid.trials.speed import PUT_OVER, check_ahead, recorded_speed, speed_before_in
+from shipid.trials.speed import PUT_OVER, check_ahead, check_way, recorded_speed, speed_before_in
 from shipid.trials.stretches import stretches_of
 from shipid.trials.trial import Trial
 
@@ -280,6 +280,8 @@ def prepare(
     needed = generate(model).inputs_behind(signals)
     if {"u", "cruise"} & {*needed, *model.states}:
         check_ahead(before, trial.name, model.name)
+    if model.guards:
+        check_way(columns, trial.name, model.name)
     given: dict[str, float | np.ndarray] = {
         n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER
     }

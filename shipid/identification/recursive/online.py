@@ -87,9 +87,12 @@ class RecursiveEstimate:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI, free of NaN."""
+        model = self.design.model
         return {
             "t": self.t,
-            "estimates": {n: {"value": plain(v), "std": plain(s)} for n, (v, s) in self._values.items()},
+            "estimates": {
+                n: {"value": plain(v), "unit": model[n].unit, "std": plain(s)} for n, (v, s) in self._values.items()
+            },
             "refused": self.refused,
         }
 

@@ -14,8 +14,10 @@ from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.triangles import unpacked
+from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.notices import Notice, plain_notices
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
@@ -28,7 +30,7 @@ _LARGE, _UNEXPLAINED = 1.4, 0.1
 #: A widening below this is within the scatter for white innovations.
 _WORTH_SAYING = 1.25
 #: The fields of an estimate that are reported as plain values.
-_REPORTED = ("value", "unit", "std", "ci95", "identifiable", "why", "follows", "meaning")
+_REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "follows", "meaning")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -178,6 +180,13 @@ class RecursiveIdentification:
         """Whether the recursion diverged; `why_diverged` gives the reason."""
         return bool(self.why_diverged)
 
+    @property
+    def warnings(self) -> tuple[Notice, ...]:
+        """What makes the estimates unusable."""
+        if not self.diverged:
+            return ()
+        return (Notice(f"not reliable: {self.why_diverged}", "diverged", serious=True),)
+
     @functools.cached_property
     def follow(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Published coefficients that follow along the record: values and standard deviations, SI, each of shape (N,)."""
@@ -232,7 +241,7 @@ class RecursiveIdentification:
                 self.design.model[name],
                 float(self[name][-1]),
                 float(self.std_of(name)[-1]) * self.widening,
-                why=self.why_diverged,
+                standing=(UNKNOWN, self.why_diverged) if self.diverged else None,
                 follows=name not in self.names,
             )
             for name in (*self.names, *self.follow)
@@ -278,6 +287,7 @@ class RecursiveIdentification:
             },
             "clock_went_back": self.arranged.back,
             "holes": self.arranged.to_dict(),
+            "warnings": plain_notices(self.warnings),
         }
 
     def __repr__(self) -> str:

@@ -20,6 +20,7 @@ from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import RUNAWAY
 from shipid.identification.search.regression import Regression
 from shipid.identification.search.trust_region import search
+from shipid.identification.search.unseen import covariance_by
 
 _STEPS = 30
 _TURNS = 6
@@ -78,9 +79,8 @@ class EquationErrorResult:
             matrix += np.einsum("ewq,ewp->qp", z, slope / self.sigma[:, None, None])
             shaped = autoregression_of(error / self.sigma[:, None]).shaped(z)
             scatter += shaped.T @ shaped
-        inverse = np.linalg.pinv(matrix)
         count = len(regression.covered)
-        return np.asarray((inverse @ scatter @ inverse.T)[:count, :count])
+        return covariance_by(matrix, scatter)[:count, :count]
 
 
 def least_squares(regression: Regression, box: Box) -> EquationErrorResult:

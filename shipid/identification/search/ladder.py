@@ -298,7 +298,11 @@ def with_own_unknowns(problem: Problem, values: np.ndarray, covariance: np.ndarr
     # The unknowns of each trial depend on the coefficients, and have a scatter of their own.
     follows = -np.linalg.pinv(jacobian[:, shared:]) @ jacobian[:, :shared]
     both = np.vstack([np.eye(shared), follows])
-    matrix = both @ covariance @ both.T
+    known = np.isfinite(np.diag(covariance))
+    matrix = both @ np.where(np.outer(known, known), covariance, 0.0) @ both.T
+    lost = np.flatnonzero(~known)
+    matrix[lost, :] = matrix[:, lost] = 0.0
+    matrix[lost, lost] = np.inf
     matrix[shared:, shared:] += covariance_of(own).matrix
     message = "" if own.finite else " Run over a whole record, the model runs away with these coefficients."
     return Solution(seen, q, residual, jacobian, own.finite, message, own.evaluations, matrix)

@@ -16,6 +16,7 @@ from shipid.identification.problem.losses import change_of, reweighted
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.search.trust_region import search, triangle
+from shipid.identification.search.unseen import nearest_to_start
 
 #: Samples of a trial that are enough to distinguish a good start from a bad one.
 _THIN = 400
@@ -165,6 +166,7 @@ def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progre
     Returns
     -------
     Solution
+        Along directions on which no residual depends, the one nearest to the first values of the coefficients.
     """
     evaluations = best.evaluations
     best = replace(best, problem=reweighted(best.problem, best.residual))
@@ -184,6 +186,7 @@ def refine(problem: Problem, best: Solution, box: Box, weigh: bool, tell: Progre
         final = replace(best.problem, sigma=residual_levels(best))
         best = minimise_robustly(final, best.q, box, most=100)
         evaluations += best.evaluations
+    best = nearest_to_start(best, box, lambda s: minimise_robustly(s.problem, s.q, box, most=100))
     return replace(best, evaluations=evaluations)
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
+from shipid.identification.noise.gusts import Gust
+
+#: Probability below which innovations are not white.
+WHITE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +30,8 @@ class NoiseLevels:
     sensors : mapping of str to float
         Standard deviation of one sample of each signal, SI.
     covariance : ndarray, shape (parameters, parameters)
-        Of the coefficients, from the expected information.
+        Of the coefficients: from the expected information where the innovations are white, else the sandwich about their
+        spectrum (`shipid.identification.noise.innovations`).
     log_likelihood : float
         At the maximum.
     converged : bool
@@ -35,6 +40,12 @@ class NoiseLevels:
         The message of the search.
     evaluations : int
         Passes over all trials.
+    gusts : mapping of str to Gust
+        Disturbances that last, by the state they drive; empty where white noise explains the record as well.
+    degrees : ndarray, shape (parameters,), or None
+        Degrees of freedom of each variance (`shipid.identification.noise.small_sample`).
+    whiteness : mapping of str to float
+        For each signal the probability of innovations as correlated as these, were they white (Ljung and Box 1978).
     """
 
     parameters: np.ndarray
@@ -46,6 +57,9 @@ class NoiseLevels:
     converged: bool
     message: str
     evaluations: int
+    gusts: Mapping[str, Gust] = field(default_factory=dict)
+    degrees: np.ndarray | None = None
+    whiteness: Mapping[str, float] = field(default_factory=dict)
 
     def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.
@@ -58,5 +72,10 @@ class NoiseLevels:
         return {
             "process": {n: {"density": v, "unit": f"{model[n].unit}/s^0.5"} for n, v in self.process.items()},
             "sensors": {n: {"std": v, "unit": model[n].unit} for n, v in self.sensors.items()},
+            "gusts": {
+                n: {"std": g.size, "unit": f"({model[n].unit})/s", "time": g.time, "time_unit": "s"}
+                for n, g in self.gusts.items()
+            },
+            "whiteness": {n: {"p_value": p, "white": p >= WHITE} for n, p in self.whiteness.items()},
             "log_likelihood": self.log_likelihood,
         }

@@ -9,6 +9,7 @@ search is Newton's with that information, in a trust region (Fisher scoring).
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,13 +17,21 @@ from shipid.declaration.scale import Scale
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.likelihood import Likelihood
 from shipid.generation.reduction import reduced
+from shipid.identification.noise.gusts import Gust, rate_of, state_of, with_gusts
+from shipid.identification.noise.innovations import Stretch, scatter_of, whiteness
+from shipid.identification.noise.small_sample import MANY, small_sample
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.problem.trial_data import TrialData
 from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.unseen import covariance_by
 
 #: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
 _LEVEL_PRIOR = 3.0
+#: Shortest correlation time of a gust, in L/U.
+_LASTING = 0.25
+#: First standard deviation of a gust, in what is expected of it.
+_WIDE = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
 _SENSOR_SHARE = 0.3
 
@@ -41,8 +50,10 @@ def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str
     return {"t": data.t} | dict(zip(model_inputs, data.inputs)) | dict(zip(signals, data.measured))
 
 
-def make_filter(problem: Problem, values: Mapping[str, float], unit_time: float) -> ExtendedKalmanFilter:
-    """Return the filter of a problem: its signals measured, white noise on every state that has a rate of its own.
+def make_filter(
+    problem: Problem, values: Mapping[str, float], unit_time: float, gusts: bool = False
+) -> ExtendedKalmanFilter:
+    """Return the filter of a problem: its signals measured, noise on every state that has a rate of its own.
 
     Parameters
     ----------
@@ -52,16 +63,24 @@ def make_filter(problem: Problem, values: Mapping[str, float], unit_time: float)
         Coefficients, SI.
     unit_time : float
         L/U in s, in which a state gathers noise.
+    gusts : bool
+        Whether gusts that last drive these states, beside the white noise.
     """
     model = reduced(problem.model, problem.signals)
     sensors = {s: (float(w) * _SENSOR_SHARE, model[s].unit) for s, w in zip(problem.signals, problem.sigma)}
+    noise = _first_noise(problem, model.states, unit_time)
+    first: dict[str, tuple[float, str]] = {}
+    if gusts:
+        driven = tuple(noise)
+        model = with_gusts(model, driven)
+        values = {**values, **{rate_of(n): -float(np.log(unit_time)) for n in driven}}
+        for name in driven:
+            # A gust that lasts for one L/U and gathers there as much as the white noise.
+            size, unit = noise[name][0] / np.sqrt(unit_time), model[state_of(name)].unit
+            noise[state_of(name)] = (size * np.sqrt(2 / unit_time), f"({unit})*1/s^0.5")
+            first[state_of(name)] = (_WIDE * size, unit)
     return ExtendedKalmanFilter(
-        model,
-        values=values,
-        measured=sensors,
-        noise=_first_noise(problem, model.states, unit_time),
-        gate=None,
-        model_noise=False,
+        model, values=values, measured=sensors, noise=noise, initial=first, gate=None, model_noise=False
     )
 
 
@@ -83,6 +102,9 @@ def fit_levels(
 ) -> NoiseLevels:
     """Maximise the likelihood over coefficients, biases and noise levels.
 
+    Noise that drives the states is white first; where gusts that last explain the record better by more than their numbers, they
+    are kept (Akaike 1974).
+
     Parameters
     ----------
     problem : Problem
@@ -100,33 +122,136 @@ def fit_levels(
     -------
     NoiseLevels
     """
-    shared, trials = len(problem.estimated), len(problem.trials)
-    kalman = make_filter(problem, {**problem.fixed, **dict(zip(problem.estimated, start))}, unit_time)
-    process = [s.name for s in kalman.design.sources]
-    level_names = [f"noise:{n}" for n in process] + [f"sensor:{n}" for n in problem.signals]
-    unknowns = [*problem.estimated, *level_names, *(f"bias:{n}" for n in problem.biases)]
-    inputs = kalman.model.inputs
-    likelihoods = [
-        kalman.likelihood(record_of(data, inputs, problem.signals), unknowns, filled=True) for data in problem.trials
-    ]
-    q0 = np.concatenate([start, likelihoods[0].start[shared : shared + len(level_names)]])
-    objective = _Objective(problem, box, likelihoods, q0, len(problem.biases))
-    found = _newton(objective, np.concatenate([q0, np.zeros(trials * len(problem.biases))]), tell)
-    q, information, converged, message, evaluations = found
-    value, _, _ = objective(q)
-    covariance = np.linalg.pinv(information)[:shared, :shared]
-    levels = np.exp(q[shared : shared + len(level_names)])
-    return NoiseLevels(
-        q[:shared],
-        q[shared + len(level_names) :].reshape(trials, len(problem.biases)),
-        dict(zip(process, levels.tolist())),
-        dict(zip(problem.signals, levels[len(process) :].tolist())),
-        covariance,
-        value,
-        converged,
-        message,
-        evaluations,
-    )
+    white = _Search(problem, box, start, unit_time)
+    found = white.climbed(white.first, tell)
+    search, spent = white, found.evaluations
+    if np.isfinite(found.value):
+        coloured = _Search(problem, box, start, unit_time, gusts=True)
+        begin = coloured.from_white(white, found.q)
+        value, gradient, information = coloured.objective(begin)
+        spent += 1
+        # What a Newton step promises, before it is worth a search.
+        gain = 0.5 * gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0]
+        if value + gain > found.value + coloured.price:
+            other = coloured.climbed(begin, tell)
+            spent += other.evaluations
+            if other.value > found.value + coloured.price and coloured.lasts(other.q, _LASTING * unit_time):
+                search, found = coloured, other
+    return search.result(replace(found, evaluations=spent))
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Where a search for the maximum ended."""
+
+    q: np.ndarray
+    value: float
+    information: np.ndarray
+    converged: bool
+    message: str
+    evaluations: int
+
+
+class _Search:
+    """The likelihood of all trials through one filter: q = [coefficients, levels, biases of each trial]."""
+
+    def __init__(self, problem: Problem, box: Box, start: np.ndarray, unit_time: float, *, gusts: bool = False) -> None:
+        self.problem, self.shared = problem, len(problem.estimated)
+        values = {**problem.fixed, **dict(zip(problem.estimated, start))}
+        kalman = make_filter(problem, values, unit_time, gusts)
+        self.process = [s.name for s in kalman.design.sources]
+        self.driven = [n for n in self.process if state_of(n) in self.process]
+        self.levels = [*(f"noise:{n}" for n in self.process), *(f"sensor:{n}" for n in problem.signals)]
+        self.levels += [rate_of(n) for n in self.driven]
+        unknowns = [*problem.estimated, *self.levels, *(f"bias:{n}" for n in problem.biases)]
+        inputs = kalman.model.inputs
+        self.likelihoods = [
+            kalman.likelihood(record_of(data, inputs, problem.signals), unknowns, filled=True)
+            for data in problem.trials
+        ]
+        self.common = self.shared + len(self.levels)
+        first = np.concatenate([start, self.likelihoods[0].start[self.shared : self.common]])
+        self.objective = _Objective(problem, box, self.likelihoods, first, len(problem.biases))
+        self.first = np.concatenate([first, np.zeros(len(problem.trials) * len(problem.biases))])
+        #: Two numbers for each gust.
+        self.price = 2.0 * len(self.driven)
+
+    def at(self, name: str) -> int:
+        """Where a level stands."""
+        return self.shared + self.levels.index(name)
+
+    def from_white(self, white: _Search, q: np.ndarray) -> np.ndarray:
+        """The unknowns that a search without gusts found, with gusts of about the power of its noise."""
+        begin = self.first.copy()
+        begin[: self.shared] = q[: self.shared]
+        begin[self.common :] = q[white.common :]
+        for name in white.levels:
+            begin[self.at(name)] = q[white.at(name)]
+        for name in self.driven:
+            level = q[white.at(f"noise:{name}")]
+            begin[self.at(f"noise:{state_of(name)}")] = level + begin[self.at(rate_of(name))]
+            begin[self.at(f"noise:{name}")] = level - 1.0
+        return begin
+
+    def lasts(self, q: np.ndarray, least: float) -> bool:
+        """Whether every gust lasts for so many seconds: shorter ones are waves, which no first-order process describes."""
+        return all(np.exp(-q[self.at(rate_of(n))]) >= least for n in self.driven)
+
+    def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
+        """The maximum from a start."""
+        q, information, converged, message, evaluations = _newton(self.objective, q, tell)
+        return _Found(q, self.objective(q)[0], information, converged, message, evaluations)
+
+    def result(self, found: _Found) -> NoiseLevels:
+        """Levels, covariance and whiteness at the maximum."""
+        q, problem, shared = found.q, self.problem, self.shared
+        if not np.isfinite(found.value):
+            covariance = np.full((shared, shared), 0.0) + np.diag(np.full(shared, np.inf))
+            return self._named(found, q, covariance, np.full(shared, MANY), {})
+        driving = np.array([self.at(n) for n in self.levels if not n.startswith("sensor:")])
+        small = small_sample(lambda p: self.objective(p)[2], q, found.information, driving)
+        stretches = self._innovations(small.q)
+        inverse = covariance_by(small.information)
+        known = np.isfinite(np.diag(inverse))
+        tests = {s: whiteness(stretches, k).p_value for k, s in enumerate(problem.signals)}
+        scatter = scatter_of(stretches, small.information, np.where(np.outer(known, known), inverse, 0.0))
+        covariance = covariance_by(small.information, scatter)
+        return self._named(found, small.q, covariance[:shared, :shared], small.degrees[:shared], tests)
+
+    def _innovations(self, q: np.ndarray) -> list[Stretch]:
+        """Innovations of all trials, their slopes by all unknowns."""
+        stretches = []
+        for i, likelihood in enumerate(self.likelihoods):
+            at = self.objective.places(i)
+            for series, slopes in likelihood.innovations(q[at]):
+                whole = np.zeros((*series.shape, q.size))
+                whole[:, :, at] = slopes
+                stretches.append((series, whole))
+        return stretches
+
+    def _named(
+        self, found: _Found, q: np.ndarray, covariance: np.ndarray, degrees: np.ndarray, tests: dict[str, float]
+    ) -> NoiseLevels:
+        problem = self.problem
+        level = {n: float(np.exp(q[self.at(n)])) for n in self.levels}
+        gusts = {}
+        for name in self.driven:
+            time = 1 / level[rate_of(name)]
+            gusts[name] = Gust(level[f"noise:{state_of(name)}"] * np.sqrt(time / 2), time)
+        return NoiseLevels(
+            found.q[: self.shared],
+            found.q[self.common :].reshape(len(problem.trials), len(problem.biases)),
+            {n: level[f"noise:{n}"] for n in self.process if n not in map(state_of, self.driven)},
+            {n: level[f"sensor:{n}"] for n in problem.signals},
+            covariance,
+            found.value,
+            found.converged,
+            found.message,
+            found.evaluations,
+            gusts,
+            degrees,
+            tests,
+        )
 
 
 class _Objective:
@@ -144,12 +269,17 @@ class _Objective:
             for n in problem.biases
         ]
 
+    def places(self, index: int) -> np.ndarray:
+        """Where the unknowns of one trial stand."""
+        own = self.common + index * self.biases
+        return np.concatenate([np.arange(self.common), np.arange(own, own + self.biases)])
+
     def __call__(self, q: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
         common, size = self.common, q.size
         value, gradient, information = 0.0, np.zeros(size), np.zeros((size, size))
         for i, likelihood in enumerate(self.likelihoods):
-            own = np.arange(common + i * self.biases, common + (i + 1) * self.biases)
-            at = np.concatenate([np.arange(common), own])
+            at = self.places(i)
+            own = at[common:]
             v, g, h = likelihood(q[at])
             value += v
             gradient[at] += g

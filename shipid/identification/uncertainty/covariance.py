@@ -12,12 +12,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.estimation.estimate import UNDETERMINED
+from shipid.estimation.standing import UNKNOWN, Standing, standing_of
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
 from shipid.identification.noise.filled_inputs import effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.solution import Solution
+from shipid.identification.search.unseen import PART, UNSEEN
 
 #: How often the autoregression of the residuals is corrected for the part of the noise that the fit absorbed.
 _CORRECTIONS = 2
@@ -85,7 +86,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     solution : Solution
         At its optimum.
     spread : ndarray, shape (parameters,), optional
-        Standard deviation the parameters have without any data, which makes every variance finite.
+        Standard deviation the parameters have without any data, which makes their variances finite; infinite where they have none.
 
     Returns
     -------
@@ -95,8 +96,11 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     trials, signals = len(problem.trials), len(problem.signals)
     if solution.covariance is not None:
         by_residuals = covariance_of(replace(solution, covariance=None))
-        condition = _condition(solution.covariance, len(problem.estimated))
-        return replace(by_residuals, matrix=solution.covariance, condition_number=condition)
+        matrix = solution.covariance.copy()
+        if spread is not None:
+            lost = np.flatnonzero(np.isinf(np.diag(matrix)[: len(spread)]))
+            matrix[lost, lost] = spread[lost] ** 2
+        return replace(by_residuals, matrix=matrix, condition_number=_condition(matrix, len(problem.estimated)))
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
     solution = _bent(solution)
@@ -107,7 +111,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
     _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
-    small = singular < 1e-8 * singular[0]
+    small = singular < UNSEEN * singular[0]
     inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
     half = rows.T * inverse
     found, effective = _sandwich(solution, scaled, half)
@@ -122,7 +126,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     # A direction without information has no finite variance: neither has any unknown that takes part in it.
     lost = ~seen
     if small.any():
-        lost[index] |= (np.abs(rows[small]) > 1e-3).any(axis=0)
+        lost[index] |= (np.abs(rows[small]) > PART).any(axis=0)
     matrix[lost, :] = matrix[:, lost] = 0.0
     matrix[lost, lost] = np.inf
     return Covariance(matrix, _condition(matrix, len(problem.estimated)), effective, excess)
@@ -225,8 +229,10 @@ def correlation_of(matrix: np.ndarray) -> np.ndarray:
     return out
 
 
-def verdict(value: float, std: float, size: float, low: float, high: float, partners: str) -> str:
-    """Return why the data do not determine a parameter, or an empty string.
+def verdict(
+    value: float, std: float, size: float, low: float, high: float, partners: str, before: float = float("inf")
+) -> tuple[Standing, str]:
+    """Return what the data say of a parameter, and why where they do not determine it.
 
     Parameters
     ----------
@@ -238,14 +244,13 @@ def verdict(value: float, std: float, size: float, low: float, high: float, part
         Its bounds.
     partners : str
         Names of the parameters it trades off with, in words; may be empty.
+    before : float
+        The standard deviation of its prior; infinite without one.
     """
-    trade = f" It trades off with {partners}." if partners else ""
-    if not np.isfinite(std):
-        return f"the trials hold no information about it alone.{trade}"
+    standing, why = standing_of(value, std, low=low, size=size, before=before)
     span = high - low
-    if np.isfinite(span) and min(value - low, high - value) < 1e-4 * span * min(1.0, abs(value) / span + 1e-3):
-        return f"it ended at its bound.{trade}"
-    # A coefficient that may be zero is determined if its deviation is small against its usual size; a positive one is not.
-    if std > UNDETERMINED * (abs(value) if low > 0 else max(abs(value), size)):
-        return f"its standard deviation is {std / max(abs(value), 1e-300):.0%} of its value.{trade}"
-    return ""
+    if np.isfinite([std, span]).all() and min(value - low, high - value) < 1e-4 * span * min(
+        1.0, abs(value) / span + 1e-3
+    ):
+        standing, why = UNKNOWN, "it ended at its bound."
+    return standing, f"{why} It trades off with {partners}." if why and partners else why

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.estimation.estimate import UNDETERMINED
+from shipid.estimation.standing import UNDETERMINED
 from shipid.foundation.aliases import Plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import covariance_of

@@ -59,7 +59,10 @@ def draws_of(identified: Identified, count: int = DRAWS, seed: int = 0) -> Draws
     """
     problem, q, box = identified.problem, identified.solution.q, identified.box
     shared = len(problem.estimated)
-    covariance = covariance_of(identified.solution, _spread(box)).matrix
+    spread = _spread(box)
+    for name, stated in identified.spreads.items():
+        spread[problem.estimated.index(name)] = stated
+    covariance = covariance_of(identified.solution, spread).matrix
     # A variance that is still infinite is that of an initial state without information: it keeps its value.
     covariance = np.where(np.isfinite(covariance), covariance, 0.0)
     slope = np.ones(problem.size)

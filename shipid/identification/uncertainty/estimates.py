@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import casadi as ca
 import numpy as np
+from scipy.special import stdtrit
 
 from shipid.declaration.model import Entry, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
-from shipid.estimation.estimate import UNDETERMINED, Estimate, estimate_of
+from shipid.estimation.estimate import Estimate, estimate_of
+from shipid.estimation.standing import UNKNOWN, Standing, standing_of
 from shipid.foundation.errors import UnitError
 from shipid.foundation.statistics import plain
 from shipid.generation.simulator import coefficient_vector
@@ -20,7 +23,13 @@ from shipid.identification.uncertainty.covariance import correlation_of, verdict
 
 
 def estimates_of(
-    problem: Problem, q: np.ndarray, covariance: np.ndarray, box: Box, scale: Scale
+    problem: Problem,
+    q: np.ndarray,
+    covariance: np.ndarray,
+    box: Box,
+    scale: Scale,
+    unseen: Mapping[str, str] | None = None,
+    degrees: np.ndarray | None = None,
 ) -> dict[str, Estimate]:
     """Return the fitted coefficients and the published ones that follow from them.
 
@@ -36,6 +45,10 @@ def estimates_of(
         Their bounds and first values.
     scale : Scale
         L and U, for the prime system.
+    unseen : mapping of str to str, optional
+        Coefficients about which the trials hold no information, and what was done with their values, in words.
+    degrees : ndarray, shape (parameters,), optional
+        Degrees of freedom of each variance, for Student's quantile; the normal one by default.
 
     Returns
     -------
@@ -49,16 +62,59 @@ def estimates_of(
         order = np.argsort(-np.abs(correlation[i]))
         strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > 0.9]
         size = max(abs(float(box.start[i])), abs(scale.start_of(entry) or 0.0))
-        why = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong))
-        result[name] = _estimate(entry, value, std, why, False, scale)
+        _, before = (None if problem.prior is None else problem.prior.parameters.get(name)) or (0.0, np.inf)
+        standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)
+        if name in (unseen or {}):
+            standing = UNKNOWN, (unseen or {})[name]
+        found = _estimate(entry, value, std, standing, False, scale)
+        if degrees is not None and found.ci95 is not None:
+            half = float(stdtrit(degrees[i], 0.975)) * std
+            found = replace(found, ci95=(value - half, value + half))
+        result[name] = found
     return result | _published(problem, q, covariance, scale)
 
 
-def _estimate(entry: Entry, value: float, std: float, why: str, follows: bool, scale: Scale) -> Estimate:
+def unseen_words(values: Mapping[str, float], stated: Mapping[str, tuple[float, float | None]]) -> dict[str, str]:
+    """Return what is done with coefficients about which the trials hold no information, in words, by name.
+
+    Parameters
+    ----------
+    values : mapping of str to float
+        Those coefficients, SI.
+    stated : mapping of str to (float, float or None)
+        What was known of coefficients beforehand: value and standard deviation, SI.
+    """
+    words = {}
+    for name, value in values.items():
+        known, std = stated.get(name, (None, None))
+        if known is None:
+            kept = "the identified ship leaves it out"
+        elif not is_as_stated(value, known):
+            kept = "with the others it is the nearest to what was known beforehand"
+        else:
+            kept = "it keeps the value known beforehand" + (" and its standard deviation" if std is not None else "")
+        words[name] = f"the trials hold no information about it alone; {kept}."
+    return words
+
+
+def is_as_stated(value: float, stated: float) -> bool:
+    """Return whether a coefficient is where it was before the trials, but for rounding.
+
+    Parameters
+    ----------
+    value, stated : float
+        After and before, SI.
+    """
+    return abs(value - stated) <= 1e-6 * abs(stated)
+
+
+def _estimate(
+    entry: Entry, value: float, std: float, standing: tuple[Standing, str], follows: bool, scale: Scale
+) -> Estimate:
     """An estimate by the verdict on it, with its other form."""
-    found = estimate_of(entry, value, std, why=why, follows=follows)
+    found = estimate_of(entry, value, std, standing=standing, follows=follows)
     prime, prime_unit = _other_form(entry, value, scale)
-    return replace(found, identifiable=not why, prime=plain(prime), prime_unit=prime_unit)
+    return replace(found, prime=plain(prime), prime_unit=prime_unit)
 
 
 def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None, str]:
@@ -88,12 +144,14 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
     result = {}
     for i, name in enumerate(wanted):
         value = float(numbers[i])
-        variance = float(slope[i] @ covariance @ slope[i]) if np.isfinite(covariance).all() else float("inf")
+        by = np.flatnonzero(slope[i])
+        block = covariance[np.ix_(by, by)]
+        variance = float(slope[i, by] @ block @ slope[i, by]) if np.isfinite(block).all() else float("inf")
         std = float(np.sqrt(variance)) if np.isfinite(variance) and variance >= 0 else float("inf")
-        why = ""
+        standing = standing_of(value, std, size=abs(scale.start_of(model[name]) or 0.0))
         if not np.isfinite(value):
-            why = "it does not exist for these coefficients."
-        elif not np.isfinite(std) or std > UNDETERMINED * abs(value):
-            why = "the fitted coefficients it follows from do not determine it."
-        result[name] = _estimate(model[name], value, std, why, True, scale)
+            standing = UNKNOWN, "it does not exist for these coefficients."
+        elif standing[0] == UNKNOWN:
+            standing = UNKNOWN, "the fitted coefficients it follows from do not determine it."
+        result[name] = _estimate(model[name], value, std, standing, True, scale)
     return result

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,9 +10,16 @@ import numpy as np
 from shipid.estimation.estimate import Estimate
 from shipid.identification.problem.setting import Setting
 from shipid.identification.problem.ship_scale import recorded_speeds
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes
+from shipid.identification.uncertainty.estimates import is_as_stated
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.trial import Trial
+
+#: Source of a value that the trials say nothing about, and that the ship states in other coefficients, or the model as a prior.
+_BEFORE = (
+    "known before these trials, which hold no information about it: from other coefficients of the ship, or declared"
+)
 
 
 def identified_ship(
@@ -21,6 +28,7 @@ def identified_ship(
     trials: Sequence[Trial],
     source: str,
     correlation: np.ndarray,
+    unseen: Collection[str] = (),
 ) -> ParameterSet:
     """Return the ship as it was given, with the coefficients that were identified.
 
@@ -36,16 +44,25 @@ def identified_ship(
         Source of the coefficients, in words.
     correlation : ndarray, shape (estimated, estimated)
         Of the estimates, in the order of `setting.estimated`.
+    unseen : collection of str
+        Coefficients about which the trials hold no information. One that the ship states keeps what she states, one that is known
+        only as part of a combination has the value that goes with the others, and one that nothing states is left out.
 
     Returns
     -------
     ParameterSet
     """
     model, given = setting.model, setting.ship
-    section = {}
+    section: dict[str, Value] = {}
+    stated = setting.stated
     for name, e in parameters.items():
-        if not e.follows and e.value is not None:
-            note = "" if e.identifiable else f"not determined by these trials: {e.why}"
+        if name in unseen and name not in stated:
+            continue
+        if name in unseen and e.value is not None and is_as_stated(e.value, stated[name][0]):
+            held = given.find(model, name)
+            section[name] = held or Value(name, stated[name][0], e.unit, _BEFORE, std=stated[name][1])
+        elif not e.follows and e.value is not None:
+            note = "" if e.identifiable else f"{e.standing} by these trials: {e.why}"
             section[name] = Value(name, e.value, e.unit, source, std=e.std, note=note)
     particulars = dict(given.sections.get(PARTICULARS, {}))
     for name, value in setting.fixed.items():
@@ -57,9 +74,13 @@ def identified_ship(
         target[name] = Value(name, value, model[name].unit, own)
     speeds = recorded_speeds(trials)
     # As written, so that a set that is read again is the same. Rounding leaves a badly conditioned matrix slightly asymmetric.
+    names = [n for n in setting.estimated if n in section]
+    at = [setting.estimated.index(n) for n in names]
+    correlation = correlation[np.ix_(at, at)]
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    joint = Joint(setting.estimated, matrix, (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None)
+    span = (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None
+    joint = Joint(tuple(names), matrix, span, **largest_amplitudes(trials))
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})

@@ -21,15 +21,12 @@ from shipid.declaration.component import Component
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 
 #: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
 PER_UNIT_TIME = 12
-#: Below this share of her approach speed a ship has lost her way: no model scaled with the speed describes her.
-_WAY = 0.1
-#: Rate of turn, as r L/U, that no ship reaches.
-_SPIN = 10.0
 #: Sensitivity, in standard deviations for a change of a coefficient by its own size, beyond which squares mean nothing.
 _STEEP = 1e12
 #: Part of the largest singular value below which a direction is lost in rounding.
@@ -137,7 +134,7 @@ class Experiment:
         Returns
         -------
         ndarray or None, shape (N,)
-            In rad, at the samples of the differentiated record; None where the model runs away, or the ship loses her way.
+            In rad, at the samples of the differentiated record; None where the model does not sail it.
         """
         speed = candidate.speed
         unit, interval = self.length / speed, self.interval(speed)
@@ -147,13 +144,9 @@ class Experiment:
         t = np.arange((int(duration / interval + 1e-9)) * fine + 1) * (interval / fine)
         schedule = planned.scheduled(t) if planned.schedule else 0.0
         inputs = _approach(speed) | {"helm_schedule": schedule}
-        run = steered(t, {**known, **planned.constants}, inputs, {"u": speed, "psi": 0.0}, where=_WHERE).columns
-        finite = all(np.isfinite(column).all() for column in run.values())
-        if not finite or ("r" in run and np.abs(run["r"]).max() * unit > _SPIN):
-            return None
-        if "u" in run and run["u"].min() < _WAY * speed:
-            return None
-        return run["delta"][::fine]
+        given = {**known, **planned.constants, "L": self.length}
+        run = steered(t, given, inputs, {"u": speed, "psi": 0.0}, where=_WHERE)
+        return None if run.departure is not None else run["delta"][::fine]
 
     def information(
         self, candidate: CandidateManoeuvre, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
@@ -210,9 +203,9 @@ def _approach(speed: float) -> dict[str, float | np.ndarray]:
 
 @functools.lru_cache(maxsize=64)
 def _steered(model: Model, helm: type[Component]) -> Simulator:
-    """The closed loop of one helmsman: it shows the rudder, and the states by which the model is seen to run away."""
-    whole = join(model.name, model, SteeringMachine, helm)
-    return make_simulator(whole, [n for n in ("delta", "r", "u") if n in whole and n not in whole.inputs], hold="zero")
+    """The closed loop of one helmsman: it shows the rudder, and whether the model sails the manoeuvre."""
+    whole = join(model.name, model, SteeringMachine, helm, *manoeuvring_range(model))
+    return make_simulator(whole, ("delta",), hold="zero")
 
 
 def gather(slope: np.ndarray, ends: Sequence[int]) -> np.ndarray:

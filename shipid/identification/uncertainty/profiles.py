@@ -61,7 +61,7 @@ class Profile:
             "unit": self.unit,
             "values": self.values.tolist(),
             "cost": [plain(c) for c in self.cost],
-            "ci95": list(self.ci95),
+            "interval_95": list(self.ci95),
             "samples_per_effective_sample": self.excess,
         }
 

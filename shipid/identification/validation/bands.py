@@ -117,8 +117,14 @@ def _over(
 ) -> tuple[_Read, list[_Read]]:
     """Run the record for the prediction and each draw, and read each result from its columns."""
     outputs, data = shown_outputs(identified.problem), runs.data
-    record = make_record(identified.model, outputs)
-    results = (record(x0, data.inputs, data.intervals, p, bias)[0] for x0, p, bias in runs)
+    record = make_record(identified.model, outputs, guarded=True)
+
+    def sailed(x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> np.ndarray:
+        y, _, margins = record.run(x0, data.inputs, data.intervals, p, bias)
+        # A run that leaves the range of the model has no numbers.
+        return y if (margins >= 0).all() else np.full_like(y, np.nan)
+
+    results = (sailed(*run) for run in runs)
     point, *drawn = (read(dict(zip(outputs, y))) for y in results)
     return point, drawn
 

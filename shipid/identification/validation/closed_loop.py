@@ -133,7 +133,7 @@ class ZigzagSimulator:
     loop: Loop
 
     def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> tuple[float | None, ...]:
-        """Return the overshoots in rad, one a reversal; None where one is not reached.
+        """Return the overshoots in rad, one a reversal; None where one is not reached, or the model does not sail the zig-zag.
 
         Parameters
         ----------
@@ -152,8 +152,8 @@ class ZigzagSimulator:
         angles[: count + 1] = h.angles
         given = np.concatenate([p, bias, limits, angles, [h.rate]])
         z0 = np.concatenate([x0, [self.controls[0, -3], 0.0]])
-        psi, reversals = self.loop(z0, self.controls, given)[1].T
-        if not np.isfinite(psi).all():
+        psi, reversals, margin = self.loop(z0, self.controls, given)[1].T
+        if not np.isfinite(psi).all() or not (margin >= 0).all():
             return (None,) * count
         done = int(reversals.max())
         when = [float(self.t[np.argmax(reversals >= k + 1)]) + h.delay for k in range(done)]
@@ -199,7 +199,7 @@ def zigzag_simulator(
 
 @functools.lru_cache(maxsize=32)
 def _steered(model: Model) -> Loop:
-    """Ship, rudder and helmsman: ``(z, controls, given) -> (z_next, heading and reversals)`` at every sample."""
+    """Ship, rudder and helmsman: ``(z, controls, given) -> (z_next, heading, reversals and least margin)`` at every sample."""
     system = generate(model)
     step = make_step(system, hold="linear")
     rudder, reversals = ca.SX.sym("rudder"), ca.SX.sym("reversals")
@@ -217,8 +217,10 @@ def _steered(model: Model) -> Loop:
     first, second = now + 0, then + 0
     first[at], second[at] = ca.if_else(engaged > 0, rudder, recorded), following
     x_next = step.function(system.x, first + bias, second + bias, system.p, interval)
-    heading = ca.Function("heading", [system.x, system.u, system.p], [system.expression(["psi"])])
-    psi, psi_next = (heading(x, u + bias, system.p) for x, u in ((system.x, first), (x_next, second)))
+    margins = system.expression(model.guards)
+    margin = ca.mmin(margins) if model.guards else ca.SX(1.0)
+    heading = ca.Function("heading", [system.x, system.u, system.p], [system.expression(["psi"]), margin])
+    (psi, kept), (psi_next, _) = (heading(x, u + bias, system.p) for x, u in ((system.x, first), (x_next, second)))
     reverse = ca.logic_and(engaged > 0, ca.sign(held) * psi_next >= limit)
     return make_loop(
         ca.Function(
@@ -230,7 +232,7 @@ def _steered(model: Model) -> Loop:
             ],
             [
                 ca.densify(ca.vertcat(x_next, following, reversals + ca.if_else(reverse, 1.0, 0.0))),
-                ca.densify(ca.vertcat(psi, reversals)),
+                ca.densify(ca.vertcat(psi, reversals, kept)),
             ],
         )
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shipid.generation.departure import Departure
 from shipid.identification.validation.trial_measures import TrialMeasures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
@@ -46,6 +47,8 @@ class Comparison:
         Samples of each fitted signal that are there, and how many there might be.
     notes : tuple of str
         What was filled and left out of the trial because of holes in what drives the model.
+    departure : Departure or None
+        Where the prediction leaves the range in which the model is valid; it has no overshoots and no circle then.
     """
 
     trial: Trial
@@ -62,6 +65,7 @@ class Comparison:
     initial: Mapping[str, float] = field(default_factory=dict)
     samples: Mapping[str, tuple[int, int]] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    departure: Departure | None = None
 
     @property
     def whole(self) -> bool:

@@ -42,7 +42,7 @@ class PredictedQuantity:
         return {
             "measured": _rounded(self.measured),
             "predicted": _rounded(self.predicted),
-            "band95": None if self.band95 is None else [_rounded(b) for b in self.band95],
+            "interval_95": None if self.band95 is None else [_rounded(b) for b in self.band95],
         }
 
 
@@ -77,8 +77,8 @@ class PredictedManoeuvre:
             "overshoots_deg": in_degrees(self.overshoots),
             "predicted_overshoots_deg": in_degrees(self.open_loop),
             "predicted_overshoots_closed_loop_deg": in_degrees(self.closed_loop),
-            "band95_deg": [None if b is None else in_degrees(b) for b in self.band95],
-            "closed_loop_band95_deg": [None if b is None else in_degrees(b) for b in self.closed_loop_band95],
+            "interval_95_deg": [None if b is None else in_degrees(b) for b in self.band95],
+            "closed_loop_interval_95_deg": [None if b is None else in_degrees(b) for b in self.closed_loop_band95],
             **{key: value.to_dict() for key, value in self.turn.items()},
         }
 

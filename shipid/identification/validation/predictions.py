@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.generation.departure import first_departure
 from shipid.generation.record import make_record
 from shipid.identification.identified import Identified
 from shipid.identification.problem.box import EMPTY
@@ -171,9 +172,12 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
     """
     trial = problem.trials[index].trial
     shown = shown_outputs(problem)
-    y, _ = problem.run(q, index, make_record(problem.model, shown))
+    y, _, margins = problem.guarded_run(q, index, make_record(problem.model, shown, guarded=True))
     predicted = dict(zip(shown, y))
     overshoots, foreseen = _overshoots(trial, measures, predicted.get("psi"))
+    left = first_departure(problem.model, trial["t"], margins)
+    if left is not None:
+        foreseen = (None,) * len(foreseen)
     return Comparison(
         trial,
         predicted,
@@ -182,10 +186,11 @@ def compare(problem: Problem, q: np.ndarray, index: int, measures: TrialMeasures
         biases=problem.named_biases(q, index),
         overshoots=overshoots,
         predicted_overshoots=foreseen,
-        predicted_circle=_predicted_circle(trial, measures, predicted, length),
+        predicted_circle=None if left is not None else _predicted_circle(trial, measures, predicted, length),
         initial=dict(zip(problem.initial, q[problem.own(index)].tolist())),
         samples={s: samples_of(trial["t"], trial[s]) for s in problem.signals},
         notes=tuple(n for n in trial.source.notes if is_note(n)),
+        departure=left,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 from shipid.foundation.aliases import Plain
@@ -28,15 +29,19 @@ class TrialFinding:
         What the fit did with it.
     finding : Finding
         The finding.
+    bears : bool
+        Whether it concerns a column that the fit used.
     """
 
     trial: str
     role: Literal["fitted", "validation"]
     finding: Finding
+    bears: bool = True
 
     def to_dict(self) -> dict[str, Plain]:
-        """Return plain values."""
-        return {"trial": self.trial, "role": self.role, **self.finding.to_dict()}
+        """Return plain values; serious where it spoils this fit."""
+        plain = self.finding.to_dict()
+        return plain | {"serious": plain["serious"] and self.bears, "trial": self.trial, "role": self.role}
 
     def __str__(self) -> str:
         f = self.finding
@@ -45,7 +50,7 @@ class TrialFinding:
 
 
 def findings_of(
-    ship: ParameterSet, fitted: Sequence[Comparison], validation: Sequence[Comparison]
+    ship: ParameterSet, fitted: Sequence[Comparison], validation: Sequence[Comparison], inputs: Sequence[str] = ()
 ) -> tuple[TrialFinding, ...]:
     """Return what the doctor is sure of in the trials of a fit, what spoils an identification first.
 
@@ -55,6 +60,8 @@ def findings_of(
         The ship, for its length and speed.
     fitted, validation : sequence of Comparison
         The trials that were fitted, and those that were predicted.
+    inputs : sequence of str
+        What drives the model. A finding that concerns neither these nor a signal of the fit spoils nothing in it.
     """
     found = []
     roles: tuple[tuple[Literal["fitted", "validation"], Sequence[Comparison]], ...] = (
@@ -64,7 +71,11 @@ def findings_of(
     for role, comparisons in roles:
         for c in comparisons:
             diagnosis = check_trial(c.trial, ship)
-            found += [TrialFinding(c.trial.name, role, f) for f in diagnosis.findings if f.confidence >= SURE]
+            found += [
+                TrialFinding(c.trial.name, role, f, f.touches({*c.samples, *inputs}, -inf, inf))
+                for f in diagnosis.findings
+                if f.confidence >= SURE
+            ]
     return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))
 
 

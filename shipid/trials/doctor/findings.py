@@ -282,7 +282,6 @@ class Diagnosis:
         return {
             "trial": self.trial,
             "path": self.path,
-            "serious": len(self.serious),
             "findings": [f.to_dict() for f in self.findings],
             "manoeuvres": [m.to_dict() for m in self.manoeuvres],
             "notes": list(self.notes),

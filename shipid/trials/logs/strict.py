@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import checks, columns
 from shipid.trials.filling import usual_interval
 from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_trailing
+from shipid.trials.logs.following import with_following
 from shipid.trials.logs.missing import with_missing
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
@@ -68,10 +69,12 @@ def sound_table(record: LenientRecord) -> SoundTable:
     values = dict(record.values)
     if fmt is None and "psi" in values:
         values["psi"] = unwrapped(values["psi"])
+    followed = with_following(values)
+    values = followed.values
     extra = {name: columns.inside_unit(name, record.stated[name]) for name in values if name not in FIELDS}
     order = ["t", *(c for c in FIELDS if c in values and c != "t"), *extra]
     table = pd.DataFrame({c: np.ascontiguousarray(values[c], dtype=float) for c in order})
-    notes = (*record.source.notes, *record.notes, *_remarks(table))
+    notes = (*record.source.notes, *record.notes, *followed.notes, *_remarks(table))
     return SoundTable(table, replace(record.source, notes=notes), extra)
 
 

@@ -9,18 +9,23 @@ import numpy as np
 
 import shipid
 from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.notices import Notice
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.validity import beyond
 from shipid.parts.helm import DirectRudder
+from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
 from shipid.parts.wind import Wind
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.source import Source
@@ -33,12 +38,9 @@ _MOST_STEPS = 1e7
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
 _ROLES = {"given": "an input", "state": "a state", "output": "a sensor"}
 
-#: Speed and direction of a current or a wind, each with a unit or in SI.
-Flow = tuple["str | float", "str | float"]
 
-
-class SimulationDivergedError(ShipidError):
-    """The model ran away to values that are not finite."""
+class NotSailedError(ShipidError):
+    """The model leaves the range in which it is valid, or runs away to values that are not finite."""
 
     exit_code = ExitCode.NO_CONVERGENCE
 
@@ -105,24 +107,24 @@ def simulate(
         If the model reads another input that declares no default.
     ParameterSetError
         If the ship lacks something the model needs.
-    SimulationDivergedError
-        If the model runs away.
+    NotSailedError
+        If the model leaves the range in which it is valid, or runs away.
     """
     model, ship = model_of(model), ship_of(ship)
     manoeuvre = parse_manoeuvre(manoeuvre) if isinstance(manoeuvre, str) else manoeuvre
     u0, length = _speed(ship, speed), _length(ship)
     unit_time = length / u0
-    course = _si(heading, "rad", "the heading")
+    course = number(heading, "rad", "the heading")
     limit = ship.particular("delta_max", "rad") or np.deg2rad(35)
-    seconds = None if duration is None else _si(duration, "s", "the duration")
+    seconds = None if duration is None else number(duration, "s", "the duration")
     if seconds is not None and not 0 < seconds < np.inf:
         raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
     planned = plan(manoeuvre, unit_time, course, limit, seed, seconds)
-    interval = _interval(unit_time) if sampling is None else _si(sampling, "s", "the sampling interval")
+    interval = _interval(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
     if not 0 < interval < planned.duration:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
-    _check_flows(model, current, wind)
+    check_flows(model, current, wind)
     whole = _with_steering(model, planned.helm, steering, wind is not None)
     whole, replaced = _with_values(whole, values or {})
     known = ship.values(whole, speed=u0) | replaced | planned.constants
@@ -138,17 +140,16 @@ def simulate(
         )
     count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
-    inputs = {"u": u0, "cruise": u0} | _flows(current, wind)
+    inputs: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
     if planned.schedule:
         inputs["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
     simulator = make_simulator(whole, [n for n in RECORDED if n in whole], hold="zero", compiled=False)
     run = simulator(t, known, inputs, {"u": u0, "psi": course})
-    if not run.finite.all():
-        first = t[int(np.argmin(run.finite))]
-        raise SimulationDivergedError(
-            f"model {model.name} with ship {ship.name} runs away {first:.4g} s into {manoeuvre} at {u0:.3g} m/s. "
-            "Less rudder keeps it within the range the model describes."
+    if run.departure is not None:
+        raise NotSailedError(
+            f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
+            f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
         )
     deviations = parse_noise(noise)
     table = measured({n: column[::fine] for n, column in run.columns.items()}, t[::fine], deviations, seed)
@@ -156,23 +157,28 @@ def simulate(
     acting = "".join(
         f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None
     )
+    changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s, noise {noises}, seed {seed}{acting}"
+        f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{acting}"
     )
-    source = Source(simulated=True, comment=comment, notes=(comment,))
+    notes = _beyond(model, ship, u0, run.columns)
+    source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
 
 
-def _si(value: str | float, unit: str, what: str) -> float:
-    return to_si(value, unit, what) if isinstance(value, str) else float(value)
+def _beyond(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> list[Notice]:
+    """What has to be said of a run beyond the range that the coefficients come from."""
+    largest = {n: float(np.abs(run[n]).max()) for n in ("delta", "r") if n in run}
+    drift = float(np.abs(np.arctan2(-run["v"], run["u"])).max()) if "v" in run and "u" in run else None
+    return beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
 
 
 def _speed(ship: ParameterSet, speed: str | float | None) -> float:
     own = ship.particular("speed", "m/s")
-    u0 = own if speed is None else _si(speed, "m/s", "the speed")
+    u0 = own if speed is None else number(speed, "m/s", "the speed")
     if u0 is None:
         raise ParameterSetError(f"ship {ship.name} has no speed of its own: give one, as in --speed '9 kn'.")
     if not u0 > 0:
@@ -198,7 +204,7 @@ def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bo
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = SteeringMachine if steering else DirectRudder
     extra = (Wind,) if wind else ()
-    return join(model.name, model, rudder, helm, *extra)
+    return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 
 def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model, dict[str, float]]:
@@ -209,21 +215,3 @@ def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model
             raise UsageError(f"'{n}' is {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")
     published = [n for n in replaced if whole[n].quantity.kind == "derived"]
     return (whole.impose(published) if published else whole), replaced
-
-
-def _check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
-    for flow, asked, quantity in (("current", current, "current_north"), ("wind", wind, "r_disturbance")):
-        if asked is not None and quantity not in model.inputs:
-            raise UsageError(f"model {model.name} reads no '{quantity}', so a {flow} does not act on it: leave it out.")
-
-
-def _flows(current: Flow | None, wind: Flow | None) -> dict[str, float | np.ndarray]:
-    """Return current and wind as inputs of a model, SI."""
-    inputs: dict[str, float | np.ndarray] = {}
-    if current is not None:
-        rate, direction = _si(current[0], "m/s", "the current"), _si(current[1], "rad", "direction of the current")
-        inputs |= {"current_north": rate * np.cos(direction), "current_east": rate * np.sin(direction)}
-    if wind is not None:
-        inputs["wind_speed"] = _si(wind[0], "m/s", "the wind")
-        inputs["wind_direction"] = _si(wind[1], "rad", "direction of the wind")
-    return inputs

@@ -252,5 +252,16 @@ def test_a_run_that_is_lost_is_no_number(sized):
     pilot = shipid.design_autopilot("de-keizer", ship, speeds=[7.0, 9.5], rudder_limit="30 deg")
     judged = shipid.judge(pilot, samples=0)
     assert any(s.lost and s.overshoot_deg is None for s in judged.steps)
-    assert any(w.startswith("lost: the model runs away in course changes of") for w in judged.warnings)
+    assert any(w.startswith("lost: course changes of") and "not sailed by this model" in w for w in judged.warnings)
     assert judged.weakest.share == 0.0
+
+
+def test_a_run_on_the_floor_of_the_model_is_lost(sized):
+    """K_u* 3 and 35 deg of rudder: in a change of 170 deg the ship loses its way, and its last numbers are finite."""
+    lossy, shipped = (sized("soesterberg", "de-keizer", K_u=k) for k in (3.0, 0.35))
+    found = []
+    for ship in (lossy, shipped):
+        pilot = shipid.design_autopilot("de-keizer", ship, speeds=[9.5], rudder_limit="35 deg")
+        found.append(run_course_changes(pilot, [9.5, 9.5], np.deg2rad([10.0, 170.0])))
+    assert np.isfinite(found[0].overshoot).tolist() == [True, False]
+    assert np.isfinite(found[1].overshoot).all()

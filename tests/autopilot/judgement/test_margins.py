@@ -165,7 +165,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     assert found["robust"]["samples"] == 50 and found["robust"]["disk_worst"] > 0
     assert {"speed", "change_deg", "overshoot_deg", "settling_s"} <= set(found["steps"][0])
     assert {"what", "where", "value"} <= set(found["weakest"])
-    assert any("outside the identified range" in w for w in found["warnings"])
+    assert any("outside the identified range" in w["message"] for w in found["warnings"])
     assert judgement.to_frame().shape[0] == count
     assert "worst disk margin" in repr(judgement) and "The weakest point" in repr(judgement)
 

@@ -97,7 +97,7 @@ def test_what_the_result_says(runs):
 
 def test_a_filter_that_does_not_fit_is_named():
     """The levels of the yaw filter are those of a ship of 226 m: on a model of 7 m its heading is worse than the compass."""
-    pilot = shipid.design_autopilot("bech-surge", "kvlcc2-7m", speeds=[1.2])
+    pilot = shipid.design_autopilot("bech-surge", "kvlcc2-7m", speeds=[0.8])
     found = shipid.run_on_board(pilot, "yaw-filter", changes=(20.0,))
     assert any(w.startswith("on board: the heading of the filter is off by") for w in found.warnings)
 

@@ -157,3 +157,24 @@ def test_unknowns_that_are_not_there(setup: Any, swing: Any, uneven: Any, unknow
     record = record_of(hand, swing, uneven)
     with pytest.raises(UnknownNameError, match=r"no unknown of the likelihood called '"):
         hand.kalman.likelihood(record, ["K", unknown])
+
+
+def test_innovations_are_those_of_the_filter_and_their_slopes_exact(setup: Any, swing: Any, uneven: Any) -> None:
+    """Of unknowns that leave the variances alone, the slopes are those of the innovations in standard deviations."""
+    hand = setup("yaw", SENSORS, **{"density": {"r": 1e-4}})
+    record = record_of(hand, swing, uneven)
+    unknowns = ["x0:psi", "x0:r", "bias:delta"]
+    likelihood = hand.kalman.likelihood(record, unknowns)
+    ((series, slopes),) = likelihood.innovations(likelihood.start)
+    run = hand.kalman.filter(record)
+    for k, name in enumerate(hand.kalman.measured):
+        seen = np.isfinite(series[k])
+        assert np.array_equal(seen, np.isfinite(record[name]))
+        assert series[k][seen] == pytest.approx(run.innovations[name].normalised, rel=1e-6, abs=1e-9)
+    for j, step in enumerate((1e-3, 1e-5, 1e-3)):
+        moved = np.zeros(3)
+        moved[j] = step
+        ((after, _),) = likelihood.innovations(likelihood.start + moved)
+        ((before, _),) = likelihood.innovations(likelihood.start - moved)
+        found = np.nan_to_num((after - before) / (2 * step))
+        assert slopes[:, :, j] == pytest.approx(found, rel=1e-5, abs=1e-6 * np.abs(found).max())

@@ -282,3 +282,28 @@ def test_a_leap_by_formula(setup: Any, swing: Any, form: str) -> None:
     assert run.x[49] == pytest.approx(ahead + gain * e, rel=1e-9)
     assert run.covariance[49] == pytest.approx(P - np.outer(gain, P[0]), rel=1e-6, abs=1e-12)
     assert fates(run, "psi")[49] == TAKEN and run.innovations["psi"].values[49] == pytest.approx(e)
+
+
+def test_a_gate_that_rejects_the_many_opens(setup: Any, swing: Any) -> None:
+    """Two samples of three are far beyond the gate, never for as long as the patience lasts: the many are right."""
+    hand = setup("yaw", {"psi": 0.01}, density={"r": 1e-6}, gate=5.0, patience="7 s")
+    record = sailed(hand, np.arange(400) * 0.7, swing)
+    wild = np.random.default_rng(5).choice([-1.0, 1.0], 400) * 0.2
+    late = np.arange(400) >= 100
+    wrong = late & (np.arange(400) % 3 > 0)
+    record["psi"] = record["psi"] + np.where(wrong, wild, 0.0)
+    verdict = fates(hand.kalman.filter(record), "psi")
+    opened = int(np.argmax((verdict == TAKEN) & wrong))
+    assert 120 < opened < 180 and np.all(verdict[100:opened][wrong[100:opened]] == REJECTED)
+    assert np.mean(verdict[opened:] == REJECTED) < 0.4
+    # A third of the samples does not open it.
+    few = late & (np.arange(400) % 3 == 0)
+    record["psi"] = sailed(hand, np.arange(400) * 0.7, swing)["psi"] + np.where(few, wild, 0.0)
+    assert np.array_equal(fates(hand.kalman.filter(record), "psi") == REJECTED, few)
+
+
+def test_an_open_gate_does_not_open_for_a_value_that_repeats(setup: Any, swing: Any) -> None:
+    hand = setup("yaw", SENSORS, density={"r": 1e-4}, gate=5.0, patience="7 s")
+    record = sailed(hand, np.arange(200) * 0.7, swing)
+    record["psi"][60:160] = 3.0
+    assert np.all(fates(hand.kalman.filter(record), "psi")[60:160] == REJECTED)

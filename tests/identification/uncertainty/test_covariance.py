@@ -69,13 +69,19 @@ def test_correlation_of_an_infinite_variance_is_zero():
 
 
 def test_verdicts():
-    assert verdict(1.0, 0.1, 1.0, 0.0, 10.0, "") == ""
-    assert "no information" in verdict(1.0, np.inf, 1.0, 0.0, 10.0, "")
-    assert "bound" in verdict(0.0, 0.01, 1.0, 0.0, 10.0, "")
-    assert "90% of its value" in verdict(1.0, 0.9, 1.0, -10.0, 10.0, "")
-    assert "trades off with b (+0.99)" in verdict(1.0, 0.9, 1.0, -10.0, 10.0, "b (+0.99)")
-    assert verdict(0.0, 0.1, 1.0, -10.0, 10.0, "") == "", "a zero that is known to a tenth of a typical size is known"
-    assert "90% of its value" in verdict(0.1, 0.09, 1.0, 0.01, 10.0, ""), "one that must be positive has no zero"
+    assert verdict(1.0, 0.1, 1.0, 0.0, 10.0, "") == ("determined", "")
+    cases = {
+        (1.0, np.inf, 1.0, 0.0, 10.0, ""): ("not determined", "no information"),
+        (0.0, 0.01, 1.0, 0.0, 10.0, ""): ("not determined", "bound"),
+        (1.0, 0.9, 1.0, -10.0, 10.0, ""): ("not determined", "90% of its value"),
+        (1.0, 0.9, 1.0, -10.0, 10.0, "b (+0.99)"): ("not determined", "trades off with b (+0.99)"),
+        (0.0, 0.1, 1.0, -10.0, 10.0, ""): ("not distinguishable from zero", "-0.2 to 0.2, holds zero"),
+        (0.1, 0.09, 1.0, 0.01, 10.0, ""): ("not determined", "90% of its value"),  # it must be positive
+        (1.0, 0.095, 1.0, 0.0, 10.0, "", 0.1): ("not determined", "95% of the one it started with"),
+    }
+    for case, (standing, words) in cases.items():
+        found, why = verdict(*case)
+        assert found == standing and words in why, (case, found, why)
 
 
 @pytest.mark.parametrize("strength", [1.0, 7.0])
@@ -245,7 +251,9 @@ def test_a_coefficient_without_influence_is_not_determined(sail):
     fit = shipid.identify("de-keizer", [trial], ship="soesterberg", signals=["psi", "r", "u"], starts=1)
     gamma = fit.parameters["gamma"]
     assert gamma.std is None and gamma.ci95 is None and not gamma.identifiable
-    assert fit.unidentifiable == ("gamma",)
+    assert gamma.standing == "not determined" and fit.unidentifiable == ("alpha3", "gamma")
+    assert fit.parameters["alpha3"].standing == "not distinguishable from zero"  # the ship has none
+    assert "not distinguishable from zero: its 95 % interval" in repr(fit)
     assert fit.condition_number is None
     assert all(fit.parameters[n].identifiable for n in ("K", "tau", "K_u", "tau_u"))
 

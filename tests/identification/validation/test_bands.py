@@ -12,6 +12,7 @@ import shipid
 from shipid.identification.uncertainty.draws import band_of, draws_of
 from shipid.identification.validation.bands import manoeuvres_of
 from shipid.identification.validation.closed_loop import helmsman_of
+from shipid.report.write_report import render
 from shipid.trials.measuring.measure import measure
 
 KEYS = ("advance_m", "transfer_m", "tactical_diameter_m", "steady_rate_deg_s", "steady_speed_m_s")
@@ -33,11 +34,11 @@ def test_the_result_has_every_key_and_no_nan(fit):
     zigzag, turn = (result[f"de-keizer-{m}"] for m in ("zigzag-10-10", "turn-20"))
     swings = len(zigzag["overshoots_deg"])
     assert swings >= 4
-    for key in ("predicted_overshoots_deg", "predicted_overshoots_closed_loop_deg", "band95_deg"):
+    for key in ("predicted_overshoots_deg", "predicted_overshoots_closed_loop_deg", "interval_95_deg"):
         assert len(zigzag[key]) == swings
     for key in KEYS:
-        assert set(turn[key]) == {"measured", "predicted", "band95"}
-        assert turn[key]["band95"][0] < turn[key]["predicted"] < turn[key]["band95"][1]
+        assert set(turn[key]) == {"measured", "predicted", "interval_95"}
+        assert turn[key]["interval_95"][0] < turn[key]["predicted"] < turn[key]["interval_95"][1]
     assert turn["overshoots_deg"] == [] and "advance_m" not in zigzag
 
 
@@ -86,7 +87,7 @@ def test_bands_can_be_left_out(sail):
     fit = shipid.identify("nomoto", [sail("nomoto", "zeefakkel")], ship="zeefakkel", starts=1)
     for unasked in (fit, shipid.assess(fit, bands=False)):
         result = unasked.to_dict()["manoeuvre"]
-        assert set(next(iter(result.values()))) == {"overshoots_deg", "predicted_overshoots_deg"}
+        assert set(next(iter(result.values()))) == {"overshoots_deg", "predicted_overshoots_deg", "not_sailed"}
     assert shipid.assess(fit, bands=False).assessment.manoeuvres is None
 
 
@@ -116,7 +117,7 @@ def test_a_model_that_runs_away_has_no_band(sail):
     fit = fit.validate([sail("norrbin", "zeefakkel", "turn:35", seed=2)])
     turn = shipid.assess(fit).to_dict()["manoeuvre"]["norrbin-turn-35"]
     assert turn["advance_m"]["measured"] is not None
-    assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["band95"] is None
+    assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["interval_95"] is None
     json.dumps(turn, allow_nan=False)
 
 
@@ -126,3 +127,26 @@ def test_a_band_has_a_side_of_its_own_either_way():
     assert high == pytest.approx(1 + 1.96 * 0.4, abs=1e-3)
     assert band_of(None, [1.0]) is None
     assert band_of(1.0, [1.0] * 8 + [None, None]) is None
+
+
+def test_a_prediction_on_the_floor_of_the_model_has_no_numbers(sail):
+    """K_u* 0.9 from a gentle zig-zag: over the rudder of a hard turn that another ship sailed, the model loses its way."""
+    gentle = sail("de-keizer", "soesterberg", "zigzag:10/10", seed=1, values={"K_u": "0.9"})
+    hard = sail("de-keizer", "soesterberg", "turn:35", seed=2, sampling="1 s")
+    fit = shipid.identify(
+        "de-keizer", [gentle], ship="soesterberg", starts=1, fixed={"K_u": "0.9", "tau_u": "2.5"}, validate=[hard]
+    )
+    fit = shipid.assess(fit, findings=False)
+    compared = fit.validation[0]
+    assert compared.departure.guard == "way_kept" and compared.predicted_circle is None
+    assert 100 < compared.departure.time < 300
+    words = (
+        "not sailed by this model: the forward speed is on the model's floor, a twentieth of the cruising speed from "
+    )
+    assert words in repr(fit)
+    plain = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["manoeuvre"]
+    assert plain[hard.name]["not_sailed"].startswith(words) and plain[gentle.name]["not_sailed"] is None
+    for key in KEYS:
+        assert plain[hard.name][key]["predicted"] is plain[hard.name][key]["interval_95"] is None
+        assert plain[hard.name][key]["measured"] is not None
+    assert f"The prediction of {hard.name} is {compared.departure}." in render(fit).replace("&#39;", "'")

@@ -9,7 +9,7 @@ from shipid import ParameterSet, Trial, find_ship, read_trial, simulate, write_t
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
-from shipid.trials.manoeuvres.simulate import SimulationDivergedError
+from shipid.trials.manoeuvres.simulate import NotSailedError
 
 DEG = np.pi / 180
 
@@ -251,15 +251,30 @@ def test_what_is_refused(options: dict[str, Plain], error: type[Exception], says
 
 def test_a_model_that_runs_away() -> None:
     """A cubic damping of the wrong sign: the harder the ship turns, the less holds it back."""
-    with pytest.raises(
-        SimulationDivergedError, match=r"runs away \d.* s into turn:35 at 9\.5 m/s\. Less rudder"
-    ) as caught:
-        sail("turn:35", values={"alpha3": "-5"})
+    said = r"turn:35 of ship soesterberg at 9\.5 m/s is not sailed by this model \(van-leeuwen\): it turns faster than any ship"
+    with pytest.raises(NotSailedError, match=said) as caught:
+        sail("turn:35", model="van-leeuwen", values={"alpha3": "-500"})
     assert caught.value.exit_code == 4
 
 
-def test_beyond_de_keizers_limit_the_ship_stops_and_stays_finite() -> None:
-    """At hard rudder and K_u* = 3 no steady turn exists; the floor under the speed keeps the run finite."""
-    trial = sail("turn:35", values={"K_u": "3"})
-    assert 0 < trial["u"].min() < 0.05 * 9.5
-    assert trial["u"].max() <= 9.5
+@pytest.mark.parametrize(
+    ("model", "ship", "manoeuvre", "values", "reason"),
+    [
+        ("de-keizer", "soesterberg", "turn:30", {"K_u": "0.9"}, "it keeps less than a fifth"),
+        ("de-keizer", "soesterberg", "turn:35", {"K_u": "3"}, "it keeps less than a fifth"),
+        ("norrbin", "zeefakkel", "turn:30", {"b3": "-400 s/rad^2"}, "it turns faster than any ship"),
+        ("bech", "kvlcc2", "turn:35", {"c3": "-9 1/rad^2"}, "it turns faster than any ship"),
+        ("nomoto", "zeefakkel", "turn:30", {}, "it turns faster than any ship"),
+    ],
+)
+def test_a_turn_that_no_ship_makes(model: str, ship: str, manoeuvre: str, values: dict[str, str], reason: str) -> None:
+    """Beyond the range of the model the run stays finite, or does not: either way it is no trial."""
+    with pytest.raises(NotSailedError, match=rf"is not sailed by this model \({model}\): {reason}.* s after the start"):
+        sail(manoeuvre, model=model, ship=ship, values=values)
+
+
+def test_the_part_before_is_sailed() -> None:
+    """A shorter duration keeps the run within the range of the model, as the message says."""
+    trial = sail("turn:30", values={"K_u": "0.9"}, duration="150 s")
+    assert trial["u"].min() > 0.2 * 9.5
+    assert ", K_u 0.9," in trial.source.comment

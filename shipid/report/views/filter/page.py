@@ -60,7 +60,7 @@ def _answer(run: FilterRun) -> list[str]:
 
 
 def _cautions(run: FilterRun) -> list[str]:
-    said = []
+    said: list[str] = [str(n) for n in run.warnings]
     for name, i in run.innovations.items():
         if i.rejected:
             said.append(f"{i.rejected} of {i.t.size} samples of {name} were outside the gate and were rejected.")

@@ -63,25 +63,12 @@ def correlation_section(fit: Fit) -> Section:
     return Section("Correlation, and what is not determined", "fit/correlation.html", view, short="Correlation")
 
 
-def sign_is_open(e: Estimate) -> bool:
-    """Return whether the interval of an estimate contains zero.
-
-    Parameters
-    ----------
-    e : Estimate
-        The estimate.
-    """
-    return e.ci95 is not None and e.ci95[0] < 0 < e.ci95[1]
-
-
 def _coefficient(fit: Fit, e: Estimate) -> Row:
     other = "none"
     if e.prime is not None and np.isfinite(e.prime):
         spread = abs(e.std * e.prime / e.value) if e.std is not None and e.value else None
         other = uncertain(e.prime, spread)
-    remark = Markup('<span class="no">Not determined:</span> {} ').format(prose(e.why)) if e.why else ""
-    if sign_is_open(e) and e.identifiable:
-        remark += "The interval contains zero, so its sign is not determined."
+    remark = Markup('<span class="no">{}:</span> {} ').format(e.standing.capitalize(), prose(e.why)) if e.why else ""
     return {
         "named": named(fit.model, e.name),
         "meaning": e.meaning,

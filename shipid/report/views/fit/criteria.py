@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.criteria.criteria import Criteria, CriterionSide
+from shipid.criteria.criteria import NOT_COVERED, Criteria, CriterionSide
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.numbers import fixed, number
 from shipid.report.page import Row, Section
@@ -38,7 +38,13 @@ def criteria_section(found: Criteria | str | None) -> Section | None:
         }
         for row in found.rows
     ]
-    view = {"refused": "", "head": head, "rows": rows, "spiral": _spiral(found), "notes": list(found.notes)}
+    view = {
+        "refused": "",
+        "head": head,
+        "rows": rows,
+        "spiral": _spiral(found),
+        "notes": [*found.notes, *(f"Not covered: {what}." for what in NOT_COVERED)],
+    }
     return _section(view)
 
 
@@ -64,9 +70,11 @@ def _spiral(found: Criteria) -> str:
         return "The model has no steady turn to draw a spiral from."
     if s["half_width_deg"] == 0:
         return "Spiral: no loop; the ship is stable on a straight course."
-    height, band = s["loop_height_deg_s"], _band(s["half_width_band95_deg"])
+    height, band = s["loop_height_deg_s"], _band(s["half_width_interval_95_deg"])
     words = (
         f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width_deg'], 2)} deg"
     )
     words += f" (95 % band {band} deg)" if band else ""
-    return words + (f", height {number(height, 3)} deg/s." if height is not None else ".")
+    words += f", height {number(height, 3)} deg/s" if height is not None else ""
+    verdict = "within" if s["within"] else "beyond"
+    return f"{words}; its width of {fixed(s['loop_width_deg'], 2)} deg is {verdict} the {s['limit_text']}."

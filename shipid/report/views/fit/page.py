@@ -8,13 +8,14 @@ from pathlib import PureWindowsPath
 import numpy as np
 
 from shipid.criteria.criteria import Criteria
+from shipid.estimation.standing import NEAR_ZERO, UNKNOWN
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.fit.coefficients import coefficients_section, correlation_section, sign_is_open
+from shipid.report.views.fit.coefficients import coefficients_section, correlation_section
 from shipid.report.views.fit.criteria import criteria_section
 from shipid.report.views.fit.runaway import runaway
 from shipid.report.views.fit.search import check_section, noise_section, posterior_section
@@ -96,13 +97,11 @@ def _answer(fit: Fit) -> list[str]:
     sentences += _accuracy(fit, fit.validation, "predicts", "of trials that were not fitted")
     if not fit.validation:
         sentences.append("No trial was kept apart to test its prediction.")
-    if fit.unidentifiable:
-        sentences.append(f"Not determined by these trials: {listed(fit.unidentifiable)}.")
-    else:
+    for standing in (UNKNOWN, NEAR_ZERO):
+        names = [n for n in fit.estimated if fit.parameters[n].standing == standing]
+        sentences += [f"{standing.capitalize()} by these trials: {listed(names)}."] if names else []
+    if not fit.unidentifiable:
         sentences.append("The trials determine all fitted coefficients.")
-    open_signs = [n for n in fit.estimated if fit.parameters[n].identifiable and sign_is_open(fit.parameters[n])]
-    if open_signs:
-        sentences.append(f"The interval of {listed(open_signs)} contains zero: the sign is not determined.")
     following = [n for n, e in fit.parameters.items() if e.follows and not e.identifiable]
     if following:
         sentences.append(f"Published coefficients that are not determined either: {listed(following)}.")
@@ -127,12 +126,14 @@ def _accuracy(fit: Fit, comparisons: tuple[Comparison, ...], verb: str, where: s
 
 def _warnings(fit: Fit) -> list[str]:
     found = [] if fit.converged else [f"The search did not converge. Its message: {fit.message}"]
-    for c in (*fit.fitted, *fit.validation):
+    compared = (*fit.fitted, *fit.validation)
+    for c in compared:
         t = runaway(c)
         if t is not None:
             found.append(
                 f"The prediction of {c.trial.name} runs away at t = {number(t)} s; its curves stop there, and it has no rms error."
             )
+    found += [f"The prediction of {c.trial.name} is {c.departure}." for c in compared if c.departure is not None]
     return found
 
 

@@ -51,6 +51,11 @@ class LiveLog:
         return self._reader.names if self._reader is not None else ()
 
     @property
+    def units(self) -> dict[str, str]:
+        """The unit in which a table holds each of its channels; sentences have their own, and nothing stands here."""
+        return self._reader.units if isinstance(self._reader, LiveTable) else {}
+
+    @property
     def settled(self) -> bool:
         """Whether no further channel can come: a table names them all in its header."""
         return isinstance(self._reader, LiveTable)

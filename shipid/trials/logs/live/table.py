@@ -65,10 +65,13 @@ class LiveTable:
     ----------
     names : tuple of str
         The channels, once the header was read.
+    units : dict of str to str
+        The unit in which the log holds a channel.
     """
 
     def __init__(self, fmt: TrialFormat | None, where: str, tell: Callable[[str], None]) -> None:
         self.names: tuple[str, ...] = ()
+        self.units: dict[str, str] = {}
         self._fmt, self._where, self._tell = fmt, where, tell
         self._comment = fmt.comment if fmt else "#"
         self._head: list[str] = []
@@ -234,6 +237,7 @@ class LiveTable:
         for name, k in found.items():
             if name != "t":
                 factor = headers.to_inside(name, stated[name], f"{self._where}, header: ")
+                self.units[name] = stated[name]
                 known = fmt.columns[name] if fmt is not None else None
                 self._channels[name] = (k, factor * (known.sign * known.scale if known else 1.0))
         pair = pair_of(self._channels)

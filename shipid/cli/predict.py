@@ -1,0 +1,189 @@
+"""``shipid predict``: where a ship goes under an order, from a state or from a trial at an instant."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+import click
+
+from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.options import format_option, model_argument, ship_option
+from shipid.cli.quantities import NumberWithUnit
+from shipid.foundation.exit_codes import ExitCode
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from shipid.autopilot.design.autopilot import Autopilot
+    from shipid.foundation.notices import Notice
+    from shipid.prediction.situations.situation import Situation
+    from shipid.prediction.tracks.track_predictor import Band
+
+_TRACK = "track.csv"
+#: Names that a state may give beside those of the model, with their units.
+_STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m", "delta": "rad", "cruise": "m/s"}
+
+
+@click.command()
+@model_argument
+@ship_option(required=True)
+@click.option(
+    "--schedule", metavar="FILE", help="The autopilot, a schedule.toml of shipid tune; one is designed by default."
+)
+@click.option(
+    "--from",
+    "begin",
+    metavar="STATE|TRIAL@T",
+    help="A state, 'psi=40 deg,u=9 m/s,r=0.1 deg/s', or a trial at a time in s: nothing later is used. On a straight course at her own speed by default.",
+)
+@click.option("--heading", type=NumberWithUnit("deg"), help="Heading to steer, as in '75 deg'.")
+@click.option("--rudder", type=NumberWithUnit("deg"), help="Rudder angle to hold, as in '20 deg'.")
+@click.option(
+    "--rate", type=NumberWithUnit("deg/s"), help="Rate of turn to hold, '20 deg/min'; with --heading, that of the turn."
+)
+@click.option(
+    "--rudder-limit", type=NumberWithUnit("deg"), help="Largest rudder angle; the autopilot's own by default."
+)
+@click.option("--horizon", default=20.0, show_default=True, metavar="L", help="Length of the track in ship lengths.")
+@click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from'); from a trial it is estimated.")
+@click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to').")
+@click.option(
+    "--band", default="linear", show_default=True, metavar="linear|samples|none", help="How the 95 % band is found."
+)
+@format_option
+@delivered(RESULT, _TRACK, REPORT)
+def predict(
+    model: str,
+    ship: str,
+    schedule: str | None,
+    begin: str | None,
+    heading: str | None,
+    rudder: str | None,
+    rate: str | None,
+    rudder_limit: str | None,
+    horizon: float,
+    current: str | None,
+    wind: str | None,
+    band: Band,
+    format_: str | None,
+    delivery: Delivery,
+) -> ExitCode:
+    """Predict where a ship goes under an order: her track with its band, stage by stage.
+
+    From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is. The track is in metres to
+    the north and to the east, on the position of the trial or from zero.
+
+    \b
+    shipid predict de-keizer --ship soesterberg --heading '60 deg'
+    shipid predict de-keizer --ship ship.toml --from trial.csv@300 --rudder '20 deg' --out predicted
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.foundation.errors import UsageError
+    from shipid.prediction.predict_track import predict_track
+    from shipid.report.write_report import write_report
+
+    if heading is None and rudder is None and rate is None:
+        raise UsageError("predict needs an order: --heading, --rudder or --rate. See shipid predict --help.")
+    pilot = _pilot(model, ship, schedule)
+    with delivery.progress() as tell:
+        situation, origin, told = _situation(pilot, model, begin, current, wind, format_, tell)
+        tell("predicting")
+        found = predict_track(
+            pilot,
+            situation,
+            heading=heading,
+            rudder=rudder,
+            rate=rate,
+            rudder_limit=rudder_limit,
+            horizon=horizon,
+            band=band,
+            origin=origin,
+            warnings=told,
+        )
+    return delivery.hand_over(
+        found,
+        {
+            _TRACK: lambda path: found.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            REPORT: lambda path: write_report(found, path),
+        },
+    )
+
+
+def _pilot(model: str, ship: str, schedule: str | None) -> Autopilot:
+    """The autopilot: of the schedule, on the model and the ship of the command line; or one by the defaults of ``shipid tune``."""
+    from dataclasses import replace
+
+    from shipid.autopilot.design.design_autopilot import design_autopilot
+    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.parameters.catalogue import find_model, find_ship
+
+    found, known = find_model(model), find_ship(ship)
+    if schedule is None:
+        return design_autopilot(found, known)
+    return replace(read_schedule(schedule, model), model=found, ships=(known,))
+
+
+def _situation(
+    pilot: Autopilot,
+    model: str,
+    begin: str | None,
+    current: str | None,
+    wind: str | None,
+    format_: str | None,
+    tell: Callable[[str], object],
+) -> tuple[Situation, str, list[Notice]]:
+    from shipid.cli.simulate import flow_of
+    from shipid.foundation.errors import UsageError
+    from shipid.prediction.situations.situation import Situation
+    from shipid.trials.manoeuvres.flows import flow_inputs
+
+    flows = flow_inputs(flow_of(current, "current"), flow_of(wind, "wind"))
+    if begin is not None and "=" not in begin:
+        if current is not None:
+            raise UsageError("from a trial the current is estimated: leave --current out.")
+        return _from_trial(pilot, begin, flows, format_, tell)
+    values = {"psi": 0.0, "u": pilot.own_speed, "r": 0.0, **flows}
+    origin = "a straight course"
+    if begin is not None:
+        values |= _state_of(begin, pilot)
+        origin = "the state given"
+    return Situation(values), origin, []
+
+
+def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
+    from shipid.cli.options import levels_of
+    from shipid.declaration.units import to_si
+    from shipid.foundation.errors import UnknownNameError
+
+    named = (*pilot.model.states, *pilot.model.inputs, *pilot.model.parameters)
+    units = {n: pilot.model[n].unit for n in named} | _STATE
+    values = {}
+    for name, value in levels_of(text).items():
+        if name not in units:
+            raise UnknownNameError("quantity of the ship's state called", name, units)
+        values[name] = to_si(value, units[name], f"'{name}' of the state")
+    return values
+
+
+def _from_trial(
+    pilot: Autopilot, text: str, flows: dict[str, float], format_: str | None, tell: Callable[[str], object]
+) -> tuple[Situation, str, list[Notice]]:
+    """What the filter of the ship's own model knows at an instant of a trial; nothing later is read."""
+    from shipid.foundation.errors import UsageError
+    from shipid.prediction.situations.trial_situation import situation_in
+    from shipid.trials.logs.reading import read_trial
+
+    match = re.match(r"^(.+?)(?:@\s*([-+0-9.eE]+)\s*s?)?$", text.strip(), re.DOTALL)
+    if match is None:
+        raise UsageError(
+            f"'{text}' is neither a state, as in 'psi=40 deg,u=9 m/s', nor a trial at a time, as in trial.csv@300."
+        )
+    tell("reading")
+    trial = read_trial(match.group(1), format=format_)
+    try:
+        at = None if match.group(2) is None else float(match.group(2))
+    except ValueError:
+        raise UsageError(f"'{match.group(2)}' is no time in s, as in trial.csv@300.") from None
+    tell("filtering")
+    situation, told = situation_in(pilot.model, pilot.ship, trial, at, flows)
+    return situation, f"trial {trial.name} at {situation.t:.5g} s", told

@@ -1,0 +1,132 @@
+"""What a record says of the noise of its filter, and of the coefficients under that noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from shipid.declaration.units import factor, pretty
+from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import uncertain_text
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A coefficient under the learnt noise, and without noise that drives the ship; natural logarithms where its own is estimated.
+
+    Attributes
+    ----------
+    unit : str
+        Its unit.
+    value : float
+        Its most probable value, SI.
+    std : float
+        Its standard deviation if the innovations were white.
+    widening : float
+        Standard deviation under the innovations as they are, over the one if they were white; 1 or more.
+    simulated : float or None
+        Its value by output error, where all that is not explained is sensor noise; None where that was not worked out.
+    simulated_std : float or None
+        Standard deviation of that one, under the residuals as they are.
+    """
+
+    unit: str
+    value: float
+    std: float
+    widening: float
+    simulated: float | None = None
+    simulated_std: float | None = None
+
+
+@dataclass(frozen=True)
+class RecordLevels:
+    """Noise levels of a filter, SI, and where each comes from.
+
+    Attributes
+    ----------
+    sensors : mapping of str to float
+        Standard deviation of one sample of each sensor.
+    noise : mapping of str to float
+        Level of what drives each state or input.
+    learnt : tuple of str
+        ``sensor:NAME`` and ``noise:NAME`` that come from the record; the others were given or declared.
+    biases : mapping of str to float
+        Constant bias of each input that may have one, SI: it is added to what the record holds.
+    coefficients : mapping of str to Judged
+        The estimated coefficients that are constants.
+    converged : bool
+        Whether the search ended at a maximum.
+    evaluations : int
+        How often the record was run through.
+    units : mapping of str to tuple of str
+        Unit of each level and of each ``bias:NAME``, and the one it is shown in, by key.
+    """
+
+    sensors: Mapping[str, float]
+    noise: Mapping[str, float]
+    learnt: tuple[str, ...]
+    biases: Mapping[str, float]
+    coefficients: Mapping[str, Judged]
+    converged: bool
+    evaluations: int
+    units: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+
+    @property
+    def simulated(self) -> dict[str, tuple[float, float]]:
+        """Value and standard deviation of each coefficient by output error, SI, where it was worked out."""
+        return {
+            n: (c.simulated, c.simulated_std)
+            for n, c in self.coefficients.items()
+            if c.simulated is not None and c.simulated_std is not None
+        }
+
+    def level(self, key: str) -> float:
+        """Return a level, SI.
+
+        Parameters
+        ----------
+        key : str
+            ``sensor:NAME`` or ``noise:NAME``.
+        """
+        kind, _, name = key.partition(":")
+        return (self.sensors if kind == "sensor" else self.noise)[name]
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, SI."""
+        return {
+            "noise_levels": {
+                key: {"value": self.level(key), "unit": unit, "from": "record" if key in self.learnt else "given"}
+                for key, (unit, _) in self.units.items()
+                if not key.startswith("bias:")
+            },
+            "biases": {n: {"value": v, "unit": self.units[f"bias:{n}"][0]} for n, v in self.biases.items()},
+            "output_error": {
+                n: {"value": v, "std": s, "unit": self.coefficients[n].unit} for n, (v, s) in self.simulated.items()
+            },
+        }
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What comes from the record, a line each."""
+        said = [f"noise from the record: {self}"] if self.learnt else []
+        if self.biases:
+            biases = (self._shown(f"bias:{n}", v) for n, v in self.biases.items())
+            said.append(f"added to inputs, from the record: {', '.join(biases)}")
+        if self.simulated:
+            values = (
+                f"{n} {uncertain_text(v, s)} {pretty(self.coefficients[n].unit)}"
+                for n, (v, s) in self.simulated.items()
+            )
+            said.append(f"output error on the same record: {', '.join(values)}")
+        return tuple(said)
+
+    def _shown(self, key: str, value: float) -> str:
+        unit, shown = self.units[key]
+        return f"{key.partition(':')[2]} {value * factor(unit, shown):.3g} {pretty(shown)}"
+
+    def __str__(self) -> str:
+        said = []
+        for key in self.learnt:
+            level = self._shown(key, self.level(key))
+            said.append(level if key.startswith("sensor:") else f"noise that drives {level}")
+        return ", ".join(said)

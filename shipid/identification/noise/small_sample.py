@@ -1,0 +1,89 @@
+"""Uncertainty of coefficients when noise levels are estimated from the same short record.
+
+The inverse information at the estimated levels takes them for known. Two corrections of mixed linear models are made: the
+levels move to the maximum of the restricted likelihood, which counts what the coefficients absorb (Patterson and Thompson 1971),
+and the interval takes Student's quantile, with degrees of freedom by which the variance itself is known (Satterthwaite 1946;
+Kenward and Roger 1997, without their second-order term).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.identification.search.unseen import covariance_by
+
+#: Step in the logarithm of a level for differences of the information, and the largest move of a level.
+_STEP, _FARTHEST = 0.01, 1.0
+#: Fewer degrees of freedom are not told from these; so many are as good as normal.
+_FEWEST, MANY = 4.0, 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class SmallSample:
+    """Covariance of all unknowns with the degrees of freedom of each variance.
+
+    Attributes
+    ----------
+    q : ndarray, shape (unknowns,)
+        The unknowns, with the levels at the maximum of the restricted likelihood.
+    information : ndarray, shape (unknowns, unknowns)
+        There.
+    degrees : ndarray, shape (unknowns,)
+        Degrees of freedom; those of the levels themselves are not meant.
+    """
+
+    q: np.ndarray
+    information: np.ndarray
+    degrees: np.ndarray
+
+
+def small_sample(
+    information_at: Callable[[np.ndarray], np.ndarray], q: np.ndarray, information: np.ndarray, levels: np.ndarray
+) -> SmallSample:
+    """Correct for levels that are estimated.
+
+    Parameters
+    ----------
+    information_at : callable
+        From unknowns to the expected information, shape (unknowns, unknowns).
+    q : ndarray, shape (unknowns,)
+        The maximum of the likelihood.
+    information : ndarray, shape (unknowns, unknowns)
+        The information there.
+    levels : ndarray of int
+        Where the logarithms of levels (and correlation times) stand whose uncertainty counts.
+
+    Returns
+    -------
+    SmallSample
+    """
+    others = np.setdiff1d(np.arange(q.size), levels)
+    others = others[np.diag(information)[others] > 0]
+    inside, at = np.ix_(others, others), np.ix_(levels, levels)
+    cover = covariance_by(information)[inside]
+    if not levels.size or not np.isfinite(cover).all():
+        return SmallSample(q, information, np.full(q.size, MANY))
+    slopes = []
+    for k in levels:
+        moved = q.copy()
+        moved[k] += _STEP
+        slopes.append((information_at(moved)[inside] - information[inside]) / _STEP)
+    spread = covariance_by(information)[at]
+    known = np.isfinite(np.diag(spread))
+    spread = np.where(np.outer(known, known), spread, 0.0)
+    gradient = np.array([-0.5 * np.trace(cover @ slope) for slope in slopes])
+    better = q.copy()
+    better[levels] += np.clip(spread @ gradient, -_FARTHEST, _FARTHEST)
+    there = information_at(better)
+    if not np.isfinite(there).all() or not there.any():
+        better, there = q, information
+    # d(I^-1) = -I^-1 dI I^-1, on the diagonal; relative to the variance it hardly changes with the level.
+    changes = np.array([np.einsum("ij,jk,ik->i", cover, slope, cover) for slope in slopes])
+    variance = np.einsum("ki,kl,li->i", changes, spread, changes)
+    degrees = np.full(q.size, MANY)
+    with np.errstate(divide="ignore"):
+        degrees[others] = np.clip(2 * np.diag(cover) ** 2 / variance, _FEWEST, MANY)
+    return SmallSample(better, there, degrees)

@@ -1,0 +1,74 @@
+"""The amplitudes that trials reach, and what is said of a record that goes beyond those of a ship's coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.foundation.notices import Notice
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import beyond
+from shipid.trials.speed import speed_before_in
+from shipid.trials.trial import Trial
+
+#: Share of the samples that an amplitude is not exceeded in: one wild sample is no amplitude that was reached.
+_REACHED = 0.995
+
+
+def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
+    """Return the largest rudder angle, rate of turn and drift angle of trials, SI, as far as they are recorded.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+
+    Returns
+    -------
+    dict of str to float
+        ``rudder``, ``rate`` and ``drift`` with four digits, as they are written.
+    """
+    found: dict[str, float] = {}
+    for trial in trials:
+        columns = {
+            "rudder": trial["delta"] if trial.has("delta") else None,
+            "rate": trial["r"] if trial.has("r") else None,
+        }
+        columns["drift"] = np.arctan2(-trial["v"], trial["u"]) if trial.has("u", "v") else None
+        for name, column in columns.items():
+            sizes = np.abs(column[np.isfinite(column)]) if column is not None else np.zeros(0)
+            if sizes.size:
+                found[name] = max(found.get(name, 0.0), float(np.quantile(sizes, _REACHED)))
+    return {n: float(np.deg2rad(float(f"{np.rad2deg(v):.4g}"))) for n, v in found.items()}
+
+
+def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> list[Notice]:
+    """Return what has to be said where a record goes beyond the range that a ship's coefficients come from.
+
+    Parameters
+    ----------
+    model : Model
+        What is run over it.
+    ship : ParameterSet or None
+        Whose coefficients.
+    trial : Trial
+        The record.
+
+    Returns
+    -------
+    list of Notice
+    """
+    if ship is None:
+        return []
+    before = speed_before_in({n: trial[n] for n in trial.table.columns})
+    reached = largest_amplitudes([trial])
+    return beyond(
+        model,
+        ship,
+        [] if before is None else [before.value],
+        reached.get("rudder"),
+        rate=reached.get("rate"),
+        drift=reached.get("drift"),
+    )

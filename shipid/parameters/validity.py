@@ -1,0 +1,120 @@
+"""The range in which a ship's coefficients were found, and what is said where a command goes beyond it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from shipid.declaration.component import slug
+from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import shown
+from shipid.foundation.notices import Notice
+from shipid.parameters.correlation import Joint
+from shipid.parameters.parameter_set import ParameterSet
+
+#: Share of a limit by which it may be passed without a word.
+MARGIN = 0.1
+#: Kinds of the notices.
+BEYOND, UNKNOWN = "beyond-what-was-fitted", "range-not-known"
+
+
+def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:
+    """Return the section of a ship's set that a model takes its coefficients from, and what is known of its origin.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        The ship.
+    model : Model
+        The model; its own section goes before those of its components.
+    """
+    for section in (model.name, *(slug(c) for c in model.components)):
+        if section in ship.joint:
+            return section, ship.joint[section]
+        # A table against speed is refused beyond its ends, and says so itself.
+        tables = [v for v in ship.sections.get(section, {}).values() if v.speed]
+        if tables:
+            spans = [[to_si((s, v.speed_unit), "m/s", f"speed of '{v.name}'") for s in v.speed] for v in tables]
+            return section, Joint((), (), (max(s[0] for s in spans), min(s[-1] for s in spans)))
+    return None
+
+
+def beyond(
+    model: Model,
+    ship: ParameterSet,
+    speeds: Sequence[float] = (),
+    rudder: float | None = None,
+    *,
+    rate: float | None = None,
+    drift: float | None = None,
+) -> list[Notice]:
+    """Return what has to be said where a model is used beyond the range its coefficients come from.
+
+    Parameters
+    ----------
+    model : Model
+        What is run.
+    ship : ParameterSet
+        Whose coefficients.
+    speeds : sequence of float
+        The speeds before the manoeuvre in m/s.
+    rudder, rate, drift : float, optional
+        Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad.
+
+    Returns
+    -------
+    list of Notice
+        One for each quantity that is beyond its range by more than a tenth; one that says that the range is not known, where
+        the set does not state it; none for a model that takes no coefficient from the ship.
+    """
+    if all(ship.find(model, n) is None for n in (*model.parameters, *model.derived)):
+        return []  # it takes no coefficient from the ship
+    found = range_of(ship, model)
+    if found is None or (found[1].speeds is None and found[1].rudder is None):
+        words = (
+            f"The range of speeds and rudder angles that the coefficients of model {model.name} come from is not known"
+        )
+        return [Notice(f"{words}: ship {ship.name} does not state it.", UNKNOWN)]
+    section, known = found
+    notices = []
+
+    def say(what: str, value: float, limit: str, name: str, unit: str) -> None:
+        notices.append(
+            Notice(
+                f"{what} {shown(value, name, unit, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {limit}. "
+                "Beyond that the model extrapolates, and no band contains that error.",
+                BEYOND,
+                quantity=name,
+            )
+        )
+
+    if known.speeds is not None:
+        low, high = known.speeds
+        stated = f"{low:.3g} m/s" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g} m/s"
+        outside = [v for v in speeds if not (1 - MARGIN) * low <= v <= (1 + MARGIN) * high]
+        if outside:
+            say("The speed is", max(outside, key=lambda v: max(low / v, v / max(high, 1e-9))), stated, "u", "m/s")
+    if known.rudder is not None and rudder is not None and rudder > (1 + MARGIN) * known.rudder:
+        say(
+            "The rudder goes to",
+            rudder,
+            f"rudder angles up to {shown(known.rudder, 'delta', 'rad', digits=3)}",
+            "delta",
+            "rad",
+        )
+    if known.rate is not None and rate is not None and rate > (1 + MARGIN) * known.rate * _faster(known, speeds):
+        say("The ship turns at", rate, f"rates of turn up to {shown(known.rate, 'r', 'rad/s', digits=3)}", "r", "rad/s")
+    if known.drift is not None and drift is not None and drift > (1 + MARGIN) * known.drift:
+        say(
+            "The drift angle is",
+            drift,
+            f"drift angles up to {shown(known.drift, 'beta', 'rad', digits=3)}",
+            "beta",
+            "rad",
+        )
+    return notices
+
+
+def _faster(known: Joint, speeds: Sequence[float]) -> float:
+    """A ship that is faster turns faster, at the same rate in ship lengths."""
+    return max(1.0, max(speeds) / known.speeds[1]) if speeds and known.speeds and known.speeds[1] > 0 else 1.0

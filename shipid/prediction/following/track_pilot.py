@@ -1,0 +1,202 @@
+"""The track pilot: a planned track sailed by itself, out of the predictor and the course-changing autopilot.
+
+Passenier (1989), chapter 7, suggests it. The turn is predicted at every step: before it, to find where the wheel goes over; while it
+lasts, to move the rudder limit so that what is left of it stays nearest to the plan. A leg is kept by the drift angle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from shipid.foundation.errors import UsageError
+from shipid.prediction.following.planned_track import PlannedTrack, distance_from
+from shipid.prediction.following.wheel_over import TrackLeg, heading_on
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.order import unwrapped
+from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.track_predictor import TrackPredictor
+from shipid.prediction.tracks.track_run import cruise_of
+
+#: What the pilot does.
+Phase = Literal["keeping", "turning", "arrived"]
+#: The ship is led onto a leg by a point so far ahead on it, in ship lengths; by 30 degrees at most.
+_AHEAD, _STEEPEST = 4.0, np.deg2rad(30.0)
+#: What the heading stays off its order in weather is learnt in so many seconds, at rates of turn below this.
+_LEARNING, _STRAIGHT = 400.0, np.deg2rad(0.02)
+#: In a turn the rudder limit is tried at these shares of the planned one; the turn ends at so small an angle from its heading.
+_SHARES, _TURNED = (0.6, 0.8, 1.0, 1.25, 1.6), np.deg2rad(4.0)
+#: The next turn is worked out from so far before its waypoint on, in ship lengths; steps of its track, every so many of which count.
+_FROM, _POINTS, _EVERY = 12.0, 300, 8
+#: A wheel-over is looked for so far ahead, in ship lengths, and in so many places.
+_REACH, _PLACES = 6.0, 17
+#: What is left of the leg after the turn counts so far, in ship lengths.
+_BEYOND = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class TrackOrder:
+    """What the track pilot orders.
+
+    Attributes
+    ----------
+    heading : float
+        In rad, unwrapped as the ship's own.
+    rudder_limit : float
+        In rad.
+    phase : {"keeping", "turning", "arrived"}
+        What it does.
+    leg : int
+        Number of the leg it is on, or turns to.
+    to_wheel_over : float or None
+        Seconds to the next wheel-over; None where it is farther away than is looked, or there is none.
+    track : PredictedTrack or None
+        The turn as it is predicted now.
+    """
+
+    heading: float
+    rudder_limit: float
+    phase: Phase
+    leg: int
+    to_wheel_over: float | None = None
+    track: PredictedTrack | None = None
+
+
+class TrackPilot:
+    """Sails a planned track.
+
+    Parameters
+    ----------
+    predictor : TrackPredictor
+        Predicts the turns.
+    plan : PlannedTrack
+        The track.
+    rudder_limit : float
+        Rudder limit of the turns in rad, as planned; it may be exceeded by 60 % where the turn gets too wide.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg it is on, or turns to.
+    phase : {"keeping", "turning", "arrived"}
+        What it does.
+
+    Raises
+    ------
+    UsageError
+        If the rudder limit is none.
+    """
+
+    def __init__(self, predictor: TrackPredictor, plan: PlannedTrack, *, rudder_limit: float) -> None:
+        if not rudder_limit > 0:
+            raise UsageError("a rudder limit is greater than zero.")
+        self.predictor, self.plan, self.rudder_limit = predictor, plan, rudder_limit
+        self.leg = 0
+        self.phase: Phase = "keeping"
+        self._limit, self._off = rudder_limit, 0.0
+        self._ordered: float | None = None
+
+    def steer(self, situation: Situation, interval: float = 2.0) -> TrackOrder:
+        """Return what to order now.
+
+        Parameters
+        ----------
+        situation : Situation
+            What is known of the ship.
+        interval : float
+            Time to the next call in s.
+
+        Returns
+        -------
+        TrackOrder
+        """
+        values = situation.values
+        self._learn(situation, interval)
+        seconds: float | None = None
+        track: PredictedTrack | None = None
+        if self.phase == "keeping" and self.leg + 1 < len(self.plan.legs):
+            seconds, track = self._next_turn(situation)
+            if seconds is not None and seconds <= 0.5 * interval:
+                self.leg, self.phase, self._limit = self.leg + 1, "turning", self.rudder_limit
+        leg = self.plan.legs[self.leg]
+        heading = self._heading(situation, leg)
+        if self.phase == "turning":
+            if abs(heading - values["psi"]) < _TURNED:
+                self.phase = "keeping"
+            else:
+                self._limit, track = self._turn(situation, heading)
+        if self.phase == "keeping":
+            heading += self._back(situation, leg)
+            if self.leg + 1 == len(self.plan.legs) and leg.along(values["x"], values["y"]) >= self.plan.end:
+                self.phase = "arrived"
+        self._ordered = heading
+        limit = self._limit if self.phase == "turning" else self.rudder_limit
+        return TrackOrder(heading + self._off, limit, self.phase, self.leg, seconds, track)
+
+    def _learn(self, situation: Situation, interval: float) -> None:
+        """What has to be ordered more, so that the ship sails the heading that is meant: a steady moment of the wind."""
+        if self._ordered is None or abs(situation.values.get("r", 0.0)) > _STRAIGHT:
+            return
+        missing = self._ordered - situation.values["psi"]
+        if abs(missing) < _TURNED:
+            self._off += min(interval / _LEARNING, 1.0) * missing
+
+    def _heading(self, situation: Situation, leg: TrackLeg) -> float:
+        # In a turn the ship is slower than she will be on the leg.
+        return unwrapped(heading_on(leg, situation.current, cruise_of(situation)), situation.values["psi"])
+
+    def _back(self, situation: Situation, leg: TrackLeg) -> float:
+        """The angle that leads back onto a leg, towards a point ahead on it (line of sight; Fossen 2011, section 10.3.2)."""
+        across = leg.across(situation.values["x"], situation.values["y"])
+        return float(np.clip(-np.arctan2(across, _AHEAD * self.predictor.length), -_STEEPEST, _STEEPEST))
+
+    def _next_turn(self, situation: Situation) -> tuple[float | None, PredictedTrack | None]:
+        """Seconds to where the turn, begun there, stays nearest to the plan; and the turn."""
+        leg, following = self.plan.legs[self.leg], self.plan.legs[self.leg + 1]
+        left = leg.along(following.x, following.y) - leg.along(situation.values["x"], situation.values["y"])
+        north, east = situation.ground_velocity
+        speed = north * np.cos(leg.course) + east * np.sin(leg.course)
+        if left > _FROM * self.predictor.length or speed < 0.8 * np.hypot(north, east):
+            return None, None
+        track = self._predicted(situation, self._heading(situation, following), self.rudder_limit)
+        ahead = np.linspace(-0.2, 1.0, _PLACES) * _REACH * self.predictor.length
+        x, y, line = self._compared(track, self.leg + 1)
+        off = distance_from(line, x + ahead[:, None] * np.cos(leg.course), y + ahead[:, None] * np.sin(leg.course))
+        cost = (off**2).mean(axis=1)
+        best = int(cost.argmin())
+        place = ahead[best]
+        if 0 < best < _PLACES - 1:
+            # The smallest value of the parabola through three places.
+            a, b, c = cost[best - 1 : best + 2]
+            place += 0.5 * (a - c) / (a - 2 * b + c) * (ahead[1] - ahead[0])
+        return (None if best == _PLACES - 1 else float(place / speed)), track
+
+    def _turn(self, situation: Situation, heading: float) -> tuple[float, PredictedTrack]:
+        """The rudder limit with which the rest of the turn stays nearest to the plan."""
+        shares = np.array(_SHARES)
+        tracks = [self._predicted(situation, heading, float(s * self.rudder_limit)) for s in shares]
+        cost = np.empty(shares.size)
+        for k, track in enumerate(tracks):
+            x, y, line = self._compared(track, self.leg)
+            cost[k] = (distance_from(line, x, y) ** 2).mean()
+        best = int(cost.argmin())
+        share = shares[best]
+        if 0 < best < shares.size - 1:
+            fit = np.polyfit(shares[best - 1 : best + 2] - share, cost[best - 1 : best + 2], 2)
+            share += -0.5 * fit[1] / fit[0]
+        return float(share * self.rudder_limit), tracks[best]
+
+    def _compared(self, track: PredictedTrack, leg: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The points of a track that are compared with the plan, and the part of the plan they lie at."""
+        turned = np.abs(track.psi - track.psi[-1]) < _TURNED
+        end = int(np.argmax(turned)) if turned.any() else track.s.size - 1
+        last = int(np.searchsorted(track.s, track.s[end] + _BEYOND * track.length))
+        rows = slice(0, last + 1, _EVERY)
+        x, y = track.x[rows], track.y[rows]
+        reach = float(np.hypot(x - self.plan.legs[leg].x, y - self.plan.legs[leg].y).max()) + _REACH * track.length
+        return x, y, self.plan.around(leg, reach)
+
+    def _predicted(self, situation: Situation, heading: float, limit: float) -> PredictedTrack:
+        return self.predictor.predict(situation, heading=heading, rudder_limit=limit, points=_POINTS, band="none")

@@ -1,0 +1,121 @@
+"""The verb: predict a track from what is known of a ship, or from a record and the filter of her own model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.declaration.component import Component
+from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.notices import Notice
+from shipid.parameters.validity import beyond
+from shipid.parts.wind import Wind
+from shipid.prediction.following.wheel_over import TrackLeg, wheel_over
+from shipid.prediction.prediction import Prediction
+from shipid.prediction.situations.ship_spread import with_coefficients
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor
+from shipid.prediction.tracks.track_run import cruise_of
+
+
+def predict_track(
+    pilot: Autopilot,
+    situation: Situation | Mapping[str, float],
+    *,
+    heading: str | float | None = None,
+    rudder: str | float | None = None,
+    rate: str | float | None = None,
+    leg: TrackLeg | None = None,
+    rudder_limit: str | float | None = None,
+    horizon: float = HORIZON,
+    points: int = POINTS,
+    band: Band = "linear",
+    model: Predicting = "own",
+    values: Mapping[str, float] | None = None,
+    origin: str = "the situation given",
+    warnings: Sequence[Notice] = (),
+) -> Prediction:
+    """Predict where a ship goes under an order that is given now.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot that steers her, with the ship and its steering machine.
+    situation : Situation or mapping of str to float
+        What is known of her; ``psi`` and ``u`` at least, SI.
+    heading, rudder, rate : str or float, optional
+        The order, see `TrackPredictor.predict`.
+    leg : TrackLeg, optional
+        A planned leg instead of a heading: where the wheel goes over, and the turn onto it from there.
+    rudder_limit, horizon, points, band
+        See `TrackPredictor.predict`.
+    model : {"own", "first-order"}
+        The ship's own model, or the first-order model of the thesis.
+    values : mapping of str to float, optional
+        Coefficients that go before the ship's, SI.
+    origin : str
+        Where the situation comes from, in words.
+    warnings : sequence of Notice
+        What is known to limit the situation.
+
+    Returns
+    -------
+    Prediction
+
+    Raises
+    ------
+    UsageError
+        If the order, the situation or the horizon is none.
+    UnstatedInputError
+        If the model reads an input that nothing states and that declares no default.
+    """
+    known = situation if isinstance(situation, Situation) else Situation(dict(situation))
+    parts: tuple[type[Component], ...] = (Wind,) if known.values.get("wind_speed") else ()
+    if parts and "r_disturbance" not in pilot.model.inputs:
+        parts = ()
+    if model == "own" and band != "none":
+        known = with_coefficients(known, pilot)
+    predictor = TrackPredictor(pilot, model=model, values=values, parts=parts if model == "own" else ())
+    told = list(warnings)
+    found = None
+    if leg is not None:
+        found = wheel_over(predictor, known, leg, rudder_limit=rudder_limit, horizon=horizon)
+        there = Situation(
+            {**known.values, "x": found.x, "y": found.y}, known.uncertain, known.covariance, known.noise, known.t
+        )
+        heading = found.heading
+        if found.due:
+            told.append(
+                Notice(f"the wheel-over point is passed by {-found.distance:.0f} m.", "wheel-over-passed", serious=True)
+            )
+        known = there if not found.due else known
+    track = predictor.predict(
+        known,
+        heading=heading,
+        rudder=rudder,
+        rate=rate,
+        rudder_limit=rudder_limit,
+        horizon=horizon,
+        points=points,
+        band=band,
+    )
+    if track.ended:
+        told.append(
+            Notice(
+                f"the track ends after {track.s_star[-1]:.3g} of {horizon:g} ship lengths: {track.ended}.",
+                "outside-the-model",
+                serious=True,
+                ship_lengths=float(track.s_star[-1]),
+            )
+        )
+    largest = {n: float(np.abs(getattr(track, n)).max()) for n in ("delta", "r")}
+    drift = float(np.abs(np.arctan2(-track.v, track.u)).max())
+    told += beyond(pilot.model, pilot.ship, [cruise_of(known)], largest["delta"], rate=largest["r"], drift=drift)
+    if track.covariance is None and band != "none":
+        told.append(Notice("nothing says how sure the situation is: the band is not known.", "band-not-known"))
+    units = {n: e.unit for n, e in pilot.model.entries.items()} | {
+        n: FIELDS[n].unit for n in known.values if n in FIELDS
+    }
+    return Prediction(pilot.ship.name, track.source, known, track, origin, units, found, tuple(told))

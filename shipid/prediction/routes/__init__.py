@@ -1,0 +1,1 @@
+"""Routes: the geometry of legs on the earth."""

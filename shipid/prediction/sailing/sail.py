@@ -1,0 +1,264 @@
+"""Sail a ship under its autopilot: courses ordered one after the other, recorded as a trial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+import shipid
+from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
+from shipid.autopilot.course_changes.turn_order import RADIUS, TurnOrder
+from shipid.autopilot.course_changes.weather import CALM
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
+from shipid.declaration.component import Component
+from shipid.declaration.guard import NOT_SAILED
+from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import shown
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.generation.simulator import make_simulator
+from shipid.parameters.catalogue import model_of, ship_of
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.manoeuvring_range import manoeuvring_range
+from shipid.parts.waves import Waves
+from shipid.parts.wind import Wind
+from shipid.prediction.tracks.order import unwrapped
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
+from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError
+from shipid.trials.source import Source
+from shipid.trials.trial import Trial
+
+#: After the last order the ship sails so far, in L/U; and a sample is recorded so often.
+_AFTER, _SAMPLES = 25.0, 30
+#: Damping ratio of the waves, and their frequency where none is given, in rad/s, of a ship of 100 m.
+_WAVE_FREQUENCY, _FULL = 0.6, 100.0
+
+
+def sail(
+    pilot: Autopilot,
+    courses: Sequence[tuple[str | float, str | float]] | str | float,
+    *,
+    model: Model | type[Component] | str | None = None,
+    ship: ParameterSet | str | Path | None = None,
+    speed: str | float | None = None,
+    heading: str | float = 0.0,
+    duration: str | float | None = None,
+    sampling: str | float | None = None,
+    rudder_limit: str | float | None = None,
+    current: Flow | None = None,
+    wind: Flow | None = None,
+    waves: Flow | None = None,
+    inputs: Mapping[str, str | float] | None = None,
+    noise: str | Mapping[str, str | float] | None = None,
+    values: Mapping[str, str | float] | None = None,
+    seed: int = 0,
+    name: str | None = None,
+) -> Trial:
+    """Sail courses under an autopilot and return what happened as a trial.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot.
+    courses : sequence of (time, heading), or one heading
+        When in s, or with a unit, and what heading is ordered then, with a unit or in rad; one heading alone is ordered after five
+        L/U. Each is reached the shorter way round.
+    model : Model, component class or str, optional
+        The ship that sails, where it is not the one the autopilot was designed on.
+    ship : ParameterSet, str or Path, optional
+        Its coefficients; the autopilot's own ship by default.
+    speed : str or float, optional
+        Speed before the first change; by default the ship's own.
+    heading : str or float
+        Heading at the beginning.
+    duration, sampling : str or float, optional
+        By default 25 L/U after the last order, and a thirtieth of L/U rounded.
+    rudder_limit : str or float, optional
+        Largest rudder angle the autopilot orders; its own by default.
+    current, wind : tuple, optional
+        Speed and direction it flows TO, with units or in SI.
+    waves : tuple, optional
+        Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
+    inputs : mapping of str to str or float, optional
+        Constant inputs of the model, with units or in SI.
+    noise : str or mapping, optional
+        See `shipid.simulate`.
+    values : mapping of str to str or float, optional
+        Coefficients that replace those of the ship, with a unit or in SI.
+    seed : int
+        Of the waves and the noise.
+    name : str, optional
+        Name of the trial.
+
+    Returns
+    -------
+    Trial
+        SI columns; ``psi`` and ``r`` with the waves in them where there are any.
+
+    Raises
+    ------
+    UsageError
+        If an order, a time or a flow does not fit.
+    UnknownNameError
+        If a value is none of the model's coefficients.
+    UnstatedInputError
+        If the model reads an input that nothing states and that declares no default.
+    NotSailedError
+        If the model leaves the range in which it is valid, or runs away.
+    """
+    pilot, truth = steering(pilot, model, ship)
+    u0 = pilot.own_speed if speed is None else number(speed, "m/s", "the speed")
+    if not u0 > 0:
+        raise UsageError(f"a speed of {u0:g} m/s does not steer a ship: give one greater than zero.")
+    unit_time = 1 / pilot.pace(u0)
+    course = number(heading, "rad", "the heading")
+    orders = _orders(courses, 5 * unit_time, course)
+    check_flows(truth, current, wind)
+    end = orders[-1][0] + _AFTER * unit_time if duration is None else number(duration, "s", "the duration")
+    interval = _interval(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
+    if not 0 < interval < end:
+        raise UsageError(f"a sampling interval of {interval:g} s does not fit a voyage of {end:g} s.")
+    parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
+    parts += manoeuvring_range(truth)
+    parts += [Wind] if wind is not None else []
+    parts += [Waves] if waves is not None else []
+    whole = closed_loop(pilot, *parts)
+    finest = min(stiffest(pilot, whole, np.array([u0])), PACE * unit_time)
+    fine = max(1, int(np.ceil(interval / finest - 1e-9)))
+    count = round(end / interval)
+    if count * fine > 1e7:
+        raise UsageError(
+            f"a voyage of {end:.3g} s at {interval:.3g} s takes more than 1e7 steps: ask for a shorter one."
+        )
+    t = np.arange(count * fine + 1) * (interval / fine)
+    acting: dict[str, float | np.ndarray] = {
+        **CALM,
+        "u": u0,
+        "cruise": u0,
+        **flow_inputs(current, wind),
+        **_stated(whole, inputs),
+    }
+    acting["psi_order"] = np.select([t >= w for w, _ in reversed(orders)], [h for _, h in reversed(orders)], course)
+    lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
+    if lost:
+        raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
+    replaced = {n: number(v, whole[n].unit, f"'{n}'") for n, v in (values or {}).items()}
+    known = coefficients_of(pilot, whole, u0) | replaced
+    known |= {"turn_rate": u0 / (RADIUS * pilot.length)} if pilot.mode == "rate" else {}
+    if rudder_limit is not None:
+        known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
+    if waves is not None:
+        known, acting = _with_waves(waves, known, acting, pilot.length, interval / fine, t.size, seed)
+    recorded = {n: n for n in RECORDED if n in whole}
+    if waves is not None:
+        recorded |= {"psi": "psi_seen", "r": "r_seen"}
+    run = make_simulator(whole, tuple(recorded.values()), hold="zero", compiled=False)(
+        t, known, acting, {"u": u0, "psi": course, "psi_ramp": course}
+    )
+    if run.departure is not None:
+        raise NotSailedError(
+            f"the voyage of ship {pilot.ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({truth.name}): {run.departure.reason}, "
+            f"{run.departure.time:.4g} s after the start. A smaller rudder limit keeps it within its range."
+        )
+    deviations = parse_noise(noise)
+    table = measured({n: run[q][::fine] for n, q in recorded.items()}, t[::fine], deviations, seed)
+    said = ", ".join(f"{shown(h % (2 * np.pi), 'psi')} at {w:.4g} s" for w, h in orders)
+    comment = (
+        f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
+        f"({pilot.design}) ordered {said}, {u0:.4g} m/s, seed {seed}"
+    )
+    return Trial(
+        name or f"{truth.name}-courses",
+        table,
+        Source(simulated=True, comment=comment, notes=(comment,)),
+        ship=pilot.ship.name,
+    )
+
+
+def steering(
+    pilot: Autopilot, model: Model | type[Component] | str | None, ship: ParameterSet | str | Path | None
+) -> tuple[Autopilot, Model]:
+    """Return an autopilot with its gains on the ship that sails, and the model of that ship.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot.
+    model : Model, component class or str, optional
+        The ship that sails; the autopilot's own by default.
+    ship : ParameterSet, str or Path, optional
+        Its coefficients.
+
+    Returns
+    -------
+    pilot : Autopilot
+    model : Model
+
+    Raises
+    ------
+    UsageError
+        If the model has no position or no heading.
+    """
+    truth = pilot.model if model is None else model_of(model)
+    ships = pilot.ships if ship is None else (ship_of(ship),)
+    if truth is pilot.model and ships == pilot.ships:
+        return pilot, truth
+    if "x" not in truth.states or "psi" not in truth.states:
+        raise UsageError(f"model {truth.name} has no position and heading: join it with PlanarMotion.")
+    return replace(pilot, model=truth, ships=ships), truth
+
+
+def _orders(
+    courses: Sequence[tuple[str | float, str | float]] | str | float, begin: float, course: float
+) -> list[tuple[float, float]]:
+    pairs = [(begin, courses)] if isinstance(courses, (str, int, float)) else list(courses)
+    if not pairs:
+        raise UsageError("a voyage needs a course, as in courses='60 deg'.")
+    found: list[tuple[float, float]] = []
+    before = course
+    for when, wanted in pairs:
+        at = number(when, "s", "the time of a course")
+        if at < (found[-1][0] if found else 0.0):
+            raise UsageError(
+                f"the courses are ordered one after the other, and {at:g} s is earlier than the one before."
+            )
+        before = unwrapped(number(wanted, "rad", "a course"), before)
+        found.append((at, before))
+    return found
+
+
+def _stated(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str, float]:
+    found = {}
+    for name, value in (inputs or {}).items():
+        if name not in model.inputs:
+            raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
+        found[name] = to_si(value, model[name].unit, f"input '{name}'") if isinstance(value, str) else float(value)
+    return found
+
+
+def _interval(unit_time: float) -> float:
+    return float(max((i for i in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0) if i <= unit_time / 20), default=0.01))
+
+
+def _with_waves(
+    waves: Flow,
+    known: dict[str, float],
+    acting: dict[str, float | np.ndarray],
+    length: float,
+    step: float,
+    count: int,
+    seed: int,
+) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
+    """Waves of a size, driven by white noise of intensity q = 4 zeta omega^3 sigma^2."""
+    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    frequency = _WAVE_FREQUENCY / float(np.sqrt(min(length, _FULL) / _FULL))
+    damping = float(known.get("wave_damping", 0.15))
+    known = known | {"wave_frequency": frequency, "wave_damping": damping}
+    draws = np.random.default_rng([seed, 7]).standard_normal(count)
+    noise = draws * np.sqrt(4 * damping * frequency**3 * size**2 / step)
+    return known, acting | {"wave_noise": noise, "wave_direction": direction}

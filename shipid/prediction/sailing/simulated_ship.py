@@ -1,0 +1,178 @@
+"""A ship under her autopilot that sails on step by step, her orders and surroundings changing in between."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
+from shipid.autopilot.course_changes.weather import CALM
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
+from shipid.foundation.errors import UnknownNameError
+from shipid.generation.loop import Loop, make_loop
+from shipid.generation.simulator import initial_state, input_rows
+from shipid.generation.step import make_step
+from shipid.generation.system import generate
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.prediction.sailing.sail import steering
+from shipid.trials.manoeuvres.simulate import NotSailedError
+
+
+@functools.lru_cache(maxsize=32)
+def _loop(model: Model, shown: tuple[str, ...]) -> Loop:
+    """The step in time, its inputs held; what is shown is that at its end."""
+    system = generate(model)
+    step = make_step(system, "rk4", "zero")
+    quantities = system.function(shown)
+    out = quantities(step.x_next, system.u, system.p)
+    control = ca.vertcat(system.u, system.T)
+    return make_loop(ca.Function("ahead", [system.x, control, system.p], [ca.densify(step.x_next), ca.densify(out)]))
+
+
+class SimulatedShip:
+    """A simulated ship under her autopilot.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot.
+    model : Model, component class or str, optional
+        The ship that sails, where it is not the one the autopilot was designed on.
+    ship : ParameterSet, str or Path, optional
+        Its coefficients; the autopilot's own ship by default.
+    speed : float, optional
+        Speed before the first manoeuvre in m/s; by default the ship's own.
+    start : mapping of str to float, optional
+        States at the beginning, SI.
+    values : mapping of str to float, optional
+        Coefficients that replace those of the ship, SI.
+    inputs : mapping of str to float, optional
+        Inputs, SI: current, wind.
+    parts : sequence of type[Component]
+        Components joined to it: wind, waves.
+
+    Attributes
+    ----------
+    t : float
+        Time in s since the beginning.
+    inputs : dict of str to float
+        Inputs, SI; they may be changed between two steps.
+
+    Raises
+    ------
+    UnknownNameError
+        If a value is none of the model's coefficients.
+    UnstatedInputError
+        If the model reads an input that nothing states and that declares no default.
+    """
+
+    def __init__(
+        self,
+        pilot: Autopilot,
+        *,
+        model: Model | type[Component] | str | None = None,
+        ship: ParameterSet | str | Path | None = None,
+        speed: float | None = None,
+        start: Mapping[str, float] | None = None,
+        values: Mapping[str, float] | None = None,
+        inputs: Mapping[str, float] | None = None,
+        parts: Sequence[type[Component]] = (),
+    ) -> None:
+        self.pilot, truth = steering(pilot, model, ship)
+        self.speed = self.pilot.own_speed if speed is None else speed
+        self.model = closed_loop(self.pilot, *parts)
+        self.t = 0.0
+        known = coefficients_of(self.pilot, self.model, self.speed)
+        self._system = generate(self.model)
+        lost = [n for n in values or {} if n not in self._system.coefficients]
+        if lost:
+            raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
+        self._p = self._system.vector(self._system.coefficients, {**known, **(values or {})})
+        begin = {"u": self.speed, **(start or {})}
+        self._x = initial_state(self.model, begin)
+        self.inputs: dict[str, float] = {
+            **CALM,
+            "u": self.speed,
+            "cruise": self.speed,
+            "psi_order": begin.get("psi", 0.0),
+            **(inputs or {}),
+        }
+        self._longest = min(
+            stiffest(self.pilot, self.model, np.array([self.speed])), PACE / self.pilot.pace(self.speed)
+        )
+        self._shown = tuple(n for n in ("x", "y", "psi", "r", "u", "v", "delta", "delta_order") if n in self.model)
+        self._loop = _loop(self.model, self._shown)
+        rows = input_rows(self.model, self.inputs, 1)[:, 0]
+        first = self._system.function(self._shown)(self._x, rows, self._p).full()[:, 0]
+        self._now = dict(zip(self._shown, first.tolist()))
+
+    @property
+    def now(self) -> dict[str, float]:
+        """What the ship does now: position, heading, speeds, rudder and its order, SI."""
+        return dict(self._now)
+
+    def set(self, name: str, value: float) -> None:
+        """Change a coefficient of the ship.
+
+        Parameters
+        ----------
+        name : str
+            A coefficient of the model.
+        value : float
+            SI.
+
+        Raises
+        ------
+        UnknownNameError
+            If the model has no such coefficient.
+        """
+        if name not in self._system.coefficients:
+            raise UnknownNameError(f"coefficient of model {self.model.name} called", name, self._system.coefficients)
+        self._p[self._system.coefficients.index(name)] = value
+
+    def advance(
+        self, seconds: float, heading: float | None = None, rudder_limit: float | None = None
+    ) -> dict[str, float]:
+        """Sail on under an order.
+
+        Parameters
+        ----------
+        seconds : float
+            How long.
+        heading : float, optional
+            Heading that is ordered from now on in rad, unwrapped as the ship's own.
+        rudder_limit : float, optional
+            Largest rudder angle from now on in rad.
+
+        Returns
+        -------
+        dict of str to float
+            As `now`, at the end.
+
+        Raises
+        ------
+        NotSailedError
+            If the model runs away.
+        """
+        if heading is not None:
+            self.inputs["psi_order"] = heading
+        if rudder_limit is not None:
+            self.set("rudder_limit", rudder_limit)
+        count = max(1, int(np.ceil(seconds / self._longest - 1e-9)))
+        row = np.append(input_rows(self.model, self.inputs, 1)[:, 0], seconds / count)
+        self._x, out = self._loop(self._x, np.repeat(row[None], count, axis=0), self._p)
+        if not np.isfinite(self._x).all():
+            raise NotSailedError(
+                f"model {self.model.name} runs away {self.t + seconds:.4g} s into the voyage. A smaller rudder limit keeps it within "
+                "the range the model describes."
+            )
+        self.t += seconds
+        self._now = dict(zip(self._shown, out[-1].tolist()))
+        return self.now

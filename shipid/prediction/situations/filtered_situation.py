@@ -1,0 +1,68 @@
+"""The situation of a ship out of a filter: its estimates with their covariance, at a sample of a record."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.estimation.records.run import FilterRun
+from shipid.foundation.errors import UsageError
+from shipid.prediction.situations.situation import Situation
+
+
+def situation_of(run: FilterRun, at: float | None = None, *, coefficients: bool = True) -> Situation:
+    """Return what a filter knows of the ship at a time; nothing later than that is used.
+
+    Parameters
+    ----------
+    run : FilterRun
+        A record and what the filter made of it.
+    at : float, optional
+        Time in s on the clock of the record; its last sample by default.
+    coefficients : bool
+        Whether the coefficients that the filter estimates are part of it, with their covariance.
+
+    Returns
+    -------
+    Situation
+
+    Raises
+    ------
+    UsageError
+        If the record has no sample before that time.
+    """
+    t = run.t
+    k = t.size - 1 if at is None else int(np.searchsorted(t, at + 1e-9, side="right")) - 1
+    if k < 0:
+        raise UsageError(
+            f"the record {run.record} begins at {t[0]:.5g} s, later than {at:.5g} s: nothing is known there."
+        )
+    design = run.design
+    by_state = {state: name for name, state in design.parameters.items()}
+    x, covariance = run.x[k], run.covariance[k]
+    names, values, slopes, noise = [], {}, [], {}
+    density = {s.name: s.level for s in design.sources if s.place == "state" and s.density}
+    for i, state in enumerate(design.model.states):
+        name = by_state.get(state, state)
+        logarithm = name != state
+        value = float(np.exp(x[i])) if logarithm else float(x[i])
+        if name in design.parameters and not coefficients:
+            continue
+        names.append((i, name))
+        values[name] = value
+        slopes.append(value if logarithm else 1.0)
+        if state in density:
+            noise[name] = density[state] * slopes[-1]
+    inputs = run.control[run.arranged.shown][k, design.layout.control["u"]]
+    values |= {n: float(v) for n, v in zip(design.model.inputs, inputs) if np.isfinite(v) and n not in values}
+    for name in ("v", "u", "r"):
+        if name not in values and name in design.model:
+            values[name] = float(run[name][k])
+    kept = np.array([i for i, _ in names])
+    scaled = np.array(slopes)
+    return Situation(
+        values,
+        tuple(n for _, n in names),
+        covariance[np.ix_(kept, kept)] * np.outer(scaled, scaled),
+        noise,
+        float(t[k]),
+    )

@@ -1,0 +1,77 @@
+"""What is known of a ship when a prediction begins: its state and surroundings, with their covariance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from shipid.foundation.errors import UsageError
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """A ship at one moment; SI.
+
+    Attributes
+    ----------
+    values : mapping of str to float
+        States, inputs (current, wind) and coefficients by name. ``psi`` and ``u`` are needed; ``x`` and ``y`` are zero and ``r``,
+        ``v`` and ``delta`` those of a straight course where nothing is said.
+    uncertain : tuple of str
+        Names along `covariance`.
+    covariance : ndarray, shape (uncertain, uncertain)
+        Of what is uncertain.
+    noise : mapping of str to float
+        Density of the noise that drives a quantity while the ship sails on, per root second.
+    t : float
+        In s, on the clock of its source.
+    """
+
+    values: Mapping[str, float]
+    uncertain: tuple[str, ...] = ()
+    covariance: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    noise: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    t: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("psi", "u"):
+            if name not in self.values:
+                raise UsageError(f"a prediction begins from a heading and a speed, and nothing says '{name}'.")
+        wrong = [n for n, v in self.values.items() if not np.isfinite(v)]
+        if wrong:
+            raise UsageError(f"a prediction begins from numbers, and '{wrong[0]}' is none.")
+        if not self.values["u"] > 0:
+            raise UsageError(
+                f"a prediction runs along the distance sailed ahead, and at u = {self.values['u']:.3g} m/s the ship makes none."
+            )
+        count = len(self.uncertain)
+        if self.covariance.shape != (count, count) or not np.isfinite(self.covariance).all():
+            raise UsageError(f"the covariance of {count} uncertain quantities has {count} rows and columns of numbers.")
+
+    @property
+    def current(self) -> tuple[float, float]:
+        """Current to the north and to the east in m/s; zero where nothing is said."""
+        return self.values.get("current_north", 0.0), self.values.get("current_east", 0.0)
+
+    @property
+    def ground_velocity(self) -> tuple[float, float]:
+        """Velocity over the ground to the north and to the east in m/s: Passenier (1989), eq. (2.71)-(2.72)."""
+        u, v, psi = self.values["u"], self.values.get("v", 0.0), self.values["psi"]
+        north, east = self.current
+        return float(u * np.cos(psi) - v * np.sin(psi) + north), float(u * np.sin(psi) + v * np.cos(psi) + east)
+
+    def std_of(self, name: str) -> float:
+        """Return the standard deviation of a quantity, SI; zero where it is taken as known.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+        """
+        if name not in self.uncertain:
+            return 0.0
+        i = self.uncertain.index(name)
+        return float(np.sqrt(max(self.covariance[i, i], 0.0)))

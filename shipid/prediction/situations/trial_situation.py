@@ -1,0 +1,111 @@
+"""The situation of a ship at an instant of a trial: what the filter of her own model knows of what came before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shipid.declaration.join import join
+from shipid.declaration.model import Model
+from shipid.estimation.by_record import filter_by_record
+from shipid.estimation.settings.instruments import Amount
+from shipid.foundation.errors import UsageError
+from shipid.foundation.notices import Notice
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.sensors import standard_noise
+from shipid.parts.wind import Wind
+from shipid.prediction.situations.filtered_situation import situation_of
+from shipid.prediction.situations.own_ship_filter import own_ship_filter
+from shipid.prediction.situations.situation import Situation
+from shipid.trials.trial import Trial
+
+#: Samples a filter has to have seen.
+_LEAST = 10
+#: What a filter may measure, in this order.
+_MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
+_WIND = ("wind_speed", "wind_direction")
+
+
+def situation_in(
+    model: Model, ship: ParameterSet, trial: Trial, at: float | None = None, stated: Mapping[str, float] | None = None
+) -> tuple[Situation, list[Notice]]:
+    """Return what is known of a ship at an instant of a trial; no later sample is used.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    ship : ParameterSet
+        Her coefficients and particulars.
+    trial : Trial
+        The record.
+    at : float, optional
+        Time in s on the clock of the record; its last sample by default.
+    stated : mapping of str to float, optional
+        Inputs that go before those of the record, SI.
+
+    Returns
+    -------
+    situation : Situation
+    told : list of Notice
+        What is not known.
+
+    Raises
+    ------
+    UsageError
+        If the record has too few samples before that time, or no heading.
+    """
+    before = trial if at is None else _until(trial, at)
+    if len(before) < _LEAST:
+        raise UsageError(
+            f"trial {trial.name} has {len(before)} samples up to {at:g} s, too few for a filter: give a later time."
+            if at is not None
+            else f"trial {trial.name} has {len(before)} samples, too few for a filter."
+        )
+    told: list[Notice] = []
+    windy = "r_disturbance" in model.inputs and before.has(*_WIND) and ship.find(_with_wind(model), "N_w") is not None
+    whole = _with_wind(model) if windy else model
+    levels: Mapping[str, float] = standard_noise()
+    sensors: dict[str, Amount | None] = {}
+    for name in _MEASURED:
+        if name in levels and _seen(before, whole, name):
+            sensors[name] = f"{levels[name]} {whole[name].unit}"
+    if "psi" not in sensors:
+        raise UsageError(f"trial {trial.name} holds no heading up to that time, and a prediction begins from one.")
+    if not {"x", "y"} <= set(sensors):
+        told.append(
+            Notice("the record holds no position: the current is not known, and taken as none.", "current-not-known")
+        )
+    kalman = own_ship_filter(whole, ship, measured=sensors)
+    # What drives current and disturbance is chosen for a ship of her size; all other levels come from the record.
+    kept = [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    run, _ = filter_by_record(kalman, before, kept)
+    told += run.warnings
+    found = situation_of(run)
+    values = {**found.values, **(stated or {})}
+    if "u" not in values:
+        values["u"] = _last(before, "u")
+    return Situation(values, found.uncertain, found.covariance, found.noise, found.t), told
+
+
+def _until(trial: Trial, at: float) -> Trial:
+    t = trial["t"]
+    if not t[0] <= at <= t[-1] + 1e-9:
+        raise UsageError(f"trial {trial.name} lasts from {t[0]:.5g} to {t[-1]:.5g} s, and {at:g} s is not in it.")
+    return trial.window(None, at)
+
+
+def _with_wind(model: Model) -> Model:
+    return join(f"{model.name}-in-wind", model, Wind)
+
+
+def _seen(trial: Trial, model: Model, name: str) -> bool:
+    return name in (*model.states, *model.derived) and trial.has(name)
+
+
+def _last(trial: Trial, name: str) -> float:
+    if not trial.has(name):
+        raise UsageError(f"trial {trial.name} holds no forward speed '{name}', by which a track is predicted.")
+    values = trial[name]
+    return float(values[np.isfinite(values)][-1])

@@ -1,0 +1,1 @@
+"""Predicted tracks: the model along the distance sailed, orders, bands."""

@@ -1,0 +1,120 @@
+"""How far from its predicted track the ship may be: by linear propagation, or by samples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from shipid.foundation.errors import UsageError
+from shipid.generation.system import generate
+from shipid.prediction.tracks.distance_loop import NODE, SHOWN, make_distance_loop, unpacked_spread
+from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.start_of_track import spread_in
+from shipid.prediction.tracks.track_run import TrackRun
+
+#: Where the loop records what a spread is shown of.
+_PLACES = [NODE.index(n) for n in SHOWN]
+
+
+def linear_track(run: TrackRun, distance: float, points: int, substeps: int) -> PredictedTrack:
+    """Return the track with the band that follows from the derivatives.
+
+    Parameters
+    ----------
+    run : TrackRun
+        What is ordered.
+    distance : float
+        Between two nodes in m.
+    points, substeps : int
+        Steps of the track, and integration steps in each.
+
+    Returns
+    -------
+    PredictedTrack
+    """
+    extra, covariance, noise = spread_in(run.model, run.situation, run.slopes)
+    loop = make_distance_loop(run.model, extra, "covariance", substeps)
+    _, out = loop.loop(
+        loop.carried(run.x0, covariance),
+        np.full((points + 1, 1), distance),
+        loop.coefficients(run.p, run.inputs, run.least, noise),
+    )
+    track = run.track(out)
+    return with_spread(track, unpacked_spread(out[: track.s.size, loop.shown :]))
+
+
+def sampled_track(
+    run: TrackRun, track: PredictedTrack, distance: float, substeps: int, samples: int, seed: int
+) -> PredictedTrack:
+    """Return a track with the band of tracks that are drawn from what is not known.
+
+    Parameters
+    ----------
+    run : TrackRun
+        What is ordered.
+    track : PredictedTrack
+        The track of what is known best.
+    distance : float
+        Between two nodes in m.
+    substeps, samples, seed : int
+        Integration steps between two nodes, tracks, and the seed of the draws.
+
+    Returns
+    -------
+    PredictedTrack
+
+    Raises
+    ------
+    UsageError
+        If there are fewer than two samples.
+    """
+    if samples < 2:
+        raise UsageError(f"a band by {samples} samples is none: take at least 2, better 200.")
+    extra, covariance, noise = spread_in(run.model, run.situation, run.slopes)
+    loop = make_distance_loop(run.model, extra, "drawn", substeps)
+    random, states, nodes = np.random.default_rng(seed), len(run.model.states), track.s.size
+    values, vectors = np.linalg.eigh(covariance)
+    draws = random.standard_normal((samples, len(covariance))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    controls = np.zeros((samples, nodes, 1 + len(covariance)))
+    controls[:, :, 0] = distance
+    driven = np.flatnonzero(noise)
+    controls[:, :, 1 + driven] = random.standard_normal((samples, nodes, driven.size))
+    table = np.repeat(loop.coefficients(run.p, run.inputs, run.least, noise)[None], samples, axis=0)
+    _draw_into(table, run, extra, draws[:, states:])
+    found = loop.loop.map(run.x0 + draws[:, :states], controls, table)
+    away = np.stack([out[:, _PLACES] for _, out in found])
+    away -= np.stack([track.x, track.y, track.psi, track.t], axis=1)
+    kept = away[np.isfinite(away).all(axis=(1, 2))]
+    lost = samples - len(kept)
+    if len(kept) < 2:
+        return replace(track, ended=track.ended or "nearly all samples run away: no band")
+    shown = with_spread(track, np.einsum("kni,knj->nij", kept, kept) / len(kept))
+    return replace(shown, ended=track.ended or f"{lost} of {samples} samples run away") if lost else shown
+
+
+def _draw_into(table: np.ndarray, run: TrackRun, extra: tuple[str, ...], draws: np.ndarray) -> None:
+    """Write drawn coefficients and inputs into the coefficients of the loop, within their declared bounds."""
+    system = generate(run.model)
+    for k, name in enumerate(extra):
+        if name in system.coefficients:
+            place = system.coefficients.index(name)
+            low, high = (run.model[name].number(b) for b in ("low", "high"))
+        else:
+            place, low, high = run.p.size + system.inputs.index(name), None, None
+        drawn = table[:, place] + draws[:, k]
+        table[:, place] = np.clip(drawn, -np.inf if low is None else low, np.inf if high is None else high)
+
+
+def with_spread(track: PredictedTrack, spread: np.ndarray) -> PredictedTrack:
+    """Return a track with its spread.
+
+    Parameters
+    ----------
+    track : PredictedTrack
+        The track; N nodes.
+    spread : ndarray, shape (N, 4, 4)
+        Covariances of position, heading and time at equal distance.
+    """
+    std = np.sqrt(np.maximum(np.einsum("nii->ni", spread), 0.0))
+    return replace(track, covariance=spread[:, :2, :2], std={"psi": std[:, 2], "t": std[:, 3]})

@@ -1,0 +1,1 @@
+"""A predicted track as a page."""

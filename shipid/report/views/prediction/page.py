@@ -1,0 +1,115 @@
+"""A predicted track as a page: the answer, the plan, the stages of the turn, and what it began from."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+
+import shipid
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_unit, label, to_display
+from shipid.foundation.numbers import fixed, number
+from shipid.prediction.prediction import Prediction
+from shipid.report.figures.charts import Axes, Line, chart
+from shipid.report.figures.tracks import track_figure
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.words import sentence
+
+#: What the chart along the track shows.
+_ALONG = (("psi", "rad"), ("r", "rad/s"), ("u", "m/s"), ("delta", "rad"))
+#: What is shown of a situation, with the units inside.
+_UNITS = {
+    "x": "m", "y": "m", "psi": "rad", "r": "rad/s", "u": "m/s", "v": "m/s", "delta": "rad", "current_north": "m/s",
+    "current_east": "m/s", "wind_speed": "m/s", "wind_direction": "rad",
+}  # fmt: skip
+#: The columns of the stages.
+_COLUMNS = [
+    ("Time [s]", "t", "n"), ("Ahead [m]", "ahead", "n"), ("Aside [m]", "aside", "n"), ("Heading [deg]", "heading", "n"),
+    ("Speed [m/s]", "speed", "n"), ("95 % band [m]", "band", "n"),
+]  # fmt: skip
+
+
+def prediction_page(found: Prediction) -> Page:
+    """Return what the page says of a prediction.
+
+    Parameters
+    ----------
+    found : Prediction
+        The prediction.
+    """
+    track = found.track
+    last = found.stages[-1]
+    answer = [
+        f"Order: {track.order}.",
+        f"The track is {number(track.s_star[-1], 3)} ship lengths and {fixed(last.t, 0)} s long; at its end the ship is "
+        f"{_away(last.ahead, 'ahead', 'astern')} and {_away(last.aside, 'to starboard', 'to port')} of where she was.",
+    ]
+    if last.half_width is not None:
+        answer.append(f"The 95 % band reaches {fixed(last.half_width, 0)} m to each side there.")
+    serious = [sentence(w) for w in found.warnings if w.serious]
+    others = [sentence(w) for w in found.warnings if not w.serious]
+    return Page(
+        f"Predicted track of {found.ship}",
+        [("", answer)],
+        [
+            Section("Track", "prediction/plan.html", {"figure": track_figure(track, "track")}),
+            Section("Stages", "prediction/stages.html", {"columns": _COLUMNS, "rows": _stages(found)}),
+            Section("Along the track", "prediction/along.html", {"figure": _along(found)}),
+            Section(
+                "Where it begins", "prediction/situation.html", {"origin": found.origin, "rows": _situation(found)}
+            ),
+        ],
+        warnings=serious,
+        cautions=others,
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
+def _away(metres: float, forward: str, back: str) -> str:
+    return f"{fixed(abs(metres), 0)} m {forward if metres >= 0 else back}"
+
+
+def _stages(found: Prediction) -> list[Row]:
+    return [
+        {
+            "what": sentence(s.what),
+            "t": fixed(s.t, 0),
+            "ahead": fixed(s.ahead, 0),
+            "aside": fixed(s.aside, 0),
+            "heading": f"{to_display(s.heading, 'psi') % 360:05.1f}",
+            "speed": fixed(s.speed, 2),
+            "band": "not known" if s.half_width is None else f"± {fixed(s.half_width, 0)}",
+        }
+        for s in found.stages
+    ]
+
+
+def _along(found: Prediction) -> Markup:
+    track = found.track
+    panels = []
+    for name, unit in _ALONG:
+        values = to_display(getattr(track, name), name, unit)
+        if name == "psi":
+            # Compass degrees, continued where the ship turns through north.
+            values = values - 360 * np.floor(values[0] / 360)
+        panels.append(Axes(label(name), pretty(display_unit(name, unit)), [Line("", track.t, values)]))
+    return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")
+
+
+def _situation(found: Prediction) -> list[Row]:
+    known = found.situation
+    rows: list[Row] = []
+    for name, value in known.values.items():
+        unit = _UNITS.get(name)
+        if unit is None:
+            continue
+        std = known.std_of(name)
+        rows.append(
+            {
+                "what": label(name),
+                "value": number(float(to_display(value, name, unit)), 4),
+                "std": number(float(to_display(std, name, unit)), 2) if std else "taken as known",
+                "unit": pretty(display_unit(name, unit)),
+            }
+        )
+    return rows

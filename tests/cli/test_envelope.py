@@ -1,0 +1,131 @@
+"""The JSON of every command has one form: what stands around a result, its warnings, its values and its intervals."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+from numbers import Real
+from pathlib import Path
+
+import pytest
+
+import shipid
+from shipid.cli.registry import COMMANDS
+from shipid.foundation.exit_codes import ExitCode
+
+#: Every command that prints JSON, on a zig-zag where it takes a trial; ``{}`` stands for its file.
+CALLS = {
+    "models": [],
+    "show": ["norrbin"],
+    "ship": ["zeefakkel"],
+    "format": ["{}"],
+    "check": ["{}", "--ship", "zeefakkel"],
+    "measure": ["{}", "--length", "45 m"],
+    "identify": ["{}@0:150", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1", "--validate", "{}@150:279"],
+    "compare": ["{}", "--models", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
+    "criteria": ["norrbin", "--ship", "zeefakkel"],
+    "filter": ["{}", "--model", "nomoto", "--ship", "zeefakkel"],
+    "plan": ["--model", "nomoto", "--ship", "zeefakkel", "--time", "12min", "--draws", "0", "--repertoire", "zigzag"],
+    "predict": ["de-keizer", "--ship", "soesterberg", "--from", "psi=10 deg,u=9 m/s", "--heading", "60 deg"],
+    "tune": ["de-keizer", "--ship", "soesterberg", "--samples", "0", "--speeds", "7,9.5 m/s"],
+}
+HEAD = ["schema_version", "command", "provenance", "warnings"]
+#: A key that names an interval in another way.
+OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
+
+
+def parsed(text: str) -> dict:
+    """Read JSON that may not hold NaN or infinity, nor a key twice."""
+
+    def refuse(name: str) -> None:
+        raise AssertionError(f"JSON holds {name}")
+
+    def once(pairs: list) -> dict:
+        assert len(dict(pairs)) == len(pairs), pairs
+        return dict(pairs)
+
+    return json.loads(text, parse_constant=refuse, object_pairs_hook=once)
+
+
+def check_form(told: dict, command: str) -> None:
+    """Assert the form that is documented in `shipid.cli.envelope`."""
+    assert list(told)[:4] == HEAD
+    assert told["schema_version"] == 1 and told["command"] == command
+    assert told["provenance"]["shipid"] == shipid.__version__
+    for given in told["provenance"]["inputs"]:
+        assert set(given) == {"name", "sha256"} and len(given["sha256"]) == 64
+    for warning in told["warnings"]:
+        assert next(iter(warning)) == "kind" and re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", warning["kind"]), warning
+        assert isinstance(warning["serious"], bool)
+        assert isinstance(warning["message"], str) and warning["message"].strip()
+    check_values({k: v for k, v in told.items() if k not in HEAD}, command)
+
+
+def check_values(value: object, where: str) -> None:
+    """Assert that values have units, and that intervals have one name and two ends."""
+    if isinstance(value, dict):
+        if isinstance(value.get("value"), Real):
+            assert isinstance(value.get("unit"), str), f"{where}: a value without a unit"
+        for key, one in value.items():
+            assert key.endswith("interval_95") or not OTHER_INTERVAL.search(key), f"{where}: {key}"
+            if key.endswith("interval_95") and one is not None:
+                check_ends(one, f"{where}.{key}")
+            check_values(one, f"{where}.{key}")
+    elif isinstance(value, list):
+        for one in value:
+            check_values(one, where)
+
+
+def check_ends(ends: object, where: str) -> None:
+    assert isinstance(ends, list) and len(ends) == 2, where
+    low, high = ends
+    assert low is None or high is None or low <= high, where
+
+
+def test_every_command_is_here():
+    assert set(CALLS) == set(COMMANDS) - {"simulate"}  # which writes a trial
+
+
+@pytest.mark.parametrize("command", CALLS)
+def test_the_form_of_a_command(command, call, zigzag):
+    arguments = [a.replace("{}", str(zigzag)) for a in CALLS[command]]
+    answer = call(command, *arguments, "--json")
+    assert answer.code == ExitCode.DONE, answer
+    told = parsed(answer.out)
+    check_form(told, command)
+    if "{}" in "".join(CALLS[command]):
+        hashed = hashlib.sha256(Path(zigzag).read_bytes()).hexdigest()
+        assert told["provenance"]["inputs"] == [{"name": str(zigzag), "sha256": hashed}]
+
+
+def test_the_file_is_what_is_printed(call, zigzag, tmp_path):
+    out = tmp_path / "out"
+    answer = call("filter", zigzag, "--model", "nomoto", "--ship", "zeefakkel", "--json", "--out", out)
+    assert (out / "result.json").read_text(encoding="utf-8") == answer.out
+
+
+def test_each_line_of_a_followed_log_has_the_form(call, zigzag):
+    answer = call("filter", "--follow", zigzag, "--wait", "0.1 s", "--model", "nomoto", "--ship", "zeefakkel", "--json")
+    lines = answer.out.splitlines()
+    assert len(lines) > 1000
+    for line in lines[:3] + lines[-3:]:
+        check_form(parsed(line), "filter")
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"a": {"value": 1.0}}, {"a": {"ci95": [1, 2]}}, {"a": {"interval_95": [2, 1]}}, {"band": [1, 2]}]
+)
+def test_another_form_is_noticed(wrong):
+    with pytest.raises(AssertionError):
+        check_values(wrong, "result")
+
+
+def test_a_finding_of_the_doctor_is_a_warning(call, changed, column):
+    path = changed(column("delta", lambda value, row: str(-float(value))))
+    answer = call("check", path, "--json")
+    told = parsed(answer.out)
+    check_form(told, "check")
+    assert answer.code == ExitCode.BAD_DATA
+    found = {w["kind"]: w for w in told["warnings"]}
+    assert found["rudder-sign"]["serious"] and found["rudder-sign"]["trial"] == "log"

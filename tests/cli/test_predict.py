@@ -1,0 +1,139 @@
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import shipid
+from shipid.prediction.sailing.sail import sail
+
+
+@pytest.fixture(scope="module")
+def voyage(tmp_path_factory):
+    """A course change in a current, as a log."""
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg")
+    trial = sail(pilot, [(300, "60 deg")], noise="standard", current=("1 m/s", "90 deg"), duration=700)
+    path = tmp_path_factory.mktemp("voyage") / "voyage.csv"
+    shipid.write_trial(trial, path)
+    return path
+
+
+def test_a_track_from_a_state(call):
+    answer = call(
+        "predict", "de-keizer", "--ship", "soesterberg", "--from", "psi=350 deg,u=9 m/s", "--heading", "60 deg"
+    )
+    assert answer.code == 0, answer
+    assert "heading 350.0 deg, 9 m/s" in answer.out and "on the new heading" in answer.out
+    assert "the band is not known" in answer.out
+
+
+def test_a_track_from_a_trial_uses_nothing_later(call, voyage, tmp_path):
+    order = ("--heading", "60 deg", "--json")
+    whole = call("predict", "de-keizer", "--ship", "soesterberg", "--from", f"{voyage}@300", *order)
+    assert whole.code == 0, whole
+    lines = voyage.read_text().splitlines()
+    cut = tmp_path / "voyage.csv"
+    head = [line for line in lines if not line[:1].isdigit()]
+    cut.write_text(
+        "\n".join([*head, *(line for line in lines if line[:1].isdigit() and float(line.split(",")[0]) <= 300)])
+    )
+    before = call("predict", "de-keizer", "--ship", "soesterberg", "--from", str(cut), *order)
+    one, other = json.loads(whole.out), json.loads(before.out)
+    np.testing.assert_allclose(
+        one["prediction"]["track"]["x"]["values"], other["prediction"]["track"]["x"]["values"], atol=1e-6
+    )
+    # What is predicted is what was sailed: within its band nearly everywhere.
+    truth = shipid.read_trial(voyage).table
+    rows = truth["t"] >= 300
+    end = one["stages"][-1]
+    assert end["half_width_95"]["value"] > 20
+    t = np.array(one["prediction"]["track"]["t"]["values"]) + 300
+    x = np.interp(600, t, one["prediction"]["track"]["x"]["values"])
+    assert x == pytest.approx(np.interp(600, truth["t"][rows], truth["x"][rows]), abs=150)
+    assert one["situation"]["current_east"]["value"] == pytest.approx(1.0, abs=0.4)
+    assert one["origin"] == "trial voyage at 300 s"
+
+
+def test_its_files(call, voyage, tmp_path):
+    out = tmp_path / "predicted"
+    answer = call(
+        "predict",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        "--from",
+        f"{voyage}@300",
+        "--rudder",
+        "10 deg",
+        "--out",
+        str(out),
+    )
+    assert answer.code == 0, answer
+    table = pd.read_csv(out / "track.csv")
+    assert {"x [m]", "psi [deg]", "half width of the 95 % band [m]"} <= set(table)
+    page = (out / "report.html").read_text()
+    for word in (
+        "Predicted track of soesterberg",
+        "Stages",
+        "95 % band",
+        "to starboard",
+        "Where it begins",
+        "Current to the east",
+    ):
+        assert word in page
+    assert "nan" not in page.lower().replace("dominant", "")
+
+
+def test_a_track_that_leaves_the_model_is_doubtful(call):
+    state = "psi=0 deg,u=9.5 m/s,K_u=0.9 1"
+    answer = call(
+        "predict",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        "--from",
+        state,
+        "--rudder",
+        "35 deg",
+        "--horizon",
+        "40",
+        "--json",
+    )
+    assert answer.code == 5
+    told = json.loads(answer.out)["warnings"]
+    assert [w["kind"] for w in told if w["serious"]] == ["outside-the-model"]
+
+
+def test_wind_current_and_schedule(call, tmp_path):
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg", damping=0.7)
+    shipid.write_schedule(pilot, tmp_path / "schedule.toml")
+    answer = call(
+        "predict", "de-keizer", "--ship", "soesterberg", "--schedule", str(tmp_path / "schedule.toml"), "--heading", "60 deg",
+        "--current", "2 kn to 90 deg", "--wind", "10 m/s from 300 deg", "--rudder-limit", "12 deg", "--band", "none", "--json",
+    )  # fmt: skip
+    told = json.loads(answer.out)
+    assert told["prediction"]["current_east"]["value"] == pytest.approx(2 * 1852 / 3600)
+    delta = np.rad2deg(told["prediction"]["track"]["delta"]["values"])
+    assert np.abs(delta).max() == pytest.approx(12, abs=0.01)
+    # Wind from the port quarter needs rudder to hold the course.
+    assert abs(delta[-1]) > 0.2
+
+
+def test_refusals(refused, voyage):
+    ship = ["predict", "de-keizer", "--ship", "soesterberg"]
+    refused(2, ship, "--heading, --rudder or --rate")
+    refused(2, [*ship, "--heading", "60 deg", "--rudder", "5 deg"], "not heading with a rudder")
+    refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,speed=9 m/s"], "speed")
+    refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,u=0 m/s"], "makes none")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@3"], "too few for a filter")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@9999"], "is not in it")
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@1.2.3"], "no time in s")
+    refused(
+        2,
+        [*ship, "--heading", "60 deg", "--from", f"{voyage}@300", "--current", "1 kn to 0 deg"],
+        "leave --current out",
+    )
+    refused(2, [*ship, "--heading", "60 deg", "--horizon", "0"], "ship lengths")
+    refused(2, [*ship, "--heading", "60 m"], "heading")

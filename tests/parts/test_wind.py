@@ -1,0 +1,51 @@
+"""The relative wind is that of a ship over the ground: its speed through the water, and the current."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.declaration.model import Evaluation
+from shipid.models import Wind
+
+MODEL = shipid.join("wind", Wind)
+
+
+def relative(psi: float, **given: float) -> tuple[float, float]:
+    """Relative wind ahead and to starboard in m/s."""
+    ship = {"psi": psi, "u": 0.0, "v": 0.0, "wind_speed": 0.0, "wind_direction": 0.0, "current_north": 0.0}
+    found = Evaluation(MODEL, ship | {"current_east": 0.0} | given)
+    return float(found["wind_ahead"]), float(found["wind_aside"])
+
+
+@pytest.mark.parametrize("psi", np.deg2rad([0.0, 40.0, 135.0, -100.0]))
+def test_a_ship_that_drifts_with_the_wind_feels_none(psi):
+    """2 m/s of current and of wind to 30 degrees; against each other they add to 4 m/s."""
+    north, east = 2 * np.cos(np.pi / 6), 2 * np.sin(np.pi / 6)
+    with_it = relative(psi, wind_speed=2.0, wind_direction=np.pi / 6, current_north=north, current_east=east)
+    assert with_it == pytest.approx((0.0, 0.0), abs=1e-12)
+    against = relative(psi, wind_speed=2.0, wind_direction=np.pi / 6, current_north=-north, current_east=-east)
+    assert np.hypot(*against) == pytest.approx(4.0)
+    # In calm air the wind over the deck is what the ship makes over the ground.
+    assert relative(psi, u=3.0, current_north=north, current_east=east) == pytest.approx(
+        (-3.0 - 2 * np.cos(np.pi / 6 - psi), -2 * np.sin(np.pi / 6 - psi))
+    )
+
+
+def test_a_current_moves_the_push_of_the_wind():
+    """Heading north at 9 m/s with 10 m/s of wind from astern: 1 m/s pushes, and with a current of 1 m/s ahead nothing does."""
+    at = {
+        "N_w": 3e-7,
+        "F_w": 4e-7,
+        "L": 226.0,
+        "u": 9.0,
+        "wind_speed": 10.0,
+        "wind_direction": 0.0,
+        "psi": 0.0,
+        "v": 0.0,
+    }
+    pushes = [
+        Evaluation(MODEL, at | {"current_north": c, "current_east": 0.0})["u_disturbance"] for c in (0.0, 1.0, -1.0)
+    ]
+    assert pushes == pytest.approx([4e-7 * 226.0, 0.0, 4 * 4e-7 * 226.0])
