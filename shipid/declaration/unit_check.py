@@ -14,7 +14,7 @@ from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Entry, Evaluation, Model
 from shipid.declaration.quantity import COMPUTED
 from shipid.declaration.vocabulary import FIELDS
-from shipid.foundation.aliases import Expression
+from shipid.foundation.aliases import Expression, PintUnit
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
 _SOME_NUMBER = 0.7311
@@ -125,7 +125,12 @@ def _kind(entry: Entry) -> str:
 
 
 def _unit_words(unit: Expression) -> str:
-    return f"{units.registry().Quantity(1, unit).to_base_units().units:~P}" or "1"
+    return _shown(units.registry().Quantity(1, unit).to_base_units().units)
+
+
+def _shown(unit: PintUnit) -> str:
+    """A unit of pint, with the dot of the other messages: pint has another one, which has changed."""
+    return f"{unit:~P}".replace("⋅", "·") or "1"
 
 
 def _in_words(error: Exception) -> str | None:
@@ -148,7 +153,7 @@ def _raised_in(error: Exception) -> str:
 
 def _either(unit: Expression) -> str:
     try:
-        return f"{units.registry().Unit(unit):~P}" or "1"
+        return _shown(units.registry().Unit(unit))
     except Exception:  # pint hands over text such as "a dimensionless quantity" at times
         return str(unit)
 
