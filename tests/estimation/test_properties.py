@@ -44,7 +44,8 @@ def records(draw: Any, wild: bool = True) -> dict[str, np.ndarray]:
         psi[rng.random(count) < 0.2] = np.nan
         r[rng.random(count) < 0.2] = np.nan
         psi[count // 2 : count // 2 + int(rng.integers(0, 15))] = psi[count // 2]
-        delta[rng.random(count) < 0.1] = np.nan
+        # One position of the rudder is known: a record without any is refused.
+        delta[1:][rng.random(count - 1) < 0.1] = np.nan
     return {"t": t, "psi": psi, "r": r, "delta": delta}
 
 
