@@ -25,7 +25,7 @@ def missing_backend() -> str:
         version = importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return f"the build backend {wanted} is not installed"
-    old = int(version.partition(".")[0]) < int(least)
+    old = [int(n) for n in version.split(".")[:3]] < [int(n) for n in least.split(".")]
     return f"the build backend {wanted} is not installed, only {version}" if old else ""
 
 

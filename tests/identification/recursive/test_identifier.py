@@ -32,7 +32,7 @@ def on_ship(method: str, **options) -> RecursiveIdentifier:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_ship_without_noise_is_recovered(method):
     """What is left is the rudder between its samples: it has corners there, and is read as straight lines."""
-    clean = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15")
+    clean = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15", values={"K_u": "0.9"})
     result = on_ship(method, measured={"r": "1e-5 deg/s"}, initial={n: "3" for n in START}).identify(clean)
     for name, truth in TRUTH.items():
         assert result.parameters[name].value == pytest.approx(truth, rel=3e-3), name
@@ -256,7 +256,7 @@ def test_how_many_samples_in_a_row_say_the_same():
 @pytest.mark.parametrize("method", ["ekf", "combined", "mras-parallel", "instrumental-variables"])
 def test_intervals_of_coloured_noise_are_widened_until_they_hold_the_truth(method):
     """Forty zig-zags under a drift of 5 s: by the noise level alone, an interval of 95 % would hold the truth half of the time."""
-    clean = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15")
+    clean = shipid.simulate(shipid.find_model("de-keizer"), "soesterberg", "zigzag:15/15", values={"K_u": "0.9"})
     rng, pole, records = np.random.default_rng(4), np.exp(-1 / 5), []
     for _ in range(40):
         drift = lfilter([np.sqrt(1 - pole**2)], [1.0, -pole], rng.standard_normal(len(clean) + 100))[100:]

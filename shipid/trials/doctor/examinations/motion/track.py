@@ -14,6 +14,8 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 _KNOT = 1852 / 3600
 _STRONGEST = 0.35
 """A current beyond this share of the speed is an error in the speeds."""
+_PLAIN = 0.02
+"""A factor that is further from one is one that would be repaired."""
 _MISTAKEN_KNOT = 1.9834 / 1.9438
 #: Way made good over logged speed: what that means.
 _UNITS = (
@@ -201,7 +203,9 @@ def _lengths(p: WorkingCopy, way: Way) -> _Fit | None:
     speed = p.speed
     if speed is None:
         return None
-    found = robust.regress(way.integral(p.t, np.abs(speed))[:, None], np.abs(way.made))
+    # In a turn the way made good of a block is the chord of what is sailed.
+    chord = np.abs(way.integral(p.t, np.exp(1j * p["psi"]))) / way.dt
+    found = robust.regress((way.integral(p.t, np.abs(speed)) * chord)[:, None], np.abs(way.made))
     if found is None or found.value[0] <= 0:
         return None
     return _Fit(float(found.value[0]), float(found.std[0]), (0.0, 0.0), np.inf, found.sigma)
@@ -210,7 +214,10 @@ def _lengths(p: WorkingCopy, way: Way) -> _Fit | None:
 def _over_ground(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> bool:
     """Whether the speed is the one over ground: it follows the length of the track, which is not along the heading."""
     rough = way.rough + 1e-3 * float(np.median(np.abs(way.made)))
-    return max(lengths.sigma, rough) < 0.6 * max(fit.sigma, rough)
+    # A steady circle is fitted by a factor and a current as well; the length of the track then says that no factor is missing.
+    missing = abs(fit.scale - 1) > _PLAIN
+    exact = missing and lengths.sigma <= rough and abs(lengths.scale - 1) < 0.2 * abs(fit.scale - 1)
+    return exact or max(lengths.sigma, rough) < 0.6 * max(fit.sigma, rough)
 
 
 def _scale(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> None:
