@@ -25,6 +25,7 @@ from _edges import edge_table
 from _faults import FAULTS, SHIPS, Log, lopsided, noise_for
 
 import shipid
+from shipid.trials.manoeuvres.simulate import NotSailedError
 
 FORMATS = Path(__file__).parent / "formats"
 SURE = 0.5
@@ -36,15 +37,23 @@ REAL = (
 )
 
 
+def sail(model: str, ship: str, manoeuvre: str, level: str, seed: int, heading: float) -> shipid.Trial:
+    """Simulate a manoeuvre; where the model does not sail so hard a turn, one with 15 degrees of rudder to the same side."""
+    settings = {"noise": noise_for(ship, level), "seed": seed, "heading": heading}
+    try:
+        return shipid.simulate(shipid.find_model(model), ship, manoeuvre, **settings)
+    except NotSailedError:
+        gentle = "turn:-15" if "-" in manoeuvre else "turn:15"
+        return shipid.simulate(shipid.find_model(model), ship, gentle, **settings)
+
+
 def base_trials(short_form: bool) -> list[tuple[str, shipid.Trial, str, str]]:
     """Clean simulated trials to plant faults in: manoeuvre, trial, ship, noise level."""
     result = []
     for k, (model, ship) in enumerate(SHIPS[:3] if short_form else SHIPS):
         for manoeuvre in ("zigzag:20/20", "turn:35") if k % 2 else ("zigzag:-20/10", "turn:-25"):
             for level in ("none", "standard") if short_form else ("none", "fitting", "standard"):
-                trial = shipid.simulate(
-                    shipid.find_model(model), ship, manoeuvre, noise=noise_for(ship, level), seed=k, heading=0.7 * k
-                )
+                trial = sail(model, ship, manoeuvre, level, k, 0.7 * k)
                 result.append((manoeuvre.partition(":")[0], trial, ship, level))
     return result
 
@@ -121,9 +130,7 @@ def alarms(short_form: bool, folder: Path) -> tuple[int, int, dict[str, int]]:
     for k, (model, ship) in enumerate(SHIPS):
         for m, manoeuvre in enumerate(manoeuvres[k % 3 :: 3] if short_form else manoeuvres):
             for level in ("none", "standard") if short_form else ("none", "fitting", "standard"):
-                trial = shipid.simulate(
-                    shipid.find_model(model), ship, manoeuvre, noise=noise_for(ship, level), seed=10 * k + m, heading=k
-                )
+                trial = sail(model, ship, manoeuvre, level, 10 * k + m, k)
                 log = Log(trial, ship, 0)
                 if asked % 2:
                     log.ship = None  # type: ignore[assignment]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from _table import Row, close, show
 
-from shipid import ShipidError, find_model, find_ship, simulate
+from shipid import ShipidError, find_model, find_ship
+from shipid.generation.simulator import make_simulator
 from shipid.parameters.parameter_set import parse_value
 
 LENGTH, SPEED = 45.0, 5.0  # m, m/s
@@ -30,12 +31,17 @@ def radius(n3: str) -> tuple[float, float]:
     """Return R/L of the steady turn at 30 deg of rudder, simulated, and by the cubic K delta = r + n3 r^3."""
     model, ship = find_model("norrbin"), find_ship("zeefakkel")
     values = {"K": "0.5 1/s", "tau": "31 s", "n3": n3}
-    # So many turns that twelve time constants pass before the rudder goes amidships.
-    trial = simulate(model, ship, "turn:30/99999", speed=SPEED, values=values, steering=False, duration="400 s")
-    _, cubic = parse_value(model, f"n3={n3}")
+    whole = model.impose(list(values))
+    known = {n: parse_value(model, f"{n}={v}")[1] for n, v in values.items()}
+    # The equations alone: `simulate` refuses the turn in which no ship turns so fast.
+    t = np.arange(0.0, 400.0, 0.2)
+    run = make_simulator(whole, ("r",))(
+        t, ship.values(whole, speed=SPEED) | known, {"u": SPEED, "cruise": SPEED, "delta": RUDDER}
+    )
+    cubic = known["n3"]
     roots = np.roots([cubic, 0, 1, -0.5 * RUDDER])
     exact = float(roots[np.abs(roots.imag) < 1e-12].real[0])
-    return SPEED / trial["r"][-1] / LENGTH, SPEED / exact / LENGTH
+    return SPEED / run["r"][-1] / LENGTH, SPEED / exact / LENGTH
 
 
 def main() -> None:

@@ -176,6 +176,10 @@ class Regression:
         p = coefficient_vector(self.problem.model, values)[:, None]
         out = []
         for i, block in enumerate(self.blocks):
+            if not block.left.shape[1]:
+                # A stretch that is shorter than a window has no equations.
+                out.append((block.left, np.zeros((*block.left.shape, self.size))))
+                continue
             inputs = block.inputs + self.bias(theta, i)[:, None]
             states = block.states if at is None else at[i]
             value, slope = self.function(states, inputs, np.repeat(p, states.shape[1], axis=1))
