@@ -135,7 +135,7 @@ def run(one: Case, folder: Path) -> tuple[list[str], str, str, int | None]:
     finally:
         sys.stdin = before
     printed, said = out.getvalue(), err.getvalue()
-    if code not in (0, 2, 3, 4):
+    if code not in (0, 2, 3, 4, 5):
         faults.append(f"exit code {code}: {' '.join(said.split())[:300]}")
     faults += [f"'{word}' in the output" for word in ("Traceback", "Warning:") if word in printed + said]
     if (bad := foul(printed + said)) is not None:
