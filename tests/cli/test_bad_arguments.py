@@ -8,7 +8,7 @@ def test_misspelt_command(refused):
 
 
 def test_misspelt_option(refused, zigzag, fitted):
-    refused(2, ["identify", zigzag, *fitted, "--estimat", "K"], "'--estimat'", "--estimate", "identify --help")
+    refused(2, ["identify", zigzag, *fitted, "--estimat", "K"], "--estimat", "--estimate", "identify --help")
 
 
 def test_model_is_asked_for(refused, zigzag):
