@@ -43,8 +43,8 @@ COMMAND = '''
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import TrialReader, reading
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import TrialReader, reading
 
 
 @click.command()

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import model_argument
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import model_argument
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.messages import say
-from shipid.cli.options import format_option, ship_option, trials_argument
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.messages import say
+from shipid.cli.frame.options import format_option, ship_option, trials_argument
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import Notice

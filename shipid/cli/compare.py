@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import (
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import (
     TrialReader,
     Variadic,
     names_of,

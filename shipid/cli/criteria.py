@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import model_argument, ship_option, speed_option
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import model_argument, ship_option, speed_option
 from shipid.foundation.exit_codes import ExitCode
 
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.messages import say, warn
-from shipid.cli.options import (
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.messages import say, warn
+from shipid.cli.frame.options import (
     LEVELS,
     TrialReader,
     assignments,
@@ -19,7 +19,7 @@ from shipid.cli.options import (
     reading,
     ship_option,
 )
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 from shipid.identification.recursive.methods import METHODS
 

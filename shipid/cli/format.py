@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
-from shipid.cli.messages import say
+from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
+from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
 
 

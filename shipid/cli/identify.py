@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.messages import say
-from shipid.cli.options import (
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.messages import say
+from shipid.cli.frame.options import (
     LEVELS,
     TrialReader,
     Variadic,

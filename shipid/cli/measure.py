@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import TrialReader, reading
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import TrialReader, reading
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import Delivery, delivered
-from shipid.cli.options import (
+from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
     model_option,
@@ -18,7 +18,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:

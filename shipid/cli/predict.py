@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.options import format_option, model_argument, ship_option
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.options import format_option, model_argument, ship_option
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def _situation(
 
 
 def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
-    from shipid.cli.options import levels_of
+    from shipid.cli.frame.options import levels_of
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UnknownNameError
 

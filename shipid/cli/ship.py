@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from shipid.cli.delivery import Delivery, json_option, output_file, overwrite_option
-from shipid.cli.messages import say
+from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
+from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from shipid.cli.delivery import output_file, overwrite_option
-from shipid.cli.messages import say, warn
-from shipid.cli.options import (
+from shipid.cli.frame.delivery import output_file, overwrite_option
+from shipid.cli.frame.messages import say, warn
+from shipid.cli.frame.options import (
     LEVELS,
     assignments,
     model_argument,
@@ -19,7 +19,7 @@ from shipid.cli.options import (
     speed_option,
     values_option,
 )
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.options import seed_option, ship_option
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.options import seed_option, ship_option
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ import pytest
 
 import shipid
 from shipid.cli import main
-from shipid.cli.delivery import Delivery, delivered, json_text
+from shipid.cli.frame.delivery import Delivery, delivered, json_text
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.errors import ShipidError
 from shipid.foundation.exit_codes import ExitCode, markdown

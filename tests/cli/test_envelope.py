@@ -49,7 +49,7 @@ def parsed(text: str) -> dict:
 
 
 def check_form(told: dict, command: str) -> None:
-    """Assert the form that is documented in `shipid.cli.envelope`."""
+    """Assert the form that is documented in `shipid.cli.frame.envelope`."""
     assert list(told)[:4] == HEAD
     assert told["schema_version"] == 1 and told["command"] == command
     assert told["provenance"]["shipid"] == shipid.__version__

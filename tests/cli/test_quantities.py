@@ -8,7 +8,7 @@ import click
 import pytest
 
 from shipid.cli import main
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.cli.registry import COMMANDS
 
 SHIP = ["nomoto", "--ship", "zeefakkel"]

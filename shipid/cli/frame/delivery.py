@@ -18,8 +18,8 @@ from typing import Protocol, TypeAlias, TypeVar
 
 import click
 
-from shipid.cli.envelope import envelope, inputs_given
-from shipid.cli.messages import progress, say, warned
+from shipid.cli.frame.envelope import envelope, inputs_given
+from shipid.cli.frame.messages import progress, say, warned
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import plain_notices
@@ -115,7 +115,7 @@ class Delivery:
         Parameters
         ----------
         data : dict
-            What is printed and written as JSON, in the envelope of `shipid.cli.envelope`.
+            What is printed and written as JSON, in the envelope of `shipid.cli.frame.envelope`.
         text : str
             What is printed otherwise.
         writers : mapping of str to callable, optional

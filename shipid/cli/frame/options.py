@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
-from shipid.cli.delivery import Command, Decorator
-from shipid.cli.messages import say
-from shipid.cli.quantities import NumberWithUnit
+from shipid.cli.frame.delivery import Command, Decorator
+from shipid.cli.frame.messages import say
+from shipid.cli.frame.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
     from shipid.trials.trial import Trial

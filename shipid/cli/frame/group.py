@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import click
 
-from shipid.cli.messages import say
+from shipid.cli.frame.messages import say
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.stopping import Terminated, watched, why_stopped
