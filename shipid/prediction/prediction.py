@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.prediction.following.wheel_over import WARNING, WheelOver
+from shipid.prediction.following.wheel_over import WheelOver
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.order import unwrapped
 from shipid.prediction.tracks.predicted_track import PredictedTrack
@@ -214,5 +214,5 @@ def _wheel_over_words(found: WheelOver) -> str:
     heading = f"{np.rad2deg(found.heading) % 360:05.1f} deg"
     if found.due:
         return f"wheel-over to {heading}: passed by {-found.distance:.0f} m"
-    soon = ": warning, less than a minute" if found.time <= WARNING else ""
+    soon = ": warning, less than a minute" if found.warning else ""
     return f"wheel-over to {heading} in {found.time:.0f} s, {found.distance:.0f} m ahead{soon}"

@@ -11,7 +11,7 @@ import numpy as np
 import shipid
 from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
 from shipid.autopilot.course_changes.turn_order import RADIUS, TurnOrder
-from shipid.autopilot.course_changes.weather import CALM
+from shipid.autopilot.course_changes.weather import CALM, Weather, standard_weather
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
 from shipid.declaration.component import Component
@@ -29,14 +29,12 @@ from shipid.parts.wind import Wind
 from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
 from shipid.trials.manoeuvres.noise import measured, parse_noise
-from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError
+from shipid.trials.manoeuvres.simulate import RECORDED, NotSailedError, usual_interval_of
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
 
-#: After the last order the ship sails so far, in L/U; and a sample is recorded so often.
-_AFTER, _SAMPLES = 25.0, 30
-#: Damping ratio of the waves, and their frequency where none is given, in rad/s, of a ship of 100 m.
-_WAVE_FREQUENCY, _FULL = 0.6, 100.0
+#: After the last order the ship sails so far, in L/U.
+_AFTER = 25.0
 
 
 def sail(
@@ -120,7 +118,7 @@ def sail(
     orders = _orders(courses, 5 * unit_time, course)
     check_flows(truth, current, wind)
     end = orders[-1][0] + _AFTER * unit_time if duration is None else number(duration, "s", "the duration")
-    interval = _interval(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
+    interval = usual_interval_of(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
     if not 0 < interval < end:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a voyage of {end:g} s.")
     parts: list[type[Component]] = [TurnOrder] if pilot.mode == "rate" else []
@@ -153,7 +151,7 @@ def sail(
     if rudder_limit is not None:
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
     if waves is not None:
-        known, acting = _with_waves(waves, known, acting, pilot.length, interval / fine, t.size, seed)
+        known, acting = _with_waves(waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
     recorded = {n: n for n in RECORDED if n in whole}
     if waves is not None:
         recorded |= {"psi": "psi_seen", "r": "r_seen"}
@@ -241,24 +239,20 @@ def _stated(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str,
     return found
 
 
-def _interval(unit_time: float) -> float:
-    return float(max((i for i in (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0) if i <= unit_time / 20), default=0.01))
-
-
 def _with_waves(
     waves: Flow,
     known: dict[str, float],
     acting: dict[str, float | np.ndarray],
     length: float,
+    speed: float,
     step: float,
     count: int,
     seed: int,
 ) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
-    """Waves of a size, driven by white noise of intensity q = 4 zeta omega^3 sigma^2."""
+    """Waves of a size at the frequency of the standard weather."""
     size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
-    frequency = _WAVE_FREQUENCY / float(np.sqrt(min(length, _FULL) / _FULL))
-    damping = float(known.get("wave_damping", 0.15))
-    known = known | {"wave_frequency": frequency, "wave_damping": damping}
-    draws = np.random.default_rng([seed, 7]).standard_normal(count)
-    noise = draws * np.sqrt(4 * damping * frequency**3 * size**2 / step)
+    damping = float(known.get("wave_damping", Weather.damping))
+    sea = replace(standard_weather(length, speed), wave_heading=size, damping=damping)
+    known = known | {"wave_frequency": sea.wave_frequency, "wave_damping": damping}
+    noise = sea.noise(count, np.array([step]), seed)[:, 0]
     return known, acting | {"wave_noise": noise, "wave_direction": direction}

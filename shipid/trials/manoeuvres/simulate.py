@@ -120,7 +120,7 @@ def simulate(
     if seconds is not None and not 0 < seconds < np.inf:
         raise UsageError(f"a manoeuvre of {seconds:g} s is none: give a duration greater than zero.")
     planned = plan(manoeuvre, unit_time, course, limit, seed, seconds)
-    interval = _interval(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
+    interval = usual_interval_of(unit_time) if sampling is None else number(sampling, "s", "the sampling interval")
     if not 0 < interval < planned.duration:
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
@@ -195,7 +195,14 @@ def _length(ship: ParameterSet) -> float:
     return length
 
 
-def _interval(unit_time: float) -> float:
+def usual_interval_of(unit_time: float) -> float:
+    """Return a round sampling interval in s, of at most a twentieth of L/U.
+
+    Parameters
+    ----------
+    unit_time : float
+        L/U in s.
+    """
     return max((i for i in _INTERVALS if i <= unit_time / 20), default=_INTERVALS[0])
 
 
