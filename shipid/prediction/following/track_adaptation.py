@@ -107,6 +107,11 @@ class TrackFollower:
             self.K_rho = float(np.clip(estimate["K_rho"], LEAST_SCALE, LARGEST_SCALE))
         return self.K_rho
 
+    @property
+    def limited(self) -> bool:
+        """Whether the estimate of K_rho is held at the end of its range, beyond which the ship is another one than was predicted."""
+        return self.K_rho in (LEAST_SCALE, LARGEST_SCALE)
+
     def remaining(
         self, x: float, y: float, psi: float, current: tuple[float, float] = (0.0, 0.0), *, scaled: bool = True
     ) -> PredictedTrack:

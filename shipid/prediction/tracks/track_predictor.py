@@ -15,7 +15,7 @@ from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, st
 from shipid.declaration.component import Component
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.prediction.situations.situation import Situation
@@ -54,6 +54,8 @@ class TrackPredictor:
 
     Raises
     ------
+    ParameterSetError
+        If the ship has no length.
     UnknownNameError
         If there is no such kind of model; when it predicts, if a value is none of the model's coefficients.
 
@@ -74,6 +76,10 @@ class TrackPredictor:
     ) -> None:
         if model not in get_args(Predicting):
             raise UnknownNameError("kind of prediction model", model, get_args(Predicting))
+        if pilot.ships[condition].particular("L", "m") is None:
+            raise ParameterSetError(
+                f"ship {pilot.ships[condition].name} has no length L, by which a track is measured: add it to her particulars."
+            )
         self.pilot, self.kind, self.condition = pilot, model, condition
         self.values = dict(values or {})
         self._steering = pilot if model == "own" else replace(pilot, model=first_order_ship)

@@ -101,6 +101,14 @@ def test_the_follower_finds_how_fast_the_ship_turns(pilot, gain):
     assert follower.K_rho == kept
 
 
+def test_a_ship_that_is_another_one_is_told(track):
+    follower = TrackFollower(track)
+    assert not follower.limited
+    for t in range(1, 60):
+        follower.update(float(t), 0.01 * t, 0.05, 9.5)
+    assert follower.limited and follower.K_rho == 2.0
+
+
 def test_the_rest_of_the_track_is_what_is_sailed(pilot, first_order):
     track = first_order.predict(STILL, heading="120 deg", rudder_limit="15 deg", band="none", horizon=25)
     truth = sail(pilot, [(100, "120 deg")], rudder_limit="15 deg", current=("3 kn", "30 deg"), sampling=0.5)

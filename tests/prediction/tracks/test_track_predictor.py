@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import shipid
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import COLUMNS
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -194,6 +194,13 @@ def test_a_model_that_runs_away_ends_the_track():
 def test_orders_that_are_none(predictor, order, says):
     with pytest.raises(UsageError, match=says):
         predictor.predict(STILL, **order)
+
+
+def test_a_ship_without_a_length_has_no_track(pilot):
+    known = pilot.ship.sections
+    short = {**known, "particulars": {n: v for n, v in known["particulars"].items() if n != "L"}}
+    with pytest.raises(ParameterSetError, match="no length L"):
+        TrackPredictor(replace(pilot, ships=(replace(pilot.ship, sections=short),)))
 
 
 def test_bands_and_models_that_are_not_known(pilot, predictor, situation):
