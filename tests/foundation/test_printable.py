@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from shipid.cli import messages
+from shipid.cli.frame import messages
 from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.foundation.printable import escaped, printable
 
