@@ -58,6 +58,7 @@ _HOMES = {
     "own_ship_filter": "shipid.prediction.situations.own_ship_filter",
     "predict_track": "shipid.prediction.predict_track",
     "sail": "shipid.prediction.sailing.sail",
+    "read_chart": "shipid.prediction.charts.read_chart",
     "Route": "shipid.prediction.routes.route",
     "read_route": "shipid.prediction.routes.read_route",
     "write_route": "shipid.prediction.routes.read_route",
