@@ -25,7 +25,7 @@ _TYPES = {1: "Point", 2: "LineString", 3: "Polygon", 4: "MultiPoint", 5: "MultiL
 _Geometry: TypeAlias = dict[str, Any]
 
 
-class TooLargeError(Exception):
+class TooManyPointsError(Exception):
     """The cell holds more than is read."""
 
 
@@ -87,7 +87,7 @@ class Geometries:
     def _points(self, data: bytes, at: int, order: str, size: int, count: int) -> tuple[list[list[float]], int]:
         self.left -= count + 1
         if self.left < 0:
-            raise TooLargeError
+            raise TooManyPointsError
         values = struct.unpack_from(f"{order}{size * count}d", data, at)
         points = [list(values[k : k + 2]) for k in range(0, len(values), size)]
         return points, at + 8 * size * count
@@ -124,7 +124,7 @@ def collection(file: str, wanted: list[str], most_features: int, most_points: in
 
     Raises
     ------
-    TooLargeError
+    TooManyPointsError
         If it holds more.
     """
     from pyogrio import list_layers, raw
@@ -138,7 +138,7 @@ def collection(file: str, wanted: list[str], most_features: int, most_points: in
         kept = {n: c for n, c in zip(names, columns) if n in _ATTRIBUTES}
         for k, shape in enumerate(shapes if shapes is not None else ()):
             if len(found) >= most_features:
-                raise TooLargeError
+                raise TooManyPointsError
             geometry = geometries.read(bytes(shape)) if shape is not None else None
             properties = {n: plain(c[k]) for n, c in kept.items()} | {"layer": layer}
             found.append({"type": "Feature", "geometry": geometry, "properties": properties})
@@ -176,7 +176,7 @@ def main() -> None:
     try:
         found = collection(file, wanted.split(","), int(features), int(points))
         text = json.dumps({"type": "FeatureCollection", "features": found}, allow_nan=False)
-    except (TooLargeError, MemoryError):
+    except (TooManyPointsError, MemoryError):
         text = "too large"
     except Exception:  # GDAL reports damage in many ways
         text = "damaged"

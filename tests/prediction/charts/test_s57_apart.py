@@ -7,7 +7,7 @@ import struct
 import numpy as np
 import pytest
 
-from shipid.prediction.charts.s57_apart import Geometries, TooLargeError, plain
+from shipid.prediction.charts.s57_apart import Geometries, TooManyPointsError, plain
 
 POINT = struct.pack("<BIdd", 1, 1, 8.0, 53.0)
 RING = struct.pack("<I8d", 4, 0, 0, 1, 0, 1, 1, 0, 0)
@@ -31,7 +31,7 @@ def test_geometries_of_well_known_binary(data, geometry):
 
 
 def test_more_points_than_are_read():
-    with pytest.raises(TooLargeError):
+    with pytest.raises(TooManyPointsError):
         Geometries(3).read(struct.pack("<BII", 1, 3, 1) + RING)
 
 
