@@ -19,7 +19,9 @@ if TYPE_CHECKING:
 @trials_argument
 @reading
 @ship_option()
-@click.option("--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m'; of the conditions or the ship by default.")
+@click.option(
+    "--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m'; of the conditions or the ship by default."
+)
 @click.option(
     "--conditions",
     metavar="FILE",

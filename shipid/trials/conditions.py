@@ -13,7 +13,7 @@ from shipid.foundation.numbers import given
 
 
 @dataclass(frozen=True)
-class Entry:
+class Condition:
     """One condition that a record states.
 
     Attributes
@@ -36,35 +36,35 @@ class Entry:
 
 
 _ENTRIES = (
-    Entry("ship", "ship", "Ship"),
-    Entry("imo_number", "ship", "IMO number"),
-    Entry("yard", "ship", "Builder and hull number"),
-    Entry("length", "ship", "Length between perpendiculars", "m", "m"),
-    Entry("breadth", "ship", "Breadth", "m", "m"),
-    Entry("rudder", "ship", "Rudder: kind, number, area"),
-    Entry("propeller", "ship", "Propeller: kind, number"),
-    Entry("engine", "ship", "Engine and its output at the trial"),
-    Entry("condition", "loading", "Loading condition"),
-    Entry("draught_forward", "loading", "Draught forward", "m", "m"),
-    Entry("draught_aft", "loading", "Draught aft", "m", "m"),
-    Entry("displacement", "loading", "Displacement", "kg", "t"),
-    Entry("place", "surroundings", "Place"),
-    Entry("depth", "surroundings", "Water depth", "m", "m"),
-    Entry("wind_speed", "surroundings", "Wind speed", "m/s", "m/s"),
-    Entry("wind_from", "surroundings", "Wind from", "rad", "deg"),
-    Entry("sea_state", "surroundings", "Sea state"),
-    Entry("wave_height", "surroundings", "Significant wave height", "m", "m"),
-    Entry("waves_from", "surroundings", "Waves from", "rad", "deg"),
-    Entry("current_speed", "surroundings", "Current speed", "m/s", "kn"),
-    Entry("current_to", "surroundings", "Current to", "rad", "deg"),
-    Entry("date", "trial", "Date and time"),
-    Entry("who", "trial", "Carried out by"),
-    Entry("instruments", "trial", "Instruments"),
-    Entry("remarks", "trial", "Remarks"),
+    Condition("ship", "ship", "Ship"),
+    Condition("imo_number", "ship", "IMO number"),
+    Condition("yard", "ship", "Builder and hull number"),
+    Condition("length", "ship", "Length between perpendiculars", "m", "m"),
+    Condition("breadth", "ship", "Breadth", "m", "m"),
+    Condition("rudder", "ship", "Rudder: kind, number, area"),
+    Condition("propeller", "ship", "Propeller: kind, number"),
+    Condition("engine", "ship", "Engine and its output at the trial"),
+    Condition("condition", "loading", "Loading condition"),
+    Condition("draught_forward", "loading", "Draught forward", "m", "m"),
+    Condition("draught_aft", "loading", "Draught aft", "m", "m"),
+    Condition("displacement", "loading", "Displacement", "kg", "t"),
+    Condition("place", "surroundings", "Place"),
+    Condition("depth", "surroundings", "Water depth", "m", "m"),
+    Condition("wind_speed", "surroundings", "Wind speed", "m/s", "m/s"),
+    Condition("wind_from", "surroundings", "Wind from", "rad", "deg"),
+    Condition("sea_state", "surroundings", "Sea state"),
+    Condition("wave_height", "surroundings", "Significant wave height", "m", "m"),
+    Condition("waves_from", "surroundings", "Waves from", "rad", "deg"),
+    Condition("current_speed", "surroundings", "Current speed", "m/s", "kn"),
+    Condition("current_to", "surroundings", "Current to", "rad", "deg"),
+    Condition("date", "trial", "Date and time"),
+    Condition("who", "trial", "Carried out by"),
+    Condition("instruments", "trial", "Instruments"),
+    Condition("remarks", "trial", "Remarks"),
 )
 
 #: By name.
-ENTRIES: Mapping[str, Entry] = MappingProxyType({e.name: e for e in _ENTRIES})
+ENTRIES: Mapping[str, Condition] = MappingProxyType({e.name: e for e in _ENTRIES})
 #: Those that cannot be zero or negative.
 _POSITIVE = ("length", "breadth", "draught_forward", "draught_aft", "displacement", "depth")
 

@@ -148,7 +148,13 @@ def _zigzag(number: int, zigzag: ZigZag, length: float | None) -> Iterator[Measu
         overshoot = _entry(zigzag.overshoots, k)
         margin = _entry(zigzag.overshoot_uncertainties, k)
         limit = 25.0 if rule is None else None if time is None else rule(time)
-        text = "25 deg" if rule is None else "by L/V: not known" if time is None else f"{limit:.3g} deg at L/V {time:.3g} s"
+        text = (
+            "25 deg"
+            if rule is None
+            else "by L/V: not known"
+            if time is None
+            else f"{limit:.3g} deg at L/V {time:.3g} s"
+        )
         why = zigzag.reasons.get(f"overshoots[{k + 1}]", "not reached")
         yield _criterion(
             f"{'first' if k == 0 else 'second'}_overshoot_{10 if ten else 20}",

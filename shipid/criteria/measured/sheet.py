@@ -101,9 +101,7 @@ class TrialSheet:
         return {
             "conditions": self.conditions.to_dict(),
             "length": {"value": self.length, "unit": "m"},
-            "manoeuvres": [
-                {"number": m.number, "title": m.title, **m.measures.to_dict()} for m in self.manoeuvres
-            ],
+            "manoeuvres": [{"number": m.number, "title": m.title, **m.measures.to_dict()} for m in self.manoeuvres],
             "criteria": [row.to_dict() for row in self.criteria],
             "not_measured": [{"trial": one.trial, "why": one.why} for one in self.not_measured],
             "warnings": plain_notices(self.warnings),
@@ -113,9 +111,7 @@ class TrialSheet:
         """Return one row a number of every manoeuvre: manoeuvre, title, quantity, value, unit, meaning."""
         import pandas as pd
 
-        frames = [
-            m.measures.to_frame().assign(manoeuvre=m.number, title=m.measures.title) for m in self.manoeuvres
-        ]
+        frames = [m.measures.to_frame().assign(manoeuvre=m.number, title=m.measures.title) for m in self.manoeuvres]
         columns = ["manoeuvre", "title", "quantity", "value", "unit", "meaning"]
         return pd.concat(frames, ignore_index=True)[columns] if frames else pd.DataFrame(columns=columns)
 
@@ -131,7 +127,9 @@ class TrialSheet:
             margin = "" if row.uncertainty is None or row.value is None else f" ± {row.uncertainty:.2g}"
             words = f"; {row.words}" if row.words else ""
             head = f"    {row.manoeuvre}. {row.meaning}"
-            lines.append(f"{head:<42s} {value + margin:>14s} {row.unit:<4s} limit {row.limit_text:<26s} {row.verdict}{words}")
+            lines.append(
+                f"{head:<42s} {value + margin:>14s} {row.unit:<4s} limit {row.limit_text:<26s} {row.verdict}{words}"
+            )
         lines += [f"  not measured: {one.trial}: {one.why}" for one in self.not_measured]
         return "\n".join([*lines, *(f"  {n}" for n in self.warnings)])
 

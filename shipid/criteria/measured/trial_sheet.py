@@ -29,6 +29,8 @@ SCOPE = (
     "90 % or more of the speed at 85 % of the engine's output; whether these held is not in a log. Stopping (5.3.4) is not measured."
 )
 _SHORT = 100.0
+#: No ship turns in a tactical diameter outside this range, in her lengths: the length, or the unit of the positions, is another.
+_DIAMETERS = (0.8, 20.0)
 
 
 def trial_sheet(
@@ -89,6 +91,7 @@ def trial_sheet(
         except (TrialError, OSError) as error:
             failures.append(error)
             lost.append(NotMeasured(one.name if isinstance(one, Trial) else str(one), str(error)))
+    unread = len(lost)
     whole = _conditions(conditions, [trial for trial, _ in sailed], known)
     stated = stated or whole.number("length")
     manoeuvres: list[SheetManoeuvre] = []
@@ -98,7 +101,7 @@ def trial_sheet(
     if not manoeuvres and len(given) == 1 and failures:
         raise failures[0]
     rows = tuple(row for m in manoeuvres for row in measured_criteria(m.number, m.measures, stated))
-    return TrialSheet(whole, stated, tuple(manoeuvres), rows, tuple(lost), tuple(_warnings(stated, rows, lost)))
+    return TrialSheet(whole, stated, tuple(manoeuvres), rows, tuple(lost), tuple(_warnings(stated, rows, lost, unread)))
 
 
 def _measure_all(
@@ -145,19 +148,29 @@ def _conditions(given: Conditions | None, trials: Sequence[Trial], ship: Paramet
     )
 
 
-def _warnings(length: float | None, rows: Sequence[MeasuredCriterion], lost: Sequence[NotMeasured]) -> list[Notice]:
+def _warnings(
+    length: float | None, rows: Sequence[MeasuredCriterion], lost: Sequence[NotMeasured], unread: int
+) -> list[Notice]:
     said = []
     if lost:
         what = "One log or manoeuvre has" if len(lost) == 1 else f"{len(lost)} logs or manoeuvres have"
-        said.append(Notice(f"{what} no numbers; the reasons are listed.", "not-measured", serious=True))
+        said.append(Notice(f"{what} no numbers; the reasons are listed.", "not-measured", serious=unread > 0))
     if rows:
         said.append(Notice(SCOPE, "scope"))
         if length is None:
             words = "The ship length is not stated: without it there are no ratios to it and no limits by L/V. Give --length."
             said.append(Notice(words, "length-unknown"))
+        elif any(
+            r.value is not None and not _DIAMETERS[0] < r.value < _DIAMETERS[1]
+            for r in rows
+            if r.key == "tactical_diameter"
+        ):
+            words = (
+                f"With a length of {length:g} m a tactical diameter is outside {_DIAMETERS[0]:g} to {_DIAMETERS[1]:g} L, which is no ship's: "
+                "check the length, and whether log and length are both of the ship or both of the model."
+            )
+            said.append(Notice(words, "length-doubtful", serious=True))
         elif length < _SHORT:
             words = f"This ship is {length:g} m long: the limits are shown for comparison only."
             said.append(Notice(words, "scope"))
     return said
-
-

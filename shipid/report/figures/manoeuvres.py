@@ -112,9 +112,14 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
     side = 1.0 if circle.side == "starboard" else -1.0
     quarters = [None if q is None else begin + q for q in circle.times or ()]
     reached = [q for q in quarters if q is not None]
-    last = reached[-1] if reached else float(t[-1])
-    size = float(np.hypot(np.ptp(along), np.ptp(across)))
-    shown = (t >= begin - 0.15 * (last - begin)) & (t <= max(last, float(t[-1])))
+    known = np.isfinite(psi)
+    heading = np.interp(t, t[known], psi[known]) - course
+    # What is sailed after the turn, to the next manoeuvre, would make a small circle of it.
+    last = float(t[int(np.argmax(side * heading))])
+    if reached:
+        last = min(last, reached[-1] + (reached[-1] - begin) / len(reached))
+    shown = (t >= begin - 0.15 * (last - begin)) & (t <= last)
+    size = float(np.hypot(np.ptp(along[shown]), np.ptp(across[shown])))
     every = next((e for e in _TICKS if (t[shown][-1] - begin) / e <= 12), _TICKS[-1])
     ticks = np.arange(0.0, t[shown][-1] - begin, every) + begin
     hull = length if length is not None else 0.08 * size
@@ -128,10 +133,11 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
             label=f"every {every:g} s",
         )  # fmt: skip
         for k, when in enumerate([begin, *reached]):
-            heading = float(np.interp(when, t, np.where(np.isfinite(psi), psi, np.interp(t, t[np.isfinite(psi)], psi[np.isfinite(psi)]))))
-            x, y = outline(hull, heading - course)
+            x, y = outline(hull, float(np.interp(when, t, heading)))
             label = "_" if k else "ship" if length is not None else "ship, not to scale"
-            ax.plot(y + np.interp(when, t, across), x + np.interp(when, t, along), color=MUTED, linewidth=0.9, label=label)
+            ax.plot(
+                y + np.interp(when, t, across), x + np.interp(when, t, along), color=MUTED, linewidth=0.9, label=label
+            )
         _dimensions(ax, circle, side, 0.05 * size)
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_xlabel("to starboard of the initial course [m]")
@@ -159,7 +165,9 @@ def _dimensions(ax: Axes, circle: TurningCircle, side: float, off: float) -> Non
             ha="right" if side > 0 else "left", **words,
         )  # fmt: skip
         ax.annotate("", (side * transfer, advance + 1.5 * off), (0, advance + 1.5 * off), arrowprops=arrow)
-        ax.text(0.5 * side * transfer, advance + 1.9 * off, f"transfer {transfer:.0f} m", ha="center", va="bottom", **words)
+        ax.text(
+            0.5 * side * transfer, advance + 1.9 * off, f"transfer {transfer:.0f} m", ha="center", va="bottom", **words
+        )
     if diameter is not None:
         y = -2 * off
         ax.annotate("", (side * diameter, y), (0, y), arrowprops=arrow)

@@ -20,8 +20,7 @@ _GROUPS = (
     ("ship", "The ship"), ("loading", "Loading"), ("surroundings", "Place and surroundings"), ("trial", "The trial"),
 )  # fmt: skip
 _LIMITS = [
-    ("Quantity", "meaning"), ("Manoeuvre", "manoeuvre", "wide"), ("Measured", "value", "n"), ("Limit", "limit", "keep"),
-    ("Verdict", "verdict"),
+    ("Quantity", "meaning"), ("Verdict", "verdict", "keep"), ("Measured", "value", "n"), ("Limit", "limit", "keep"),
 ]  # fmt: skip
 _NUMBERS = [("Quantity", "name"), ("Value", "value", "n"), ("Unit", "unit", "keep"), ("Meaning", "meaning", "wide")]
 #: Entries of a zig-zag that stand in one table, a row a reversal.
@@ -44,7 +43,7 @@ def sheet_page(sheet: TrialSheet) -> Page:
     name = sheet.conditions.shown("ship")
     sections = []
     if sheet.criteria:
-        rows = [_limit_row(row, sheet) for row in sheet.criteria]
+        rows = [_limit_row(row) for row in sheet.criteria]
         sections.append(Section("Beside the limits", "sheet/limits.html", {"columns": _LIMITS, "rows": rows}))
     if sheet.manoeuvres:
         shown = [_manoeuvre(m, sheet.length) for m in sheet.manoeuvres]
@@ -70,7 +69,11 @@ def sheet_page(sheet: TrialSheet) -> Page:
 def _answer(sheet: TrialSheet) -> Iterator[str]:
     when = sheet.conditions.shown("date")
     yield sentence(f"{count(len(sheet.manoeuvres), 'manoeuvre')} measured{f', {when}' if when else ''}.")
-    for verdict, words in (("beyond", "beyond its limit"), ("not decided", "not decided"), ("within", "within its limit")):
+    for verdict, words in (
+        ("beyond", "beyond its limit"),
+        ("not decided", "not decided"),
+        ("within", "within its limit"),
+    ):
         rows = [row for row in sheet.criteria if row.verdict == verdict]
         if rows:
             yield sentence(f"{words}: {listed([f'{row.meaning} ({row.manoeuvre})' for row in rows])}.")
@@ -78,11 +81,10 @@ def _answer(sheet: TrialSheet) -> Iterator[str]:
         yield "No manoeuvre of the standard is among them, so no limit is compared."
 
 
-def _limit_row(row: MeasuredCriterion, sheet: TrialSheet) -> Row:
+def _limit_row(row: MeasuredCriterion) -> Row:
     margin = "" if row.uncertainty is None else f" ± {number(row.uncertainty, 2)}"
     return {
-        "meaning": sentence(row.meaning),
-        "manoeuvre": sheet.manoeuvres[row.manoeuvre - 1].title,
+        "meaning": f"{row.manoeuvre}. {sentence(row.meaning)}",
         "value": "not known" if row.value is None else f"{number(row.value, 3)}{margin} {pretty(row.unit)}",
         "limit": row.limit_text,
         "verdict": row.verdict,
@@ -114,11 +116,18 @@ def _single(measures: Measures) -> Iterator[Row]:
             continue
         yield {
             "name": sentence(name.replace("_", " ")),
-            "value": "not known" if value is None else number(value, 3),
+            "value": _value(name, value),
             "unit": "" if unit == "1" else pretty(unit),
             "meaning": sentence(meaning),
             "remark": sentence(reason) if reason else "",
         }
+
+
+def _value(name: str, value: float | None) -> str:
+    if value is None:
+        return "not known"
+    # A course is written with three digits, 000 to 359.
+    return f"{round(value, 1) % 360:05.1f}" if name in ("course", "drift_direction") else number(value, 3)
 
 
 def _several(measures: Measures, columns: tuple[tuple[str, str], ...], title: str) -> dict[str, object] | None:
@@ -159,9 +168,7 @@ def _poster(sheet: TrialSheet) -> dict[str, object]:
         )
         for name, words in (("times", "time [min:s]"), ("speeds", "speed [m/s]")):
             values = getattr(circle, name) or ()
-            cells = {
-                f"q{k}": _quarter(name, values[k] if k < len(values) else None) for k in range(len(QUARTERS))
-            }
+            cells = {f"q{k}": _quarter(name, values[k] if k < len(values) else None) for k in range(len(QUARTERS))}
             quarters.append({"title": f"{sailed.title}: {words}", **cells})
     return {"columns": columns, "rows": rows, "times": times, "quarters": quarters}
 
