@@ -47,6 +47,7 @@ _HOMES = {
     "identify": "shipid.identification.identify",
     "plan_trials": "shipid.planning.plan_trials",
     "manoeuvring_criteria": "shipid.criteria.manoeuvring_criteria",
+    "trial_sheet": "shipid.criteria.measured.trial_sheet",
     "design_autopilot": "shipid.autopilot.design.design_autopilot",
     "judge": "shipid.autopilot.judgement.judge",
     "run_on_board": "shipid.autopilot.on_board.run_on_board",
