@@ -164,9 +164,8 @@ def nearest_distance(relative: np.ndarray, horizon: float) -> np.ndarray:
     """
     position, velocity = relative[..., :2], relative[..., 2:]
     squared = np.sum(velocity**2, axis=-1)
-    still = squared < _STEADY**2
-    time = -np.sum(position * velocity, axis=-1) / np.where(still, 1.0, squared)
-    time = np.where(still, 0.0, np.clip(time, 0.0, horizon))
+    # Without relative motion every instant is the nearest; that of a hardly moving target is cut at the horizon.
+    time = np.clip(-np.sum(position * velocity, axis=-1) / np.maximum(squared, np.finfo(float).tiny), 0.0, horizon)
     north, east = np.moveaxis(position + time[..., None] * velocity, -1, 0)
     return np.asarray(np.hypot(north, east))
 
@@ -232,7 +231,7 @@ def _covariance(values: ArrayLike, whose: str) -> np.ndarray:
     scaled = matrix / np.outer(np.where(size > 0, size, 1.0), np.where(size > 0, size, 1.0))
     if not np.allclose(scaled, scaled.T, rtol=0, atol=1e-8) or np.linalg.eigvalsh(scaled)[0] < -1e-8:
         raise TargetError(f"the covariance of {whose} is not symmetric, or has a variance below zero.")
-    return 0.5 * (matrix + matrix.T)
+    return np.asarray(0.5 * (matrix + matrix.T))
 
 
 def _root(covariance: np.ndarray) -> np.ndarray:
