@@ -50,7 +50,7 @@ def test_no_relative_motion_has_no_time():
     c, s = np.cos(0.5236), np.sin(0.5236)
     met = closest_approach((300, 400, 5.1 * c, 5.1 * s), (0, 0, 5.1 * c, 5.1 * s + 1e-12))
     assert met.motion == "steady" and np.isnan(met.tcpa)
-    assert met.cpa == met.nearest == pytest.approx(500)
+    assert (met.cpa, met.nearest) == (pytest.approx(500), pytest.approx(500))
     assert met.miss == pytest.approx((300, 400))
     assert json.loads(json.dumps(met.to_dict(), allow_nan=False))["tcpa"] is None
 
