@@ -60,6 +60,10 @@ _HOMES = {
     "predict_track": "shipid.prediction.predict_track",
     "sail": "shipid.prediction.sailing.sail",
     "situation_of": "shipid.prediction.situations.filtered_situation",
+    "closest_approach": "shipid.encounter.closest_approach",
+    "Campaign": "shipid.campaign.campaign",
+    "Measure": "shipid.campaign.campaign",
+    "run_campaign": "shipid.campaign.run_campaign",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }
