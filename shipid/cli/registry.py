@@ -18,5 +18,6 @@ COMMANDS = {
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
     "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
+    "bridge": ("shipid.cli.bridge:bridge", "Open the live bridge page of a ship, simulated or listened to."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }
