@@ -47,6 +47,7 @@ _HOMES = {
     "identify": "shipid.identification.identify",
     "plan_trials": "shipid.planning.plan_trials",
     "manoeuvring_criteria": "shipid.criteria.manoeuvring_criteria",
+    "trial_sheet": "shipid.criteria.measured.trial_sheet",
     "design_autopilot": "shipid.autopilot.design.design_autopilot",
     "judge": "shipid.autopilot.judgement.judge",
     "run_on_board": "shipid.autopilot.on_board.run_on_board",
@@ -63,6 +64,10 @@ _HOMES = {
     "read_route": "shipid.prediction.routes.read_route",
     "write_route": "shipid.prediction.routes.read_route",
     "situation_of": "shipid.prediction.situations.filtered_situation",
+    "closest_approach": "shipid.encounter.closest_approach",
+    "Campaign": "shipid.campaign.campaign",
+    "Measure": "shipid.campaign.campaign",
+    "run_campaign": "shipid.campaign.run_campaign",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shipid.foundation.aliases import Plain
+from shipid.trials.conditions import Conditions
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Source:
         The moment of t = 0 in ISO 8601, with its zone where one is known; None where the log says no date.
     origin : tuple of float or None
         Latitude and longitude in rad of the place where x and y are 0; None where it is not known.
+    conditions : Conditions
+        What is stated of the trial beside its log: loading, place, weather, who.
     """
 
     path: str | None = None
@@ -41,6 +44,7 @@ class Source:
     comment: str = ""
     start: str | None = None
     origin: tuple[float, float] | None = None
+    conditions: Conditions = field(default_factory=Conditions)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the source as plain values."""
@@ -55,6 +59,7 @@ class Source:
             "origin": None
             if self.origin is None
             else {n: {"value": math.degrees(c), "unit": "deg"} for n, c in zip(("lat", "lon"), self.origin)},
+            "conditions": {name: value for name, value in self.conditions.to_dict().items() if value is not None},
         }
 
 

@@ -196,7 +196,9 @@ def _radius(pilot: Autopilot, route: Route, radius: str | float | None, told: li
     if unstated and radius is None:
         told.append(
             Notice(
-                f"{unstated} waypoints state no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.", "turn-radius", radius=size
+                f"{unstated} waypoints state no turn radius: {RADIUS:g} ship lengths, {size:.0f} m, are taken.",
+                "turn-radius",
+                radius=size,
             )
         )
     return size
@@ -281,7 +283,8 @@ class _Run:
         ship, helm, now = self.ship, self.helm, self.ship.now
         before = helm.leg
         order = helm.steer(
-            Situation({**{n: now[n] for n in _KNOWN if n in now}, **self.surroundings}, t=ship.t), self.every * self.interval
+            Situation({**{n: now[n] for n in _KNOWN if n in now}, **self.surroundings}, t=ship.t),
+            self.every * self.interval,
         )
         ship.inputs["psi_order"] = order.heading
         ship.set("rudder_limit", order.rudder_limit)
@@ -365,7 +368,9 @@ def _voyage(
     )
 
 
-def _limits_left(plan: PlannedTrack, route: Route, t: np.ndarray, off: np.ndarray, on: np.ndarray) -> tuple[LimitLeft, ...]:
+def _limits_left(
+    plan: PlannedTrack, route: Route, t: np.ndarray, off: np.ndarray, on: np.ndarray
+) -> tuple[LimitLeft, ...]:
     """The stretches beyond a limit, each on one side and on the way to one waypoint."""
     beyond_by = plan.beyond_limits(off, on)
     to = np.array(plan.waypoints)[on]

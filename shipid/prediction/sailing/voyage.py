@@ -155,9 +155,7 @@ class Voyage:
         end = f"its end after {duration:.0f} s" if self.arrived else f"its end not reached after {duration:.0f} s"
         lines = [f"route '{self.route.name}': {len(self.route)} waypoints, {end}"]
         words = {"whole": "all the way", "legs": "on legs", "turns": "in turns"}
-        said = [
-            f"{words[n]} {rms:.1f} m rms, {most:.0f} m at most" for n, (rms, most) in self.statistics.items()
-        ]
+        said = [f"{words[n]} {rms:.1f} m rms, {most:.0f} m at most" for n, (rms, most) in self.statistics.items()]
         lines.append(f"  off the track: {'; '.join(said)}")
         for w in self.wheel_overs:
             side = "starboard" if w.change > 0 else "port"
@@ -165,11 +163,11 @@ class Voyage:
                 f"  wheel over at {w.t:.0f} s, {w.before:.0f} m before {w.name}: {shown(abs(w.change), 'psi', digits=3)} to {side} with "
                 f"{shown(w.rudder_limit, 'delta', digits=2)} of rudder"
             )
-        for left in self.left:
-            lines.append(
-                f"  cross-track limit to {left.side} left on the way to {left.name} from {left.begin:.0f} to {left.end:.0f} s, by "
-                f"{left.beyond:.0f} m"
-            )
+        lines += [
+            f"  cross-track limit to {left.side} left on the way to {left.name} from {left.begin:.0f} to {left.end:.0f} s, by "
+            f"{left.beyond:.0f} m"
+            for left in self.left
+        ]
         if not self.left and self.plan.limits is not None and np.isfinite(self.plan.limits).any():
             lines.append("  cross-track limits kept")
         return "\n".join(lines)

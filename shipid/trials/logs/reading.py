@@ -110,6 +110,7 @@ def read_record(
         simulated="simulated" in (comments[0].lower() if comments else ""),
         comment="\n".join(comments),
         origin=origin_in("\n".join(comments)),
+        conditions=fmt.conditions if fmt else record.source.conditions,
     )
     asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
     title = record.name if asked is None else f"{record.name}@{asked}"
