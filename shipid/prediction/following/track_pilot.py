@@ -68,6 +68,29 @@ class TrackOrder:
     track: PredictedTrack | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class TurnAhead:
+    """The next turn of a track as it is planned.
+
+    Attributes
+    ----------
+    leg : int
+        Number of the leg it leads onto.
+    heading, rudder_limit : float
+        What to order then, in rad.
+    ahead : float
+        From the ship to where the wheel goes over, along the leg she is on, in m; negative where it is passed.
+    track : PredictedTrack
+        The turn, as if it began where the ship is.
+    """
+
+    leg: int
+    heading: float
+    rudder_limit: float
+    ahead: float
+    track: PredictedTrack
+
+
 class TrackPilot:
     """Sails a planned track.
 
@@ -143,6 +166,41 @@ class TrackPilot:
         self._ordered = heading
         limit = self._limit if self.phase == "turning" else self.rudder_limit
         return TrackOrder(heading + self._off, limit, self.phase, self.leg, seconds, track)
+
+    def turn_ahead(self, situation: Situation) -> TurnAhead:
+        """Return the turn onto the next leg, wherever on the rest of this leg it begins.
+
+        Parameters
+        ----------
+        situation : Situation
+            What is known of the ship, which is on the leg.
+
+        Returns
+        -------
+        TurnAhead
+
+        Raises
+        ------
+        UsageError
+            If she is on the last leg, or the current is too strong to keep the next one.
+        """
+        if self.leg + 1 >= len(self.plan.legs):
+            raise UsageError("no turn is ahead: the ship is on the last leg of the track.")
+        leg, following = self.plan.legs[self.leg], self.plan.legs[self.leg + 1]
+        left = leg.along(following.x, following.y) - leg.along(situation.values["x"], situation.values["y"])
+        left = max(left, 0.0) + self.predictor.length
+        angle, _ = self._arc(self.leg + 1)
+        limit = self.rudder_limit
+        if self._by_arc and angle > _TURNED:
+            limit = self._planned_limit(situation, left)
+        track = self._to_next(situation, limit)
+        begin, spacing = -_REACH * self.predictor.length, 0.25 * self.predictor.length
+        coarse, _ = self._place(track, np.linspace(begin, left, int((left - begin) / spacing) + 2))
+        if coarse is None:
+            coarse = left
+        ahead, _ = self._place(track, coarse + np.linspace(-1.0, 1.0, _PLACES) * 2 * spacing)
+        heading = self._heading(situation, following)
+        return TurnAhead(self.leg + 1, heading, limit, coarse if ahead is None else ahead, track)
 
     def _learn(self, situation: Situation, interval: float) -> None:
         """What has to be ordered more, so that the ship sails the heading that is meant: a steady moment of the wind."""
