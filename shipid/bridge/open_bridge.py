@@ -15,8 +15,8 @@ from shipid.autopilot.design.design_autopilot import design_autopilot
 from shipid.autopilot.design.read_schedule import read_schedule
 from shipid.bridge.bridge_settings import SHIP, BridgeSettings
 from shipid.bridge.core.core import BridgeCore
-from shipid.bridge.core.source import SampleSource
-from shipid.bridge.sources.simulated import SimulatedSource
+from shipid.bridge.sources.replayed import ReplayedSource
+from shipid.bridge.sources.source_of import source_of
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
@@ -170,7 +170,7 @@ def open_bridge(settings: BridgeSettings, host: str, port: int, token: str | Non
         source,
         filter_interval=settings.filter_interval,
         prediction_interval=settings.prediction_interval,
-        started=datetime.now(UTC),
+        started=source.started if isinstance(source, ReplayedSource) else datetime.now(UTC),
     )
     if source.timed:
         core.clock_factor = settings.clock_factor
@@ -181,27 +181,3 @@ def open_bridge(settings: BridgeSettings, host: str, port: int, token: str | Non
         yield OpenedBridge(core, listener, address, token, None, settings.record)
     finally:
         listener.close()
-
-
-def source_of(settings: BridgeSettings, pilot: Autopilot) -> SampleSource:
-    """Return the source of a bridge.
-
-    Parameters
-    ----------
-    settings : BridgeSettings
-        What the bridge is opened with.
-    pilot : Autopilot
-        The autopilot, with the ship.
-
-    Raises
-    ------
-    UsageError
-        If there is no such source.
-    """
-    kind, _, _rest = settings.source.partition(":")
-    if kind == "simulate":
-        calm = (0.0, 0.0)
-        return SimulatedSource(pilot, seed=settings.seed, current=settings.current or calm, wind=settings.wind or calm)
-    raise UsageError(
-        f"there is no source '{settings.source}': write simulate, replay:TRIAL, nmea:udp:PORT, nmea:tcp:HOST:PORT or signalk:URL."
-    )

@@ -201,6 +201,8 @@ class BridgeCore:
         health = own.health
         alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.message}")
         alarms.set("doubtful", health == "doubtful", t, "warning", "the filter rejects many samples")
+        stopped = None if self.recording is None else self.recording.to_dict()["message"]
+        alarms.set("recording", bool(stopped), t, "warning", str(stopped or ""))
         if self.watch is not None:
             watch = self.watch
             off, side = watch.off_track or 0.0, "starboard" if (watch.off_track or 0.0) > 0 else "port"

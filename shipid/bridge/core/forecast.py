@@ -191,6 +191,8 @@ class Forecaster:
             )
         except ShipidError as error:
             return ShownTrack(None, str(error))
+        except (ArithmeticError, ValueError, RuntimeError) as error:
+            return ShownTrack(None, f"nothing can be predicted: {type(error).__name__}.")
         if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
         return ShownTrack(track, track.ended)
