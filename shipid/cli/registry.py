@@ -11,6 +11,7 @@ COMMANDS = {
     "format": ("shipid.cli.format:format_log", "Draft a format file for a log, with a reason for each column."),
     "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),
+    "report": ("shipid.cli.report:report", "Report a trial day: every manoeuvre measured, beside IMO's limits."),
     "compare": ("shipid.cli.compare:compare", "Rank models by how they predict what they were not fitted to."),
     "plan": ("shipid.cli.plan:plan", "Plan the most informative manoeuvres within a time."),
     "identify": ("shipid.cli.identify:identify", "Identify a model from one trial or several."),
