@@ -85,18 +85,20 @@ class TrackExperiment:
             Returns the ship at the origin on course 000, without current and wind.
         """
         legs = self.legs(track)
-        points = [np.zeros((1, 2))]
+        points, arcs = [np.zeros((1, 2))], [(0, 0)]
         for before, after in pairwise(legs):
             change = after.course - before.course
             distance, turn = self.still_water_turn(abs(change), still_water())
             c, s = np.cos(before.course), np.sin(before.course)
             x, y = turn[:, 0] - distance, np.sign(change) * turn[:, 1]
             kept = np.hypot(x, y) < 0.5 * self.leg
+            begin = sum(len(p) for p in points)
             points.append(np.stack([after.x + c * x - s * y, after.y + s * x + c * y], axis=1)[kept])
+            arcs.append((begin, begin + len(points[-1]) - 1))
         last = legs[-1]
         end = last.x + self.leg * np.cos(last.course), last.y + self.leg * np.sin(last.course)
         points.append(np.array([end]))
-        return PlannedTrack(tuple(legs), np.concatenate(points))
+        return PlannedTrack(tuple(legs), np.concatenate(points), arcs=np.array(arcs))
 
     def still_water_turn(self, change: float, ship: SimulatedShip) -> tuple[float, np.ndarray]:
         """Return where the wheel goes over before the waypoint in still water, in m, and the turn itself, shape (N, 2).

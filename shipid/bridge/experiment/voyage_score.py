@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -33,6 +33,8 @@ class VoyageScore:
         What the navigator sees.
     reference : PlannedTrack
         What the voyage is compared with.
+    ended : callable, optional
+        Called with the score when the end of the track is reached.
 
     Attributes
     ----------
@@ -41,10 +43,15 @@ class VoyageScore:
     """
 
     def __init__(
-        self, experiment: TrackExperiment, scenario: str, condition: Condition, reference: PlannedTrack
+        self,
+        experiment: TrackExperiment,
+        scenario: str,
+        condition: Condition,
+        reference: PlannedTrack,
+        ended: Callable[[VoyageScore], None] | None = None,
     ) -> None:
         self.scenario, self.condition, self.done = scenario, condition, False
-        self._experiment, self._reference = experiment, reference
+        self._experiment, self._reference, self._ended = experiment, reference, ended
         self._leg, self._last = 0, -math.inf
         count = len(reference.legs)
         self._squares, self._samples = np.zeros(count), np.zeros(count)
@@ -73,6 +80,8 @@ class VoyageScore:
         self._rates[self._leg].append(values.get("r", 0.0))
         last = legs[-1]
         self.done = self._leg == len(legs) - 1 and last.along(x, y) > _END * self._experiment.leg
+        if self.done and self._ended is not None:
+            self._ended(self)
 
     def _turned(self, values: Mapping[str, float]) -> bool:
         """Whether the turn onto the next leg has begun: the ship turns to its side within half a leg of its waypoint."""

@@ -10,11 +10,17 @@ from shipid.bridge.sources.replayed import ReplayedSource
 from shipid.bridge.sources.signalk import SignalKSource
 from shipid.bridge.sources.simulated import SimulatedSource
 from shipid.foundation.errors import UsageError
+from shipid.prediction.following.wheel_over import TrackLeg
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.reading import read_trial
 
 
-def source_of(settings: BridgeSettings, pilot: Autopilot, origin: tuple[float, float] | None = None) -> SampleSource:
+def source_of(
+    settings: BridgeSettings,
+    pilot: Autopilot,
+    origin: tuple[float, float] | None = None,
+    begin: TrackLeg | None = None,
+) -> SampleSource:
     """Return the source of a bridge.
 
     Parameters
@@ -25,6 +31,8 @@ def source_of(settings: BridgeSettings, pilot: Autopilot, origin: tuple[float, f
         The autopilot, with the ship.
     origin : tuple of float, optional
         Latitude and longitude in rad of x = y = 0.
+    begin : TrackLeg, optional
+        Where a simulated ship begins; at the origin on course 000 by default.
 
     Raises
     ------
@@ -36,7 +44,15 @@ def source_of(settings: BridgeSettings, pilot: Autopilot, origin: tuple[float, f
         raise UsageError("--current and --wind belong to a simulation.")
     if kind == "simulate" and not rest:
         calm = (0.0, 0.0)
-        return SimulatedSource(pilot, seed=settings.seed, current=settings.current or calm, wind=settings.wind or calm)
+        leg = begin or TrackLeg(0.0, 0.0, 0.0)
+        return SimulatedSource(
+            pilot,
+            seed=settings.seed,
+            heading=leg.course,
+            place=(leg.x, leg.y),
+            current=settings.current or calm,
+            wind=settings.wind or calm,
+        )
     if kind == "replay" and rest:
         return ReplayedSource(read_trial(rest, format=settings.format))
     if kind == "signalk" and rest:
