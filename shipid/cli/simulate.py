@@ -206,7 +206,7 @@ def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, floa
     """
     import math
 
-    from shipid.declaration.units import to_si
+    from shipid.declaration.units import Typed, to_si
     from shipid.foundation.errors import UsageError
 
     if text is None:
@@ -216,6 +216,8 @@ def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, floa
         raise UsageError(
             f"the {what} '{text}' does not say where it flows: write '3 kn to 30 deg' or '10 m/s from 270 deg'."
         )
-    direction = to_si(match.group(3), "rad", f"direction of the {what}")
+    direction = to_si(Typed(match.group(3)), "rad", f"direction of the {what}")
     turned = math.pi if match.group(2) == "from" else 0.0
-    return to_si(match.group(1), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"), direction + turned
+    return to_si(
+        Typed(match.group(1)), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"
+    ), direction + turned
