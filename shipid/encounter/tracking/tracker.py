@@ -14,10 +14,10 @@ import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
 from shipid.encounter.plots.plots import Plots, Scan, Sensor
+from shipid.encounter.tracking.alpha_beta_filters import AlphaBetaFilters
 from shipid.encounter.tracking.association import joint_probabilities, nearest_assignment
 from shipid.encounter.tracking.clutter import ClutterMap
 from shipid.encounter.tracking.latency import Latency
-from shipid.encounter.tracking.motion import Motion
 from shipid.encounter.tracking.target_filters import TargetFilters
 
 #: Existence is never certain: a sure track could not be lost.
@@ -53,7 +53,7 @@ class TrackerSettings:
     association: Literal["joint", "nearest"] = "joint"
     gate: float = 13.8
     births: float = 0.8
-    survival: float = 60.0
+    survival: float = 120.0
     out_of_sight: float = 60.0
     confirmed: float = 0.999
     lost: float = 0.5
@@ -119,21 +119,20 @@ class Tracker:
 
     Attributes
     ----------
-    motion : Motion
-        How targets may move.
+    filters : TargetFilters or AlphaBetaFilters
+        The filters of no target yet; they say how targets may move.
     sensors : sequence of Sensor
         The sensors, by index.
     settings : TrackerSettings
         What decides on tracks.
     """
 
-    motion: Motion
+    filters: TargetFilters | AlphaBetaFilters
     sensors: tuple[Sensor, ...]
     settings: TrackerSettings = field(default_factory=TrackerSettings)
 
     def __post_init__(self) -> None:
         """Begin without a track."""
-        self.filters = TargetFilters.none(self.motion)
         self.existence = np.zeros(0)
         self.in_sight = np.zeros((0, len(self.sensors)))
         self.number = np.zeros(0, int)
@@ -173,8 +172,9 @@ class Tracker:
         own = np.broadcast_to(scan.own, scan.z.shape)
         R = sensor.covariance(scan.z, own)
         delay = scan.ago + self.latency[k].value
-        map_.cover(np.hypot(*(scan.z - own).T))
-        density = map_.density(scan.z, np.sqrt(0.5 * np.trace(R, axis1=1, axis2=2)))
+        width = np.sqrt(0.5 * np.trace(R, axis1=1, axis2=2))
+        map_.cover(scan.z, scan.own, width)
+        density = map_.density(scan.z, width)
         expected = self.filters.expect(scan.z, R, delay)
         chance = sensor.detection * self.in_sight[:, k]
         missed = 1 - self.existence * chance
@@ -207,7 +207,7 @@ class Tracker:
         self._select(keep)
         x, P = self.filters.combined()
         return Standing(
-            self._t, k, self.number.copy(), x, P, self.filters.mu.copy(), self.filters.turn_rates(),
+            self._t, k, self.number.copy(), x, P, self.filters.mode_shares.copy(), self.filters.turn_rates(),
             self.existence.copy(), self.confirmed.copy(), seen[keep],
         )  # fmt: skip
 
