@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from shipid.campaign.campaign import Measure
-from shipid.campaign.moments import RunMoments, Statistic, MeasureTally
+from shipid.campaign.moments import MeasureTally, RunMoments, Statistic
 
 
 def told(measure: Measure, rows: np.ndarray, size: int = 7) -> Statistic:
