@@ -17,5 +17,6 @@ COMMANDS = {
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
     "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
+    "campaign": ("shipid.cli.campaign:campaign", "Run a study many times, or identify each trial of a folder."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }

@@ -13,6 +13,8 @@ from shipid.foundation.replacing import check_place, write_text
 from shipid.report.page import Page
 
 if TYPE_CHECKING:
+    from shipid.campaign.fleet_result import FleetResult
+    from shipid.campaign.result import CampaignResult
     from shipid.criteria.criteria import Criteria
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
         | Judgement
         | TuningComparison
         | Prediction
+        | CampaignResult
+        | FleetResult
     )
 
 
@@ -43,7 +47,8 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison or Prediction
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
+            CampaignResult or FleetResult
         What to report.
     path : str or Path
         The file to write.
@@ -89,6 +94,8 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
 
 
 def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+    from shipid.campaign.fleet_result import FleetResult
+    from shipid.campaign.result import CampaignResult
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -127,5 +134,16 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.prediction.page import prediction_page
 
         return prediction_page(result)
-    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction"
+    if isinstance(result, CampaignResult):
+        from shipid.report.views.campaign.page import campaign_page
+
+        return campaign_page(result)
+    if isinstance(result, FleetResult):
+        from shipid.report.views.campaign.fleet import fleet_page
+
+        return fleet_page(result)
+    known = (
+        "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, "
+        "CampaignResult, FleetResult"
+    )
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
