@@ -232,7 +232,7 @@ def test_silence_is_stale_and_the_alarm_comes_again(scripted):
 def test_a_filter_that_diverges_is_an_alarm_and_begins_again(scripted, monkeypatch):
     from shipid.estimation.errors import FilterDivergedError
 
-    source, core = scripted
+    _, core = scripted
     sail(core, 30)
     online = core.own_ship._online  # noqa: SLF001 - there is no honest way to make this filter diverge
 

@@ -71,7 +71,7 @@ def voyage(source, core, seconds, change=lambda line: line):
 
 
 def test_every_sentence_is_heard(nmea):
-    source, core = nmea
+    source, _ = nmea
     for line in spoken(0.0):
         source.feed(line)
     values = source.take(0.4).values
