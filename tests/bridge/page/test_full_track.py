@@ -11,18 +11,20 @@ import time
 import pytest
 
 #: Simulated seconds a second: a track is 50 minutes.
-FACTOR = 100
+FACTOR = 64
 #: How far ahead a correction aims, in m.
 AIM = 1000.0
 #: Seconds to the wheel-over at which the turn is tried, at which the clock is slowed down, and at which the wheel goes over.
-BUSY, SOON, EARLY = 150.0, 50.0, 1.0
+BUSY, SOON, EARLY = 120.0, 40.0, 1.0
+#: The rate of turn in degrees a minute below which the ship is on her leg, and the seconds between two corrections.
+STEADY, LOOKS = 2.0, 40.0
 
 LOOK = """() => {
     const text = (selector) => document.querySelector(selector)?.textContent ?? "";
     const row = (name) => [...document.querySelectorAll(".voyage dt")].find((n) => n.textContent === name && !n.hidden)?.nextSibling.textContent ?? "";
     return {
         wheel: text("[aria-label='time and distance to the wheel-over'] .number"), off: text("[aria-label^='distance off'] .number"),
-        rate: text(".bar b"), next: row("Next heading"), experiment: text("#experiment"), executed: text(".executed b"),
+        rate: text(".bar .numbers b"), next: row("Next heading"), experiment: text("#experiment"), executed: text(".executed b"),
     };
 }"""
 
@@ -30,7 +32,7 @@ LOOK = """() => {
 @pytest.fixture
 def served():
     """The real bridge on track T1 with the track predictor, and its address."""
-    command = [sys.executable, "-m", "shipid", "bridge", "--scenario", "T1", "--condition", "C", "--port", "0", "--clock-factor", str(FACTOR)]
+    command = [sys.executable, "-m", "shipid", "bridge", "--scenario", "T1", "--condition", "C", "--port", "0"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as running:
         said = ""
         while not (found := re.search(r"http://127\.0\.0\.1:\d+/", said)):
@@ -47,10 +49,16 @@ def seconds(text: str) -> float:
     return math.inf if match is None else (-1 if match[1] else 1) * (60 * int(match[2]) + int(match[3]))
 
 
+def per_minute(text: str) -> float:
+    return float(text.removesuffix("°/min").removeprefix("P ").removeprefix("S "))
+
+
 def metres(text: str) -> float:
     """Distance off the track, positive to starboard."""
     match = re.fullmatch(r"([\d.]+) (m|nm)(?: ([PS]))?", text)
-    return 0.0 if match is None else float(match[1]) * (1852 if match[2] == "nm" else 1) * (-1 if match[3] == "P" else 1)
+    return (
+        0.0 if match is None else float(match[1]) * (1852 if match[2] == "nm" else 1) * (-1 if match[3] == "P" else 1)
+    )
 
 
 def steer(page, heading: float) -> None:
@@ -79,6 +87,8 @@ def test_a_navigator_sails_a_track_of_the_experiment(served, open_page):
     running, address = served
     page = open_page(address)
     page.get_by_role("button", name="Details").click()
+    page.wait_for_selector("#legend .executed:visible")  # the predictor is ready
+    choose(page, f"×{FACTOR}")
     base = float(re.search(r"heading ([\d.]+)", page.evaluate(LOOK)["executed"])[1])
     turns, state, ends, again = [], "leg", time.monotonic() + 150, 0.0
     while "finished" not in (seen := page.evaluate(LOOK))["experiment"]:
@@ -104,13 +114,14 @@ def test_a_navigator_sails_a_track_of_the_experiment(served, open_page):
             choose(page, f"×{FACTOR}")
             turns.append(base)
             state = "turn"
-        elif state == "turn" and wheel > BUSY:
+        elif state == "turn" and wheel > BUSY and abs(per_minute(seen["rate"])) < STEADY:
             state = "leg"
         elif state == "leg" and time.monotonic() > again:
-            again = time.monotonic() + 60 / FACTOR
+            again = time.monotonic() + LOOKS / FACTOR
             steer(page, base - math.degrees(math.atan(metres(seen["off"]) / AIM)))
             execute(page)
         page.wait_for_timeout(15)
+    page.close()
     running.terminate()
     said = running.stdout.read()
     assert "the whole track" in said

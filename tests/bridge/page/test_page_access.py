@@ -33,7 +33,9 @@ def test_folders_are_rooms():
 
 @pytest.mark.parametrize("palette", ["Day", "Dusk", "Night"])
 def test_no_fault_of_accessibility_is_found(bridge, open_page, palette):
-    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed").Axe()
+    axe = pytest.importorskip(
+        "axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed"
+    ).Axe()
     bridge.state["alarms"] = ALARMS
     page = open_page(bridge.address, reduced_motion="reduce")
     page.get_by_role("radio", name=palette).click()
@@ -53,7 +55,10 @@ def test_nothing_scrolls_and_nothing_is_cut_off(bridge, open_page, width, height
     page = open_page(bridge.address, width, height)
     page.wait_for_selector(".alarm")
     for _ in range(2):
-        assert page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]") == [width, height]
+        assert page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]") == [
+            width,
+            height,
+        ]
         plan = page.locator("#plan").bounding_box()
         assert plan["width"] >= 400 and plan["height"] >= 250
         for control in [".execute", "#settings [role=slider]", ".voyage", ".plan-keys"]:
@@ -90,9 +95,15 @@ def test_a_finger_hits_every_control(bridge, open_page):
 def test_every_control_is_reached_by_the_tabulator(bridge, open_page):
     page = open_page(bridge.address)
     page.get_by_role("button", name="Details").click()
-    wanted = page.evaluate("[...document.querySelectorAll('button, input, [tabindex=\"0\"]')].filter((n) => n.offsetParent !== null && !n.disabled && n.tabIndex >= 0).length")
-    page.evaluate("window.reached = new Set(); document.addEventListener('focusin', (e) => window.reached.add(e.target)); document.activeElement.blur()")
+    wanted = page.evaluate(
+        "[...document.querySelectorAll('button, input, [tabindex=\"0\"]')].filter((n) => n.offsetParent !== null && !n.disabled && n.tabIndex >= 0).length"
+    )
+    page.evaluate(
+        "window.reached = new Set(); document.addEventListener('focusin', (e) => window.reached.add(e.target)); document.activeElement.blur()"
+    )
     for _ in range(wanted + 6):
         page.keyboard.press("Tab")
-    got = page.evaluate("[...document.querySelectorAll('button, input')].filter((n) => n.offsetParent !== null && !n.disabled && n.tabIndex >= 0 && !window.reached.has(n)).map((n) => n.outerHTML)")
+    got = page.evaluate(
+        "[...document.querySelectorAll('button, input')].filter((n) => n.offsetParent !== null && !n.disabled && n.tabIndex >= 0 && !window.reached.has(n)).map((n) => n.outerHTML)"
+    )
     assert got == []

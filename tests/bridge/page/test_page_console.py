@@ -12,7 +12,11 @@ DEG = math.pi / 180
 def wait_for(bridge, page, name: str, **wanted) -> dict:
     """Wait until the server has got a command, and return the newest of its kind."""
     for _ in range(60):
-        found = [c for c in list(bridge.commands) if c["command"] == name and all(abs(c.get(k, math.inf) - v) < 1e-6 for k, v in wanted.items())]
+        found = [
+            c
+            for c in list(bridge.commands)
+            if c["command"] == name and all(abs(c.get(k, math.inf) - v) < 1e-6 for k, v in wanted.items())
+        ]
         if found:
             return found[-1]
         page.wait_for_timeout(50)

@@ -10,10 +10,18 @@ def alarm(number: int, kind: str, text: str, since: float = 250.0) -> dict:
 def test_alarms_come_gravest_first_and_are_acknowledged_one_by_one(bridge, open_page, until):
     page = open_page(bridge.address)
     assert "No alarms" in page.locator("#alarms").inner_text()
-    bridge.state["alarms"] = [alarm(1, "caution", "Current changed"), alarm(2, "warning", "Wheel-over in 60 s"), alarm(3, "alarm", "Heading lost")]
+    bridge.state["alarms"] = [
+        alarm(1, "caution", "Current changed"),
+        alarm(2, "warning", "Wheel-over in 60 s"),
+        alarm(3, "alarm", "Heading lost"),
+    ]
     page.wait_for_selector(".alarm")
     rows = page.locator(".alarm")
-    assert [rows.nth(i).locator(".words").inner_text() for i in range(3)] == ["Heading lost", "Wheel-over in 60 s", "Current changed"]
+    assert [rows.nth(i).locator(".words").inner_text() for i in range(3)] == [
+        "Heading lost",
+        "Wheel-over in 60 s",
+        "Current changed",
+    ]
     assert "alarm: Heading lost" in page.locator("#alarm-region").inner_text()
     assert page.title().startswith("(3)")
     assert rows.nth(0).evaluate("node => getComputedStyle(node).animationName") == "flash"
@@ -107,7 +115,15 @@ def test_source_and_experiment_are_named(bridge, open_page, until):
     assert page.locator("#source").inner_text() == "Soesterberg · simulator ×4"
     assert page.locator("#experiment").is_hidden()
     bridge.state["time"] = {**bridge.state["time"], "source": "replay", "state": "ended", "clock_factor": None}
-    bridge.state["experiment"] = {"scenario": "T1", "condition": "C", "leg": 6, "of": 6, "rms": 27.4, "done": True, "spread": 0.0033}
+    bridge.state["experiment"] = {
+        "scenario": "T1",
+        "condition": "C",
+        "leg": 6,
+        "of": 6,
+        "rms": 27.4,
+        "done": True,
+        "spread": 0.0033,
+    }
     page.wait_for_selector("#experiment:not([hidden])")
     assert page.locator("#source").inner_text() == "Soesterberg · replay · ended"
     assert page.locator("#experiment").inner_text() == "Track T1 · condition C · finished · RMS 27 m"

@@ -28,7 +28,10 @@ LINES = [
 
 def palettes() -> dict[str, dict[str, str]]:
     text = (STYLE / "palette.css").read_text(encoding="utf-8")
-    return {name: dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block)) for name, block in re.findall(r'data-palette="(\w+)"\] \{(.*?)\}', text, re.S)}
+    return {
+        name: dict(re.findall(r"--([\w-]+): (#[0-9a-f]{6});", block))
+        for name, block in re.findall(r'data-palette="(\w+)"\] \{(.*?)\}', text, re.S)
+    }
 
 
 def luminance(colour: str) -> float:
@@ -49,8 +52,12 @@ def test_the_measure_of_contrast():
 @pytest.mark.parametrize("name", PALETTES)
 def test_every_pair_has_the_contrast_it_needs(name):
     colours = palettes()[name]
-    weak = [(a, b, round(contrast(colours[a], colours[b]), 2)) for a, b in TEXT if contrast(colours[a], colours[b]) < 4.5]
-    weak += [(a, b, round(contrast(colours[a], colours[b]), 2)) for a, b in LINES if contrast(colours[a], colours[b]) < 3]
+    weak = [
+        (a, b, round(contrast(colours[a], colours[b]), 2)) for a, b in TEXT if contrast(colours[a], colours[b]) < 4.5
+    ]
+    weak += [
+        (a, b, round(contrast(colours[a], colours[b]), 2)) for a, b in LINES if contrast(colours[a], colours[b]) < 3
+    ]
     assert weak == []
 
 
@@ -58,7 +65,9 @@ def test_the_palettes_have_the_same_roles_and_every_role_is_used():
     roles = [set(colours) for colours in palettes().values()]
     assert len(roles) == 3 and roles[0] == roles[1] == roles[2]
     page = STYLE.parent
-    elsewhere = "".join(p.read_text(encoding="utf-8") for p in [*page.rglob("*.js"), *STYLE.glob("*.css")] if p.name != "palette.css")
+    elsewhere = "".join(
+        p.read_text(encoding="utf-8") for p in [*page.rglob("*.js"), *STYLE.glob("*.css")] if p.name != "palette.css"
+    )
     assert {role for role in roles[0] if f"var(--{role})" not in elsewhere and f'"{role}"' not in elsewhere} == set()
     used = set(re.findall(r"var\(--([\w-]+)\)", elsewhere)) - {"fill", "on-fill"}
     assert used <= roles[0]
@@ -78,14 +87,21 @@ def hue(colour: str) -> tuple[float, float]:
 
 @pytest.mark.parametrize("name", PALETTES)
 def test_only_port_and_alarms_are_red(name):
-    red = {role for role, colour in palettes()[name].items() if (hue(colour)[0] < 16 or hue(colour)[0] > 335) and hue(colour)[1] > 0.3}
+    red = {
+        role
+        for role, colour in palettes()[name].items()
+        if (hue(colour)[0] < 16 or hue(colour)[0] > 335) and hue(colour)[1] > 0.3
+    }
     assert red == {"port", "alarm"}
 
 
 def brightness(page) -> float:
     """Mean relative luminance of the page as it is seen."""
     image = matplotlib.image.imread(io.BytesIO(page.screenshot()), format="png")[..., :3]
-    return float(np.where(image <= 0.04045, image / 12.92, ((image + 0.055) / 1.055) ** 2.4).mean(axis=(0, 1)) @ [0.2126, 0.7152, 0.0722])
+    return float(
+        np.where(image <= 0.04045, image / 12.92, ((image + 0.055) / 1.055) ** 2.4).mean(axis=(0, 1))
+        @ [0.2126, 0.7152, 0.0722]
+    )
 
 
 def test_a_palette_is_chosen_remembered_and_night_is_a_tenth_of_dusk_or_day(bridge, open_page):

@@ -50,7 +50,12 @@ def test_time_ticks_stand_at_whole_times(bridge, open_page):
     ticks = run(page, "plan/tracks.js", "return m.ticksOf(a, 60);", track)
     assert [(t["t"], round(t["x"]), round(t["y"])) for t in ticks] == [(60, 500, 100), (120, 500, 700)]
     assert ticks[0]["slope"] == pytest.approx(90 * DEG)
-    steps = run(page, "plan/tracks.js", "return a.map(([seconds, length]) => m.tickStep(seconds, length));", [[480, 250], [480, 60], [480, 2000], [0, 10]])
+    steps = run(
+        page,
+        "plan/tracks.js",
+        "return a.map(([seconds, length]) => m.tickStep(seconds, length));",
+        [[480, 250], [480, 60], [480, 2000], [0, 10]],
+    )
     assert steps == [60, 300, 10, 1200]
 
 
@@ -104,7 +109,15 @@ def test_trial_and_executed_are_drawn_apart_and_the_conditions_withhold_them(bri
     assert coloured(page, "trial") > 100 and coloured(page, "executed") > 100
     without_vector = coloured(page, "own")
     for condition, tracks, vector in (("A", False, False), ("B", False, True), ("C", True, False), ("D", True, True)):
-        bridge.state["experiment"] = {"scenario": "T1", "condition": condition, "leg": 1, "of": 6, "rms": None, "done": False, "spread": None}
+        bridge.state["experiment"] = {
+            "scenario": "T1",
+            "condition": condition,
+            "leg": 1,
+            "of": 6,
+            "rms": None,
+            "done": False,
+            "spread": None,
+        }
         until(page, f"document.getElementById('experiment').textContent.includes('condition {condition}')")
         only(page, "Ground-speed vector")
         assert (coloured(page, "trial") > 0) == tracks, condition
@@ -123,10 +136,19 @@ def test_a_trial_that_is_executed_leaves_no_dashes(bridge, open_page, until):
 
 
 def test_every_marker_has_a_switch(bridge, open_page):
-    bridge.state["targets"] = [{"id": "1", "name": "Maasborg", "x": 3600.0, "y": -900.0, "course": 2.0, "speed": 5.0, "age": 2.0}]
+    bridge.state["targets"] = [
+        {"id": "1", "name": "Maasborg", "x": 3600.0, "y": -900.0, "course": 2.0, "speed": 5.0, "age": 2.0}
+    ]
     bridge.state["route"] = None
     page = open_page(bridge.address)
-    seen = {"Range rings and bearings": "ring", "Trial heading marker": "trial", "Past track": "past", "Other ships": "target", "Chart": "land", "Heading line": "own"}
+    seen = {
+        "Range rings and bearings": "ring",
+        "Trial heading marker": "trial",
+        "Past track": "past",
+        "Other ships": "target",
+        "Chart": "land",
+        "Heading line": "own",
+    }
     bridge.state["tracks"] = {"trial": None, "executed": None}
     page.wait_for_selector("#trial-mark", state="hidden")
     for marker, role in seen.items():
@@ -166,7 +188,11 @@ def test_the_variable_range_marker_by_press_and_by_numbers(bridge, open_page, un
     page.mouse.click(box["x"] + box["width"] / 2 + radius / 4, box["y"] + box["height"] / 2)
     # A press falls on a whole pixel, which is a degree at this distance.
     name, miles, unit, angle = page.locator("#vrm-note").inner_text().split()
-    assert (name, unit) == ("VRM", "nm") and float(miles) == pytest.approx(0.5, abs=0.011) and float(angle.rstrip("°")) == pytest.approx(90, abs=1.5)
+    assert (
+        (name, unit) == ("VRM", "nm")
+        and float(miles) == pytest.approx(0.5, abs=0.011)
+        and float(angle.rstrip("°")) == pytest.approx(90, abs=1.5)
+    )
     field = page.get_by_role("textbox", name="Bearing of the variable range marker")
     field.fill("225")
     field.press("Enter")
@@ -181,7 +207,9 @@ def test_the_variable_range_marker_by_press_and_by_numbers(bridge, open_page, un
 
 def test_a_dense_screen_is_drawn_densely(bridge, open_page):
     page = open_page(bridge.address, device_scale_factor=2)
-    assert page.evaluate("(c => [c.width / c.clientWidth, c.height / c.clientHeight])(document.getElementById('plan'))") == pytest.approx([2, 2], abs=0.01)
+    assert page.evaluate(
+        "(c => [c.width / c.clientWidth, c.height / c.clientHeight])(document.getElementById('plan'))"
+    ) == pytest.approx([2, 2], abs=0.01)
 
 
 def test_a_prediction_that_cannot_be_trusted_says_so(bridge, open_page):

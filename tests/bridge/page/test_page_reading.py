@@ -66,7 +66,9 @@ def test_the_readouts_show_the_ship(bridge, open_page, until):
     assert "P 2.1°" in bars and "order P 3.0°" in bars
     assert "not for navigation" in page.locator(".caveat").inner_text().lower()
     voyage = page.locator("#voyage").inner_text()
-    assert "2.4 ± 0.2 kn to 225.0°" in voyage and "7.0 m/s from 315.0°" in voyage and "voyage.csv, 1 355 samples" in voyage
+    assert (
+        "2.4 ± 0.2 kn to 225.0°" in voyage and "7.0 m/s from 315.0°" in voyage and "voyage.csv, 1 355 samples" in voyage
+    )
 
 
 def test_a_value_of_a_lost_sensor_is_struck_with_its_age_and_an_estimated_one_is_marked(bridge, open_page, until):
@@ -122,7 +124,9 @@ def test_missing_numbers_inside_a_track_break_nothing(bridge, open_page, until):
     track["half_width"][3] = None
     bridge.state["tracks"]["executed"]["half_width"] = None
     bridge.state["route"].update(off_track=None, overshoot=None, wheel_over=None)
-    bridge.state["targets"] = [{"id": "1", "name": None, "x": None, "y": 2.0, "course": None, "speed": None, "age": None}]
+    bridge.state["targets"] = [
+        {"id": "1", "name": None, "x": None, "y": 2.0, "course": None, "speed": None, "age": None}
+    ]
     bridge.state["own"]["psi"] = None
     until(page, "document.querySelector('.readout .number').textContent === '–––.–'")
     assert page.get_by_role("radio", name="Heading").is_enabled()
