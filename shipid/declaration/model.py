@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -109,37 +110,37 @@ class Model:
     def _names(self, *kinds: Kind) -> tuple[str, ...]:
         return tuple(n for n, e in self.entries.items() if e.quantity.kind in kinds and n != SAMPLING_INTERVAL)
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states, in order."""
         return self._names("state")
 
-    @property
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs, which no component states: rudder, speed, current, ..."""
         return self._names("given")
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """Names of what identification may estimate."""
         return self._names("parameter")
 
-    @property
+    @cached_property
     def constants(self) -> tuple[str, ...]:
         """Names of the particulars of the ship."""
         return self._names("constant")
 
-    @property
+    @cached_property
     def derived(self) -> tuple[str, ...]:
         """Names of the quantities that follow from the others."""
         return self._names("derived")
 
-    @property
+    @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the sensor outputs."""
         return self._names("output")
 
-    @property
+    @cached_property
     def guards(self) -> tuple[str, ...]:
         """Names of the margins that are not negative while the model is valid."""
         return self._names("guard")
