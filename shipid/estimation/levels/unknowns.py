@@ -46,6 +46,8 @@ class Unknowns:
         What it was made of.
     record : Trial or mapping of str to ndarray
         What is filtered.
+    kept : collection of str
+        ``bias:INPUT`` that is none.
 
     Attributes
     ----------
@@ -61,7 +63,9 @@ class Unknowns:
         What the filter has, and the standard deviations of the prior about it.
     """
 
-    def __init__(self, design: FilterDesign, settings: FilterSettings, record: FilterRecord) -> None:
+    def __init__(
+        self, design: FilterDesign, settings: FilterSettings, record: FilterRecord, kept: Collection[str] = ()
+    ) -> None:
         self.design = design
         driven = {s.name for s in design.sources}
         walking = [n for n, state in design.parameters.items() if state in driven]
@@ -78,7 +82,7 @@ class Unknowns:
         self._origin = np.array([first[n][0] for n in self.still])
         own = np.array([design.first.deviations.get(n, first[n][1]) for n in self.still])
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
-        sizes = _biases(self._fixed, settings, columns)
+        sizes = {n: s for n, s in _biases(self._fixed, settings, columns).items() if f"bias:{n}" not in kept}
         self._moved = _moved(design, record, columns)
         self.biases, self._bias_size = tuple(sizes), np.array(list(sizes.values()))
         positive = np.where(self._logs, np.abs(self._origin), 1.0)
