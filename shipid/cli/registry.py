@@ -17,5 +17,6 @@ COMMANDS = {
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
     "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
+    "track": ("shipid.cli.track:track", "Track other ships from the plots of radar, lidar or AIS."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }

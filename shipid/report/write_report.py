@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
+    from shipid.encounter.tracking.tracking import Tracking
     from shipid.prediction.prediction import Prediction
 
     Reported: TypeAlias = (
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         | Judgement
         | TuningComparison
         | Prediction
+        | Tracking
     )
 
 
@@ -43,7 +45,7 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison or Prediction
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction or Tracking
         What to report.
     path : str or Path
         The file to write.
@@ -89,6 +91,7 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
 
 
 def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+    from shipid.encounter.tracking.tracking import Tracking
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -127,5 +130,9 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.prediction.page import prediction_page
 
         return prediction_page(result)
-    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction"
+    if isinstance(result, Tracking):
+        from shipid.report.views.tracking.page import tracking_page
+
+        return tracking_page(result)
+    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, Tracking"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -71,6 +71,7 @@ def read_detections(
     own: str | Path | None = None,
     truth: str | Path | None = None,
     sensors: Sequence[Sensor] = (),
+    sensor_values: Mapping[str, float] | None = None,
 ) -> Detections:
     """Read the plots of a log, with own ship and the truth where they are given.
 
@@ -87,6 +88,9 @@ def read_detections(
         The true tracks: a table with ``t``, a position and a column ``ship``, or a file that the format describes.
     sensors : sequence of Sensor, optional
         Instead of what the file says of its sensors.
+    sensor_values : mapping of str to float, optional
+        What else is known of every sensor, by the attributes of `Sensor`, SI; an accuracy of positions replaces those of range
+        and bearing.
 
     Returns
     -------
@@ -115,6 +119,9 @@ def read_detections(
     relative = ship is None and "range" in raw.columns
     x, y, here, frame = _placed(raw, origin, ship)
     known = sensors or (fmt.sensors if fmt else ()) or raw.sensors or (Sensor(),)
+    if sensor_values:
+        polar = {"range_std": None, "bearing_std": None} if "position_std" in sensor_values else {}
+        known = tuple(replace(s, **polar, **sensor_values) for s in known)
     plots = make_plots(
         raw.t - begin, x, y, own=here, sensor=raw.sensor, sensors=known, looks=raw.looks - begin,
         looks_sensor=raw.looks_sensor, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),

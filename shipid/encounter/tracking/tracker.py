@@ -54,15 +54,15 @@ class TrackerSettings:
 
     association: Literal["joint", "nearest"] = "joint"
     gate: float = 13.8
-    births: float = 0.8
-    survival: float = 120.0
+    births: float = 1.2
+    survival: float = 60.0
     out_of_sight: float = 60.0
     confirmed: float = 0.999
     lost: float = 0.5
     forgotten: float = 0.002
-    patience: float = 30.0
-    plots_to_confirm: int = 4
-    speed: float = 3.0
+    patience: float = 45.0
+    plots_to_confirm: int = 3
+    speed: float = 3.5
     same: float = 2.0
 
     def __post_init__(self) -> None:
