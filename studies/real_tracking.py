@@ -24,9 +24,9 @@ from _table import Row, show
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.read_plots import Detections, read_detections
 from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.filters.trackers import NAMES
 from shipid.encounter.tracking.scoring import HORIZONS
 from shipid.encounter.tracking.track import track
-from shipid.encounter.tracking.trackers import NAMES
 from shipid.encounter.tracking.tracking import Tracking
 
 FORMATS = Path(__file__).parent / "formats"
@@ -142,7 +142,9 @@ def on_the_ferry(name: str, logs: list[Detections]) -> list[Row]:
     for ahead, asked, ratio in zip(HORIZONS, RATIOS, mean):
         what = f"{name}: error over the base's, {f'{ahead:.0f} s ahead' if ahead else 'now'}"
         rows.append(Row(what, f"{asked:g} or less", f"{ratio:.2f}", bool(ratio <= asked)))
-    rows.append(Row(f"{name}: NEES of the position", f"{NEES[0]:g} to {NEES[1]:g}", f"{nees:.2f}", NEES[0] <= nees <= NEES[1]))
+    rows.append(
+        Row(f"{name}: NEES of the position", f"{NEES[0]:g} to {NEES[1]:g}", f"{nees:.2f}", NEES[0] <= nees <= NEES[1])
+    )
     rate = tally.false / tally.minutes
     rows.append(Row(f"{name}: moving tracks without a ship", f"{FALSE:g} a minute", f"{rate:.2f}", rate <= FALSE))
     return rows
@@ -160,12 +162,26 @@ def in_the_solent(name: str, folder: Path) -> list[Row]:
             if ship.name not in SEEN or not ship.visible:
                 continue
             held, error = ship.held or 0.0, ship.rmse[0] or math.inf
-            rows.append(Row(f"{name}, {run}, {ship.name}: held", f"{100 * HELD_SEEN:.0f} %", f"{100 * held:.1f} %", held >= HELD_SEEN))
+            rows.append(
+                Row(
+                    f"{name}, {run}, {ship.name}: held",
+                    f"{100 * HELD_SEEN:.0f} %",
+                    f"{100 * held:.1f} %",
+                    held >= HELD_SEEN,
+                )
+            )
             rows.append(
                 Row(f"{name}, {run}, {ship.name}: error", f"{ERROR_SEEN[1]:g} m or less", f"{error:.0f} m, NEES {ship.nees or 0:.0f}", error <= ERROR_SEEN[1])
             )  # fmt: skip
         rate = found.score.false_rate or 0.0
-        rows.append(Row(f"{name}, {run}: moving tracks without a ship", f"{FALSE_SEEN:g} a minute", f"{rate:.1f}", rate <= FALSE_SEEN))
+        rows.append(
+            Row(
+                f"{name}, {run}: moving tracks without a ship",
+                f"{FALSE_SEEN:g} a minute",
+                f"{rate:.1f}",
+                rate <= FALSE_SEEN,
+            )
+        )
     return rows
 
 

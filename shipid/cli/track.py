@@ -10,7 +10,7 @@ from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 _TRACKS = "tracks.csv"
-#: As `shipid.encounter.tracking.trackers.NAMES`, which is numeric to import.
+#: As `shipid.encounter.tracking.filters.trackers.NAMES`, which is numeric to import.
 _TRACKERS = ("imm", "cv", "fs-aimm", "vs-aimm", "agimm", "alpha-beta")
 
 
@@ -20,9 +20,13 @@ _TRACKERS = ("imm", "cv", "fs-aimm", "vs-aimm", "agimm", "alpha-beta")
     "--tracker", type=click.Choice(_TRACKERS), default="imm", show_default=True, help="How targets are taken to move."
 )
 @ship_option()
-@click.option("--truth", metavar="FILE", help="True tracks: t, x, y (or lat, lon) and ship. The tracks are then judged.")
+@click.option(
+    "--truth", metavar="FILE", help="True tracks: t, x, y (or lat, lon) and ship. The tracks are then judged."
+)
 @click.option("--own", metavar="FILE", help="Own ship's path, a trial: for plots that count from her, and for CPA.")
-@click.option("--format", "format_", metavar="FILE", help="Format file of the plots: columns or JSON keys, sensors, truth.")
+@click.option(
+    "--format", "format_", metavar="FILE", help="Format file of the plots: columns or JSON keys, sensors, truth."
+)
 @click.option("--position-std", type=NumberWithUnit("m"), help="Standard deviation of a plot along each axis.")
 @click.option("--latency", type=NumberWithUnit("s"), help="How old a plot is at its time stamp; none by default.")
 @click.option("--scan", type=NumberWithUnit("s"), help="Time of a scan, where plots come one by one; found by default.")

@@ -14,11 +14,11 @@ from shipid.report.page import Page
 
 if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
+    from shipid.encounter.tracking.tracking import Tracking
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
-    from shipid.encounter.tracking.tracking import Tracking
     from shipid.prediction.prediction import Prediction
 
     Reported: TypeAlias = (

@@ -17,10 +17,11 @@ from shipid.encounter.plots.raw_plots import RawPlots
 from shipid.encounter.plots.sentences import holds_plots, plots_of_sentences
 from shipid.encounter.plots.ship_path import ShipPath, path_of
 from shipid.encounter.plots.structs import truth_of_structs
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.foundation.notices import Notice
 from shipid.trials import columns as spelling
-from shipid.trials.errors import EmptyFileError, UnknownColumnError
+from shipid.trials.errors import ClockError, EmptyFileError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
@@ -36,7 +37,12 @@ _NAMES = {
     "x": ("x", "north", "n"),
     "y": ("y", "east", "e"),
 }
-_OWN = {"own_x": ("own_x", "own_north"), "own_y": ("own_y", "own_east"), "own_lat": ("own_lat",), "own_lon": ("own_lon",)}
+_OWN = {
+    "own_x": ("own_x", "own_north"),
+    "own_y": ("own_y", "own_east"),
+    "own_lat": ("own_lat",),
+    "own_lon": ("own_lon",),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +112,8 @@ def read_detections(
         If a table lacks a column.
     FormatFileError
         If the format file does not fit.
+    EncounterRequestError
+        If own ship's path and the plots have no time in common.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
@@ -120,8 +128,10 @@ def read_detections(
     x, y, here, frame = _placed(raw, origin, ship)
     known = sensors or (fmt.sensors if fmt else ()) or raw.sensors or (Sensor(),)
     if sensor_values:
-        polar = {"range_std": None, "bearing_std": None} if "position_std" in sensor_values else {}
-        known = tuple(replace(s, **polar, **sensor_values) for s in known)
+        values: dict[str, Plain] = dict(sensor_values)
+        if "position_std" in values:
+            values |= {"range_std": None, "bearing_std": None}
+        known = tuple(replace(s, **values) for s in known)
     plots = make_plots(
         raw.t - begin, x, y, own=here, sensor=raw.sensor, sensors=known, looks=raw.looks - begin,
         looks_sensor=raw.looks_sensor, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),
@@ -178,16 +188,23 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     if fmt is not None and len(fmt.sensors) > 1:
         if "sensor" not in columns:
             raise failed(fmt, f"{record.where} has no column 'sensor' that tells its {len(fmt.sensors)} sensors apart.")
-        sensor = np.array([fmt.values.get(v, fmt.values.get(int(v)) if np.isfinite(v) else None) or 0 for v in columns["sensor"]])
+        # 2.0 and 2 are one key; a plot of a sensor that the format does not name is left out, as one without a time.
+        sensor = np.array([fmt.values.get(v, -1) for v in columns["sensor"]], int)
+        t = np.where(sensor >= 0, t, np.nan)
     return RawPlots(t, found, sensor, notes=record.notes if fmt is None else ())
 
 
 def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times that count from where the log's clock does, and the columns, SI."""
     for fault in record.faults:
-        # What a trial may not have, such as a time that stands still, plots may; what cannot be read they may not.
-        if type(fault).__name__ != "ClockError":
+        # A trial may not have a time that stands still, nor a column without a unit; plots may, where it is not theirs.
+        if not isinstance(fault, (ClockError, NoUnitError)):
             raise fault
+    pair = pair_of(record.values) or ()
+    known = {"t", *pair, *(n for names in (_NAMES | _OWN).values() for n in names)}
+    bare = next((n for n in record.values if n not in record.stated and (n in pair or n.lower() in known)), None)
+    if bare is not None:
+        raise spelling.no_unit(bare, f"{record.where}, ")
     values = {
         name: column * spelling.to_inside(name, record.stated[name], f"{record.where}: ")
         for name, column in record.values.items()
@@ -284,7 +301,9 @@ def _own_paths(own: str | Path | None, fmt: PlotFormat | None, origin: tuple[flo
         return path_of("own ship", t, *to_local(columns[pair[0]], columns[pair[1]], origin))
     if "x" in columns and "y" in columns:
         return path_of("own ship", t, columns["x"], columns["y"])
-    raise UnknownColumnError(f"'{own}' holds no positions of own ship: it needs x and y, or lat and lon, with their units.")
+    raise UnknownColumnError(
+        f"'{own}' holds no positions of own ship: it needs x and y, or lat and lon, with their units."
+    )
 
 
 def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> tuple[ShipPath, ...]:
@@ -298,7 +317,9 @@ def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | Non
     table = read_table(file)
     record = record_of(table, None)
     t, columns = _columns(record)
-    labels = next((c for h, c in zip(table.headers, table.columns) if h.lower() in ("ship", "target", "name", "id")), None)
+    labels = next(
+        (c for h, c in zip(table.headers, table.columns) if h.lower() in ("ship", "target", "name", "id")), None
+    )
     names = np.array(["truth"] * t.size) if labels is None else labels.astype(str).to_numpy()
     pair = pair_of(columns)
     if "x" in columns and "y" in columns:
@@ -306,6 +327,8 @@ def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | Non
     elif pair is not None and origin is not None:
         x, y = to_local(columns[pair[0]], columns[pair[1]], origin)
     else:
-        raise UnknownColumnError(f"'{file}' holds no true positions: it needs x and y, or lat and lon, with their units.")
+        raise UnknownColumnError(
+            f"'{file}' holds no true positions: it needs x and y, or lat and lon, with their units."
+        )
     paths = [path_of(str(n), t[names == n], x[names == n], y[names == n]) for n in np.unique(names)]
     return tuple(p for p in paths if p is not None)

@@ -12,6 +12,7 @@ import numpy as np
 
 from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError
 from shipid.trials.errors import EmptyFileError, NonFiniteError
 from shipid.trials.logs.nmea.opening import encoding_of
@@ -94,9 +95,7 @@ def plots_of_sentences(file: Path) -> RawPlots:
     else:
         columns = {"lat": np.array(found.lat), "lon": np.array(found.lon)}
     if len(own):
-        columns |= {
-            name: np.interp(t, own[:, 0], own[:, k]) for k, name in ((1, "own_lat"), (2, "own_lon"))
-        }
+        columns |= {name: np.interp(t, own[:, 0], own[:, k]) for k, name in ((1, "own_lat"), (2, "own_lon"))}
     label = np.array(found.label)
     period = _repeated(t, label)
     kept = _thinned(t, label, period)
@@ -195,7 +194,7 @@ def _take_ais(
             return
         del parts[key]
     try:
-        message = pyais.decode(*whole)
+        message: Plain = pyais.decode(*whole)
     except AISBaseException:
         found.left_out += 1
         return

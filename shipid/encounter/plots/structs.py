@@ -47,7 +47,9 @@ def truth_of_structs(file: Path, format_: PlotFormat) -> dict[str, np.ndarray]:
         place = _numbers(ship, position)
         if t is None or place is None or place.size != 2 * t.size:
             continue
-        place = place.reshape(t.size, 2) * factor(keys.unit, "m") if keys.position else place.reshape(t.size, 2)[:, ::-1]
+        place = (
+            place.reshape(t.size, 2) * factor(keys.unit, "m") if keys.position else place.reshape(t.size, 2)[:, ::-1]
+        )
         place = place if keys.position else np.deg2rad(place)
         name = _text(ship, keys.name) or f"ship {number}"
         # Two ships of one name are two.

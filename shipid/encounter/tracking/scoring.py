@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.encounter.plots.plots import Plots
+from shipid.encounter.plots.plots import Plots, Scan
 from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import plain
-
-if TYPE_CHECKING:
-    from shipid.encounter.tracking.tracking import Track
 
 #: A track is a ship's within so many standard deviations of a plot; no ship within this distance, and it is a false one.
 _NEAR, _FAR = 5.0, 250.0
@@ -86,9 +83,7 @@ class Score:
                     "name": s.name,
                     "visible_scans": s.visible,
                     "held": s.held,
-                    "rmse": [
-                        {"ahead": h, "value": v, "unit": "m"} for h, v in zip(HORIZONS, s.rmse) if v is not None
-                    ],
+                    "rmse": [{"ahead": h, "value": v, "unit": "m"} for h, v in zip(HORIZONS, s.rmse) if v is not None],
                     "nees": s.nees,
                     "tracks": s.tracks,
                 }
@@ -111,19 +106,25 @@ class Score:
             errors = ", ".join("none" if e is None else f"{e:.1f} m" for e in s.rmse)
             nees = "" if s.nees is None else f", NEES {s.nees:.1f}"
             ahead = "/".join(f"{h:.0f}" for h in HORIZONS)
-            lines.append(f"{s.name}: held {100 * s.held:.0f} % of {s.visible} scans, RMSE {ahead} s ahead {errors}{nees}")
+            lines.append(
+                f"{s.name}: held {100 * s.held:.0f} % of {s.visible} scans, RMSE {ahead} s ahead {errors}{nees}"
+            )
         never = sum(s.held is None for s in self.ships)
         return "\n".join(lines + ([f"{never} ships of the truth were never visible to the sensor"] if never else []))
 
 
 def score_tracks(
-    tracks: Sequence[Track], plots: Plots, truth: Sequence[ShipPath], own: ShipPath | None = None, near: float | None = None
+    tracks: Sequence[TargetTrack],
+    plots: Plots,
+    truth: Sequence[ShipPath],
+    own: ShipPath | None = None,
+    near: float | None = None,
 ) -> Score:
     """Compare tracks with the truth, at the scans of the sensor that reaches farthest.
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of TargetTrack
         The tracks.
     plots : Plots
         What they were made from.
@@ -143,7 +144,10 @@ def score_tracks(
     sensor = plots.sensors[judge]
     limit = near
     if limit is None:
-        spreads = [np.sqrt(np.trace(sensor.covariance(s.z, np.broadcast_to(s.own, s.z.shape)), axis1=1, axis2=2) / 2) for s in scans]
+        spreads = [
+            np.sqrt(np.trace(sensor.covariance(s.z, np.broadcast_to(s.own, s.z.shape)), axis1=1, axis2=2) / 2)
+            for s in scans
+        ]
         typical = np.concatenate(spreads) if spreads else np.zeros(0)
         limit = max(_NEAR * float(np.median(typical)) if typical.size else 0.0, 20.0)
     times = np.array([s.t for s in scans])
@@ -178,12 +182,10 @@ def judging_sensor(plots: Plots) -> int:
 
 def _ship_near(state: np.ndarray, t: float, ships: Sequence[ShipPath]) -> bool:
     """Whether a ship was near; one whose path has begun or ended a little before is still there."""
-    return any(
-        np.hypot(*(state[:2] - path.at(t))) < _FAR for path in ships if path.t[0] - 10 <= t <= path.t[-1] + 10
-    )
+    return any(np.hypot(*(state[:2] - path.at(t))) < _FAR for path in ships if path.t[0] - 10 <= t <= path.t[-1] + 10)
 
 
-def _estimates(tracks: Sequence[Track], t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _estimates(tracks: Sequence[TargetTrack], t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Numbers, states and covariances of the tracks that are held after the scan of a time."""
     found = []
     for track in tracks:
@@ -197,16 +199,20 @@ def _estimates(tracks: Sequence[Track], t: float) -> tuple[np.ndarray, np.ndarra
 
 
 def _score_ship(
-    path: ShipPath, scans: Sequence[object], times: np.ndarray, estimates: Sequence[tuple[np.ndarray, ...]], limit: float
+    path: ShipPath,
+    scans: Sequence[Scan],
+    times: np.ndarray,
+    estimates: Sequence[tuple[np.ndarray, ...]],
+    limit: float,
 ) -> ShipScore:
     inside = path.covers(times)
-    detected = np.array([len(s.z) > 0 and np.hypot(*(s.z - path.at(s.t)).T).min() < limit for s in scans]) & inside  # type: ignore[attr-defined]
+    detected = np.array([len(s.z) > 0 and np.hypot(*(s.z - path.at(s.t)).T).min() < limit for s in scans]) & inside
     visible = np.convolve(detected.astype(float), np.ones(3), "same") >= 2
     visible = visible & inside
     held = np.zeros(times.size, bool)
     squares: list[list[float]] = [[] for _ in HORIZONS]
     nees, numbers = [], []
-    for k in np.flatnonzero(inside):
+    for k in np.flatnonzero(inside).tolist():
         number, x, P = estimates[k]
         if not len(number):
             continue

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from markupsafe import Markup
 
-from shipid.encounter.tracking.tracking import Track, Tracking
+from shipid.encounter.tracking.target_track import TargetTrack
+from shipid.encounter.tracking.tracking import Tracking
 from shipid.report.figures.svg import MUTED, WIDTH, legend, svg
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Panels
     from matplotlib.figure import Figure
 
 #: Colours of tracks that are held and lost, and of own ship.
@@ -36,7 +38,7 @@ def targets_figure(found: Tracking, key: str) -> Markup:
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
-        ax.plot(plots[:, 1], plots[:, 0], ".", color=MUTED, markersize=1.2, alpha=0.5, label="plots")
+        ax.plot(plots[:, 1], plots[:, 0], ".", color=MUTED, markersize=1.2, alpha=0.5)
         for path in found.truth:
             first, last = found.plots.span
             within = (path.t >= first) & (path.t <= last)
@@ -56,14 +58,14 @@ def targets_figure(found: Tracking, key: str) -> Markup:
     return svg(draw, (WIDTH, 5.0), key, "Tracks, north up")
 
 
-def _draw_track(ax: object, one: Track) -> None:
+def _draw_track(ax: Panels, one: TargetTrack) -> None:
     for held, colour, label in ((one.held, _HELD, "track"), (~one.held, _LOST, "lost")):
         if held.any():
             x = np.where(held[:, None], one.x[:, :2], np.nan)
-            ax.plot(x[:, 1], x[:, 0], color=colour, linewidth=1.3, label=label)  # type: ignore[attr-defined]
+            ax.plot(x[:, 1], x[:, 0], color=colour, linewidth=1.3, label=label)
     if one.status != "held":
         return
     end = one.x[-1]
     ahead = end[:2] + _VECTOR * end[2:]
-    ax.plot([end[1], ahead[1]], [end[0], ahead[0]], color=_HELD, linewidth=0.8, label="in a minute")  # type: ignore[attr-defined]
-    ax.annotate(str(one.number), (end[1], end[0]), fontsize=8, xytext=(3, 3), textcoords="offset points")  # type: ignore[attr-defined]
+    ax.plot([end[1], ahead[1]], [end[0], ahead[0]], color=_HELD, linewidth=0.8)
+    ax.annotate(str(one.number), (end[1], end[0]), fontsize=8, xytext=(3, 3), textcoords="offset points")

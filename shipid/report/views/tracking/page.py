@@ -8,7 +8,8 @@ from markupsafe import Markup
 import shipid
 from shipid.declaration.vocabulary import to_display
 from shipid.encounter.tracking.scoring import HORIZONS, Score
-from shipid.encounter.tracking.tracking import Track, Tracking
+from shipid.encounter.tracking.target_track import TargetTrack
+from shipid.encounter.tracking.tracking import Tracking
 from shipid.foundation.numbers import fixed
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.targets import targets_figure
@@ -25,7 +26,7 @@ _JUDGED = [
     *((f"Error {h:.0f} s ahead [m]" if h else "Error now [m]", f"e{k}", "n") for k, h in enumerate(HORIZONS)), ("NEES", "nees", "n"),
 ]  # fmt: skip
 #: Tracks whose speeds are drawn: the ones that were held longest.
-_MOST = 6
+_MOST = 4
 
 
 def tracking_page(found: Tracking) -> Page:
@@ -57,7 +58,7 @@ def tracking_page(found: Tracking) -> Page:
                 "figure": targets_figure(found, "plan"),
                 "caption": f"The tracks, in metres from {found.plots.frame}"
                 + (", relative to own ship" if found.relative else "")
-                + "; the line ahead of each is a minute long.",
+                + "; dots are plots, and the line ahead of each track is a minute long.",
             },
         ),
         Section("Targets", "tracking/targets.html", {"columns": _TARGETS, "rows": [_row(o) for o in found.tracks]}),
@@ -65,10 +66,8 @@ def tracking_page(found: Tracking) -> Page:
     longest = sorted(found.tracks, key=lambda o: -int(o.held.sum()))[:_MOST]
     if longest:
         shown = sorted(longest, key=lambda o: o.number)
-        caption = "Speed and course of the tracks that were held longest, and for the first of them the mode probabilities."
-        sections.append(
-            Section("Motion", "tracking/motion.html", {"figure": _motion(found, shown, longest[0]), "caption": caption})
-        )
+        view = {"figure": _motion(shown), "modes": _modes(found, longest[0])}
+        sections.append(Section("Motion", "tracking/motion.html", view))
     if found.score is not None:
         sections.append(Section("Beside the truth", "tracking/judged.html", _judged(found.score)))
     return Page(
@@ -81,11 +80,11 @@ def tracking_page(found: Tracking) -> Page:
     )
 
 
-def _nearest(one: Track) -> float:
+def _nearest(one: TargetTrack) -> float:
     return one.approach.nearest if one.approach is not None else np.inf
 
 
-def _row(one: Track) -> Row:
+def _row(one: TargetTrack) -> Row:
     near = one.approach
     steady = near is not None and not np.isfinite(near.tcpa)
     return {
@@ -103,7 +102,7 @@ def _row(one: Track) -> Row:
     }
 
 
-def _motion(found: Tracking, shown: list[Track], first: Track) -> Markup:
+def _motion(shown: list[TargetTrack]) -> Markup:
     def lines(values: list[np.ndarray]) -> list[Line]:
         return [Line(f"track {o.number}", o.t, v, colour=k) for k, (o, v) in enumerate(zip(shown, values))]
 
@@ -111,10 +110,17 @@ def _motion(found: Tracking, shown: list[Track], first: Track) -> Markup:
         Axes("Speed over ground", "m/s", lines([o.speed for o in shown])),
         Axes("Course over ground", "deg", lines([np.rad2deg(np.unwrap(o.course)) for o in shown])),
     ]
-    if len(found.modes) > 1:
-        modes = [Line(label, first.t, first.mu[:, k], "dashed", colour=k) for k, label in enumerate(found.modes[:6])]
-        panels.append(Axes(f"Mode probabilities of track {first.number}", "1", modes))
-    return chart(panels, "Time since the first plot [s]", "motion", "Speed, course and mode probabilities")
+    return chart(panels, "Time since the first plot [s]", "motion", "Speed and course")
+
+
+def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
+    """The modes that are most probable on the whole; None where there is one only."""
+    if len(found.modes) < 2:
+        return None
+    most = sorted(np.argsort(-one.mu.mean(axis=0))[:_MOST])
+    lines = [Line(found.modes[k], one.t, one.mu[:, k], colour=i) for i, k in enumerate(most)]
+    axes = [Axes(f"Mode probability of track {one.number}", "1", lines)]
+    return chart(axes, "Time since the first plot [s]", "modes", "Mode probabilities")
 
 
 def _judged(score: Score) -> dict[str, object]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from dataclasses import dataclass
 
 import casadi as ca
@@ -82,7 +83,7 @@ class Motion:
         if self.structure == "fixed":
             return
         bounds = sorted((m.low, m.high, m.label) for m in self.modes)
-        for (_, high, one), (low, _, other) in zip(bounds, bounds[1:]):
+        for (_, high, one), (low, _, other) in itertools.pairwise(bounds):
             if high > low:
                 raise EncounterRequestError(
                     f"the bounds of the modes '{one}' and '{other}' overlap: a turn would belong to both."
@@ -123,9 +124,7 @@ class Motion:
             found = found @ step
         return found
 
-    def predict(
-        self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def predict(self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
         """Predict many targets over an interval, each in each mode.
 
         Parameters
@@ -183,7 +182,15 @@ def _generated(model: Model) -> Loop:
     ahead, spread = ca.substitute(
         [equations.advanced, covariance_form.predicted(equations, reordered)],
         [equations.joint, equations.u0, equations.u1, equations.T, equations.p, equations.levels, equations.scale],
-        [own, row[-3], row[-3], row[-1], ca.SX(equations.p.shape[0], 1), ca.vertcat(row[-2], row[-2]), ca.SX.ones(2, 1)],
+        [
+            own,
+            row[-3],
+            row[-3],
+            row[-1],
+            ca.SX(equations.p.shape[0], 1),
+            ca.vertcat(row[-2], row[-2]),
+            ca.SX.ones(2, 1),
+        ],
     )
     out = ca.vertcat(ahead[order], covariance_form.pack(spread[order, order]))
     memory = ca.SX.sym("memory", 1)
