@@ -281,17 +281,19 @@ _UNLIKELY, _LIKELY = 0.05, 0.92
 def _grid(turn: np.ndarray, mu: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The next grid of three modes left, centre, right (Semerdjiev, Mihaylova and Li, 2000, adaptive grid).
 
-    The centre is the mean turn. An unlikely side comes half as close, a likely one goes twice as far, within the bounds.
+    The centre is the mean turn. While the centre is the most likely, an unlikely side comes half as close; a side that is nearly
+    sure goes twice as far. Neighbours stay between half the sharpest turn and the whole of it apart.
     """
     left, centre, right = 0, 1, 2
     mean = np.clip((mu * turn).sum(axis=1), low[left], high[right])
-    least = (high[right] - low[left]) / 8
+    most = high[right]
+    most_likely = mu.argmax(axis=1)
     near = {side: np.abs(turn[:, side] - turn[:, centre]) for side in (left, right)}
     found = turn.copy()
     for side, sign in ((left, -1.0), (right, 1.0)):
-        most_likely = mu.argmax(axis=1)
-        away = np.where(mu[:, side] < _UNLIKELY, 0.5 * near[side], near[side])
+        quiet = (most_likely == centre) & (mu[:, side] < _UNLIKELY)
+        away = np.where(quiet, 0.5 * near[side], near[side])
         away = np.where((most_likely == side) & (mu[:, side] > _LIKELY), 2.0 * near[side], away)
-        found[:, side] = mean + sign * np.maximum(away, least)
+        found[:, side] = mean + sign * np.clip(away, 0.5 * most, most)
     found[:, centre] = mean
     return np.asarray(np.clip(found, low[left], high[right]))
