@@ -24,9 +24,9 @@ from _table import Row, show
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.read_plots import Detections, read_detections
 from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.filters.trackers import NAMES
 from shipid.encounter.tracking.scoring import HORIZONS
 from shipid.encounter.tracking.track import track
-from shipid.encounter.tracking.trackers import NAMES
 from shipid.encounter.tracking.tracking import Tracking
 
 FORMATS = Path(__file__).parent / "formats"

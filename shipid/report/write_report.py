@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from shipid.campaign.result import CampaignResult
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
+    from shipid.encounter.tracking.tracking import Tracking
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
         | TrialSheet
         | CampaignResult
         | FleetResult
+        | Tracking
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -51,6 +53,7 @@ _VIEWS = {
     "TrialSheet": "sheet.page:sheet_page",
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
+    "Tracking": "tracking.page:tracking_page",
 }
 
 
@@ -66,7 +69,7 @@ def write_report(
     Parameters
     ----------
     result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult or FleetResult
+TrialSheet, CampaignResult, FleetResult or Tracking
         What to report.
     path : str or Path
         The file to write.
