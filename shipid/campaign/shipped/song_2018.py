@@ -17,6 +17,7 @@ from shipid.campaign.campaign import Campaign, Measure
 from shipid.encounter.acceleration_prediction import predicted_positions
 from shipid.encounter.error_mitigation import INTERVALS, Mitigation, Reading, mitigated_points, straight_points
 from shipid.encounter.ship_domain import circle
+from shipid.encounter.tracked_motion import TargetTracker
 from shipid.encounter.velocity_obstacles import VelocityPlanner
 
 #: From the paper: where things are, m, and how large a domain and an error of the radar are.
@@ -33,7 +34,11 @@ LONGEST = 130
 #: one over them.
 RAW_POINTS, AHEAD = 4, 5
 #: What a craft may know of the obstacles.
-METHODS = ("raw", "decimated", "sampled", "all_scans", "straight", "truth")
+METHODS = ("raw", "decimated", "sampled", "all_scans", "straight", "tracker", "tracker_margin", "truth")
+#: How much larger than they are the domains are taken by "tracker_margin", m: two standard deviations of its positions.
+MARGIN = 25.0
+#: Standard deviation of a coordinate of an error that lies anywhere in the circle.
+TRACKER = TargetTracker(ERROR / 2)
 
 
 @dataclass(frozen=True)
@@ -140,6 +145,8 @@ def known(method: str, case: Case, truth: np.ndarray, seen: np.ndarray) -> np.nd
     before = INTERVALS * case.every
     if method == "truth":
         return truth[..., before:, :]
+    if method.startswith("tracker"):
+        return TRACKER.motions(seen, case.period)[..., before:, :]
     windows = np.swapaxes(sliding_window_view(seen, before + 1, axis=-2), -1, -2)
     apart, limit = case.every, None
     if method == "raw":
@@ -155,7 +162,7 @@ def known(method: str, case: Case, truth: np.ndarray, seen: np.ndarray) -> np.nd
     return np.concatenate([points[..., -1, :], ahead / (AHEAD * apart * case.period)], axis=-1)
 
 
-def sail(case: Case, truth: np.ndarray, believed: np.ndarray) -> dict[str, np.ndarray]:
+def sail(case: Case, truth: np.ndarray, believed: np.ndarray, margin: float = 0.0) -> dict[str, np.ndarray]:
     """Let craft go to the goal by what they know.
 
     Parameters
@@ -164,6 +171,8 @@ def sail(case: Case, truth: np.ndarray, believed: np.ndarray) -> dict[str, np.nd
         What the paper leaves open.
     truth, believed : ndarray, shape (runs, n, periods, 4)
         How the obstacles move, and what is known of them, from the start of the craft on.
+    margin : float
+        How much larger than they are the domains are taken, m.
 
     Returns
     -------
@@ -171,7 +180,7 @@ def sail(case: Case, truth: np.ndarray, believed: np.ndarray) -> dict[str, np.nd
         ``entries``, periods inside a domain; ``periods``, to the goal, NaN where it is not reached; ``turned``, sum of the changes of heading in rad;
         ``track``, positions, shape (runs, LONGEST + 1, 2), NaN after the arrival.
     """
-    planner = VelocityPlanner(circle(DOMAIN), case.speed)
+    planner = VelocityPlanner(circle(DOMAIN + margin), case.speed)
     runs = len(truth)
     position = np.repeat(START[None], runs, axis=0)
     heading = np.full(runs, np.arctan2(*(GOAL - START)[::-1]))
@@ -231,7 +240,8 @@ def sailed(case: Case, generators: Sequence[np.random.Generator]) -> dict[str, n
     before = INTERVALS * case.every
     found: dict[str, np.ndarray] = {}
     for method in METHODS:
-        by = sail(case, truth[..., before:, :], known(method, case, truth, seen))
+        margin = MARGIN if method.endswith("margin") else 0.0
+        by = sail(case, truth[..., before:, :], known(method, case, truth, seen), margin)
         found[f"entries_{method}"] = by["entries"]
         found[f"entered_{method}"] = (by["entries"] > 0).astype(float)
         found[f"periods_{method}"], found[f"turned_{method}"] = by["periods"], by["turned"]
