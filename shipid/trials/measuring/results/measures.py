@@ -95,7 +95,7 @@ class Measures:
             reason = self.reason(name)
             if reason is not None:
                 result[name]["reason"] = reason
-        return result | {"notes": list(self.notes)}
+        return result | {"reasons": dict(self.reasons), "notes": list(self.notes)}
 
     def reason(self, name: str) -> str | None:
         """Return why a quantity, or entries of it, are not known; None where nothing is missing.
