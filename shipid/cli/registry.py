@@ -11,11 +11,13 @@ COMMANDS = {
     "format": ("shipid.cli.format:format_log", "Draft a format file for a log, with a reason for each column."),
     "check": ("shipid.cli.check:check", "Find what is wrong with a trial, and repair it."),
     "measure": ("shipid.cli.measure:measure", "Measure a zig-zag or a turning circle."),
+    "report": ("shipid.cli.report:report", "Report a trial day: every manoeuvre measured, beside IMO's limits."),
     "compare": ("shipid.cli.compare:compare", "Rank models by how they predict what they were not fitted to."),
     "plan": ("shipid.cli.plan:plan", "Plan the most informative manoeuvres within a time."),
     "identify": ("shipid.cli.identify:identify", "Identify a model from one trial or several."),
     "filter": ("shipid.cli.filter:filter_trial", "Filter a trial, or samples as they arrive, with a Kalman filter."),
     "tune": ("shipid.cli.tune:tune", "Tune a gain-scheduled autopilot, with its report."),
     "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
+    "bridge": ("shipid.cli.bridge:bridge", "Open the live bridge page of a ship, simulated or listened to."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }

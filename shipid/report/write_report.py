@@ -14,6 +14,7 @@ from shipid.report.page import Page
 
 if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
+    from shipid.criteria.measured.sheet import TrialSheet
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         | Judgement
         | TuningComparison
         | Prediction
+        | TrialSheet
     )
 
 
@@ -43,7 +45,8 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison or Prediction
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction \
+or TrialSheet
         What to report.
     path : str or Path
         The file to write.
@@ -89,6 +92,7 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
 
 
 def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+    from shipid.criteria.measured.sheet import TrialSheet
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -127,5 +131,9 @@ def _page(result: Reported, criteria: Criteria | str | None) -> Page:
         from shipid.report.views.prediction.page import prediction_page
 
         return prediction_page(result)
-    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction"
+    if isinstance(result, TrialSheet):
+        from shipid.report.views.sheet.page import sheet_page
+
+        return sheet_page(result)
+    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, TrialSheet"
     raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shipid.foundation.aliases import Plain
+from shipid.trials.conditions import Conditions
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,8 @@ class Source:
         The comment lines at the head of the file.
     start : str or None
         The moment of t = 0 in ISO 8601, with its zone where one is known; None where the log says no date.
+    conditions : Conditions
+        What is stated of the trial beside its log: loading, place, weather, who.
     """
 
     path: str | None = None
@@ -36,6 +39,7 @@ class Source:
     simulated: bool = False
     comment: str = ""
     start: str | None = None
+    conditions: Conditions = field(default_factory=Conditions)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the source as plain values."""
@@ -47,4 +51,5 @@ class Source:
             "simulated": self.simulated,
             "comment": self.comment,
             "start": self.start,
+            "conditions": {name: value for name, value in self.conditions.to_dict().items() if value is not None},
         }

@@ -22,6 +22,7 @@ CALLS = {
     "format": ["{}"],
     "check": ["{}", "--ship", "zeefakkel"],
     "measure": ["{}", "--length", "45 m"],
+    "report": ["{}", "--length", "45 m"],
     "identify": ["{}@0:150", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1", "--validate", "{}@150:279"],
     "compare": ["{}", "--models", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
     "criteria": ["norrbin", "--ship", "zeefakkel"],

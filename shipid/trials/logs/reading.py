@@ -108,6 +108,7 @@ def read_record(
         format=fmt.name if fmt else None,
         simulated="simulated" in (comments[0].lower() if comments else ""),
         comment="\n".join(comments),
+        conditions=fmt.conditions if fmt else record.source.conditions,
     )
     asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
     title = record.name if asked is None else f"{record.name}@{asked}"
