@@ -198,7 +198,9 @@ def make_plots(
     known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y) & np.isfinite(own).all(axis=1)
     if not known.all():
         notes.append(
-            Notice(f"{_count(~known)} without a time or a position left out.", "plots-missing", count=int((~known).sum()))
+            Notice(
+                f"{_count(~known)} without a time or a position left out.", "plots-missing", count=int((~known).sum())
+            )
         )
     echo = known & (np.hypot(x - own[:, 0], y - own[:, 1]) < _OWN_ECHO)
     if echo.any():
@@ -218,7 +220,9 @@ def make_plots(
     if first.size < rows.size:
         twice = rows.size - first.size
         notes.append(
-            Notice(f"{twice} plot{'s' * (twice > 1)} that the log holds twice counted once.", "plots-twice", count=twice)
+            Notice(
+                f"{twice} plot{'s' * (twice > 1)} that the log holds twice counted once.", "plots-twice", count=twice
+            )
         )
         rows = rows[np.sort(first)]
     scans: list[Scan] = []

@@ -123,9 +123,7 @@ class Motion:
             found = found @ step
         return found
 
-    def predict(
-        self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def predict(self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
         """Predict many targets over an interval, each in each mode.
 
         Parameters
@@ -183,7 +181,15 @@ def _generated(model: Model) -> Loop:
     ahead, spread = ca.substitute(
         [equations.advanced, covariance_form.predicted(equations, reordered)],
         [equations.joint, equations.u0, equations.u1, equations.T, equations.p, equations.levels, equations.scale],
-        [own, row[-3], row[-3], row[-1], ca.SX(equations.p.shape[0], 1), ca.vertcat(row[-2], row[-2]), ca.SX.ones(2, 1)],
+        [
+            own,
+            row[-3],
+            row[-3],
+            row[-1],
+            ca.SX(equations.p.shape[0], 1),
+            ca.vertcat(row[-2], row[-2]),
+            ca.SX.ones(2, 1),
+        ],
     )
     out = ca.vertcat(ahead[order], covariance_form.pack(spread[order, order]))
     memory = ca.SX.sym("memory", 1)

@@ -78,9 +78,7 @@ class TargetFilters:
             The modes.
         """
         m = len(motion.modes)
-        return cls(
-            motion, np.zeros((0, m, _SIZE)), np.zeros((0, m, _SIZE, _SIZE)), np.zeros((0, m)), np.zeros((0, m))
-        )
+        return cls(motion, np.zeros((0, m, _SIZE)), np.zeros((0, m, _SIZE, _SIZE)), np.zeros((0, m)), np.zeros((0, m)))
 
     def __len__(self) -> int:
         return self.x.shape[0]

@@ -185,7 +185,9 @@ class Tracker:
         pairs = association(weights)
         none, pair = pairs[:, 0], pairs[:, 1:]
         exists = pair.sum(axis=1) + none * self.existence * (1 - chance) / missed
-        shares = np.concatenate([(exists - pair.sum(axis=1))[:, None], pair], axis=1) / np.maximum(exists, 1e-300)[:, None]
+        shares = (
+            np.concatenate([(exists - pair.sum(axis=1))[:, None], pair], axis=1) / np.maximum(exists, 1e-300)[:, None]
+        )
         found = 1 - shares[:, 0]
         self.latency[k].learn(self.filters, expected, shares, self.confirmed & (self.existence > rules.lost))
         self.filters = self.filters.update(expected, delay, shares)
@@ -200,9 +202,7 @@ class Tracker:
         new = free > 0.5
         self._begin(scan, k, new, R, delay, free * rules.births / (rules.births + density * map_.area))
         seen = np.concatenate([seen, np.ones(int(new.sum()), bool)])
-        self.confirmed = self.confirmed | (
-            (self.existence > rules.confirmed) & (self.plots >= rules.plots_to_confirm)
-        )
+        self.confirmed = self.confirmed | ((self.existence > rules.confirmed) & (self.plots >= rules.plots_to_confirm))
         keep = self._kept()
         self._select(keep)
         x, P = self.filters.combined()
@@ -240,7 +240,9 @@ class Tracker:
         i, j = np.triu_indices(len(x), 1)
         apart = x[i] - x[j]
         # Only neighbours are looked at in full.
-        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < self.settings.same * (P[i, 0, 0] + P[i, 1, 1] + P[j, 0, 0] + P[j, 1, 1])
+        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < self.settings.same * (
+            P[i, 0, 0] + P[i, 1, 1] + P[j, 0, 0] + P[j, 1, 1]
+        )
         i, j, apart = i[near], j[near], apart[near]
         distance = np.einsum("ki,ki->k", apart, np.linalg.solve(P[i] + P[j], apart[..., None])[..., 0])
         for a, b in zip(i[distance < self.settings.same], j[distance < self.settings.same]):

@@ -50,7 +50,9 @@ def open_page(browser):
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: faults.append(str(error)))
-        page.on("console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None)
+        page.on(
+            "console", lambda message: faults.append(message.text) if message.type in ("error", "warning") else None
+        )
         page.on("request", lambda request: None if request.url.startswith(address) else faults.append(request.url))
         page.goto(address)
         page.wait_for_selector("body[data-connected=yes]")

@@ -53,7 +53,9 @@ def predicted(own: dict, heading: float, limit: float) -> dict:
 def planned() -> dict:
     """A route of five legs with a turn of 0.35 miles at each waypoint."""
     courses = np.array([0, 75, 30, 60, -45, -30]) * DEG
-    corner = np.vstack([[0.0, 0.0], np.cumsum(2.25 * MILE * np.stack([np.cos(courses), np.sin(courses)], axis=1), axis=0)])
+    corner = np.vstack(
+        [[0.0, 0.0], np.cumsum(2.25 * MILE * np.stack([np.cos(courses), np.sin(courses)], axis=1), axis=0)]
+    )
     line = [corner[0]]
     share = np.linspace(0, 1, 15)[:, None]
     for before, here, after in zip(corner, corner[1:], corner[2:]):
@@ -62,7 +64,14 @@ def planned() -> dict:
         line.extend((1 - share) ** 2 * a + 2 * share * (1 - share) * here + share**2 * b)
     line.append(corner[-1])
     waypoints = [
-        {"x": float(x), "y": float(y), "name": f"WP{i}", "radius": 0.35 * MILE, "xtd_port": 250.0, "xtd_starboard": 250.0}
+        {
+            "x": float(x),
+            "y": float(y),
+            "name": f"WP{i}",
+            "radius": 0.35 * MILE,
+            "xtd_port": 250.0,
+            "xtd_starboard": 250.0,
+        }
         for i, (x, y) in enumerate(corner)
     ]
     return {
@@ -86,7 +95,12 @@ def voyage() -> dict:
     past = np.arange(0.0, 260.0, 2.0)
     sensors = [("psi", "heading", "rad"), ("r", "rate of turn", "rad/s"), ("stw", "speed through the water", "m/s"),
                ("delta", "rudder angle", "rad"), ("x", "position north", "m"), ("y", "position east", "m")]  # fmt: skip
-    estimates = [("K", "K*", 1.58, 0.06, 1.6), ("tau", "τ*", 1.74, 0.09, 1.7), ("K_rho", "K_ρ", 0.97, 0.02, None), ("gamma", "γ*", 0.57, 0.03, 0.573)]
+    estimates = [
+        ("K", "K*", 1.58, 0.06, 1.6),
+        ("tau", "τ*", 1.74, 0.09, 1.7),
+        ("K_rho", "K_ρ", 0.97, 0.02, None),
+        ("gamma", "γ*", 0.57, 0.03, 0.573),
+    ]
     return {
         "seq": 0,
         "ship": {"name": "Soesterberg", "length": 226.0, "beam": 30.5},
@@ -130,7 +144,9 @@ def chart() -> dict:
     angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     shoal = np.stack([2600 + 900 * np.cos(angle), -2100 + 600 * np.sin(angle) * (1 + 0.3 * np.cos(3 * angle))], axis=1)
     inner = np.stack([2600 + 450 * np.cos(angle), -2100 + 260 * np.sin(angle)], axis=1)
-    coast = np.array([[-3000, 2700], [-500, 2300], [900, 2900], [2000, 2500], [2700, 3300], [1800, 4600], [-3000, 5200]], dtype=float)
+    coast = np.array(
+        [[-3000, 2700], [-500, 2300], [900, 2900], [2000, 2500], [2700, 3300], [1800, 4600], [-3000, 5200]], dtype=float
+    )
     buoys = [(1800, 420, "T 2", "starboard"), (1800, -420, "T 1", "port"), (3900, -500, "T 3", "port"), (2600, -2100, "Bank", "isolated"),
              (5200, 900, "Noord", "cardinal"), (600, -900, "Fairway", "safe"), (3200, 2300, None, "special")]  # fmt: skip
     return {
@@ -167,7 +183,9 @@ class FakeBridge:
             WebSocketRoute("/ws", self._serve),
             Mount("/static", StaticFiles(directory=PAGE)),
         ]
-        config = uvicorn.Config(Starlette(routes=routes), host="127.0.0.1", port=self.port, log_level="error", ws="websockets-sansio")
+        config = uvicorn.Config(
+            Starlette(routes=routes), host="127.0.0.1", port=self.port, log_level="error", ws="websockets-sansio"
+        )
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, daemon=True)
         self._thread.start()
@@ -226,11 +244,17 @@ class FakeBridge:
         elif name == "cancel":
             settings["trial"] = dict(settings["executed"])
         elif name == "acknowledge":
-            self.state["alarms"] = [{**a, "acknowledged": a["acknowledged"] or a["id"] == rest["id"]} for a in self.state["alarms"]]
+            self.state["alarms"] = [
+                {**a, "acknowledged": a["acknowledged"] or a["id"] == rest["id"]} for a in self.state["alarms"]
+            ]
         elif name == "simulation":
             if "coefficient" in rest:
                 coefficients = self.state["simulation"]["coefficients"]
-                rest = {"coefficients": [{**c, "value": rest["value"]} if c["name"] == rest["coefficient"] else c for c in coefficients]}
+                rest = {
+                    "coefficients": [
+                        {**c, "value": rest["value"]} if c["name"] == rest["coefficient"] else c for c in coefficients
+                    ]
+                }
             self.state["simulation"] = {**self.state["simulation"], **rest}
         if own["psi"] is not None and own["x"] is not None:
             trial, executed = settings["trial"], settings["executed"]
