@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -31,7 +31,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.foundation.notices import Notice
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 from shipid.identification.fit import Fit
 from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of

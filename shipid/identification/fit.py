@@ -12,7 +12,7 @@ from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines

@@ -13,7 +13,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.quantities import columns_of, quantity
+from shipid.foundation.numbers import columns_of, quantity
 from shipid.planning.selection import Criterion
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shipid.foundation.quantities import columns_of, with_units
+from shipid.foundation.numbers import columns_of, with_units
 
 
 def test_the_unit_leaves_the_name():

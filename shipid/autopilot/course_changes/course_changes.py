@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
-from shipid.foundation.quantities import with_units
+from shipid.foundation.numbers import with_units
 from shipid.foundation.statistics import plain
 
 

@@ -15,7 +15,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from shipid.autopilot.judgement.margins import Margins
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.quantities import columns_of, quantity, with_units
+from shipid.foundation.numbers import columns_of, quantity, with_units
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -14,7 +14,7 @@ import numpy as np
 from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.plant import Plant
 from shipid.foundation.aliases import Plain
-from shipid.foundation.quantities import with_units
+from shipid.foundation.numbers import with_units
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.quantities import columns_of, quantity
+from shipid.foundation.numbers import columns_of, quantity
 
 if TYPE_CHECKING:
     import pandas as pd

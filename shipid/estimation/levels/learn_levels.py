@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.estimation.design import FilterDesign, FilterSettings
 from shipid.estimation.levels.ascent import Summit, climb
+from shipid.estimation.levels.bias_standings import bias_standings
 from shipid.estimation.levels.record_levels import BiasStanding, Judged, RecordLevels
 from shipid.estimation.levels.unknowns import Unknowns
 from shipid.estimation.records.arrangement import FilterRecord
@@ -67,7 +68,9 @@ def learn_levels(
         count = len(problem.still)
         informed = bool((np.maximum(white, correlated)[:count] < _INFORMED * problem.prior[:count]).any()) or not count
         if biases:
-            standings = problem.bias_standings(found.at, np.maximum(white, correlated)[count:], informed)
+            sizes = problem.bias_sizes
+            known = np.maximum(white, correlated)[count:] * sizes
+            standings = bias_standings(design.model, biases, known, sizes, steered=problem.steered, informed=informed)
     if good and problem.still:
         simulated = _simulated(problem, found)
         for i, name in enumerate(problem.still):

@@ -7,17 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.declaration.vocabulary import display_unit, to_display
+from shipid.declaration.vocabulary import display_unit
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
 from shipid.estimation.levels.ascent import Summit
+from shipid.estimation.levels.bias_standings import is_steered
 from shipid.estimation.levels.cleaned import cleaned, pieces, resolution
 from shipid.estimation.levels.long_run import long_run_deviations
 from shipid.estimation.levels.pieces import Piece
-from shipid.estimation.levels.record_levels import BiasStanding
 from shipid.estimation.records.arrangement import FilterRecord, arrange, columns_of
 from shipid.estimation.settings.instruments import Amount
 from shipid.estimation.settings.noise import times
-from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.trials.speed import speed_before_in
 
 #: A sensor is at most so many times better and worse than the level it starts from; noise of states likewise.
@@ -28,8 +27,6 @@ _PRIOR = 3.0
 _FIRST = 3.0
 #: Prior standard deviations of biases: of a rudder [rad], and of the speed before the manoeuvre as a share of it.
 _RUDDER, _SPEED, _CURRENT = np.deg2rad(5.0), 0.1, 1.0
-#: A rudder that stays within this range [rad] is not steered.
-_STEERED = np.deg2rad(1.0)
 #: Natural logarithm of the largest factor on a coefficient.
 _REACH = 5.0
 #: Step of a difference, in logarithms and in prior standard deviations of a bias.
@@ -59,6 +56,10 @@ class Unknowns:
         ``sensor:NAME`` and ``noise:NAME``.
     biases : tuple of str
         Inputs with a bias.
+    bias_sizes : ndarray, shape (biases,)
+        Prior standard deviations of the biases, SI.
+    steered : bool
+        Whether the rudder moves.
     declared : bool
         Whether the model itself is declared with noise on its states.
     middle, prior : ndarray, shape (unknowns,)
@@ -84,8 +85,8 @@ class Unknowns:
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
         sizes = _biases(self._fixed, settings, columns)
         self._moved = _moved(design, record, columns)
-        self._steered = _moves(columns.get("delta"))
-        self.biases, self._bias_size = tuple(sizes), np.array(list(sizes.values()))
+        self.steered = is_steered(columns)
+        self.biases, self.bias_sizes = tuple(sizes), np.array(list(sizes.values()))
         positive = np.where(self._logs, np.abs(self._origin), 1.0)
         self.middle = np.concatenate(
             [np.log(positive), np.log(np.concatenate([design.r, design.q])), np.zeros(len(sizes))]
@@ -213,33 +214,7 @@ class Unknowns:
 
     def _own_bias(self, z: np.ndarray) -> dict[str, float]:
         """What is added to the inputs of the record without its wild samples."""
-        return dict(zip(self.biases, (z[self._parts[3]] * self._bias_size).tolist()))
-
-    def bias_standings(self, z: np.ndarray, std: np.ndarray, informed: bool) -> dict[str, BiasStanding]:
-        """Return what the record says of each bias, by input.
-
-        Parameters
-        ----------
-        z : ndarray, shape (unknowns,)
-            The unknowns.
-        std : ndarray, shape (biases,)
-            Standard deviations of the biases in their unknowns.
-        informed : bool
-            Whether the record determines a coefficient: as long as it does not, a rudder's bias is only known in its product.
-        """
-        found = {}
-        # One that ended at its bound has no deviation.
-        known = np.where(std > 0, std, np.nan) * self._bias_size
-        for (name, value), own, size in zip(self._own_bias(z).items(), known, self._bias_size):
-            # As it is shown, since the reason holds numbers.
-            unit = self.design.model[name].unit
-            value, spread, usual = (to_display(float(v), name, unit) for v in (value, own, size))
-            standing, why = standing_of(value, spread, size=usual, before=usual)
-            if name == "delta" and not (self._steered and informed):
-                still = "the rudder does not move" if not self._steered else "neither are the coefficients"
-                standing, why = UNKNOWN, f"{still}: wind or current may turn the ship as well."
-            found[name] = BiasStanding(float(own), standing, why)
-        return found
+        return dict(zip(self.biases, (z[self._parts[3]] * self.bias_sizes).tolist()))
 
     def units(self) -> dict[str, tuple[str, str]]:
         """Return the unit of each level, and the one it is shown in, by key."""
@@ -377,12 +352,6 @@ def _moved(design: FilterDesign, record: FilterRecord, columns: Mapping[str, np.
     if before is None or "cruise" in raw or "cruise" not in columns:
         return {}
     return {"cruise": float(columns["cruise"][0]) - before.value}
-
-
-def _moves(rudder: np.ndarray | None) -> bool:
-    """Whether a rudder moves, by more than the noise of its feedback does."""
-    shown = np.zeros(0) if rudder is None else rudder[np.isfinite(rudder)]
-    return bool(shown.size) and float(np.ptp(np.quantile(shown, (0.02, 0.98)))) > _STEERED
 
 
 def _resolution(design: FilterDesign, columns: Mapping[str, np.ndarray], sensor: str) -> float:

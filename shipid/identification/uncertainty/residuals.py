@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import LjungBox, ljung_box, plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import autocorrelation_time

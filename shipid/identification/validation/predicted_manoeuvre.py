@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 
 #: Quantities of a turning circle by their names in `TurningCircle`: the unit they are handed over in, and the factor to it from SI.

@@ -6,7 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.quantities import quantity
+from shipid.foundation.numbers import quantity
 
 SURE = 0.8
 """Findings of at least this confidence count; one below it is worth checking by hand."""

@@ -25,7 +25,7 @@ _PATIENCE = 200
 #: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
 _KINDS = {
     signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED)
-    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position")
+    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position", "wind")
 }
 
 
@@ -217,9 +217,21 @@ class LiveNmea:
             return _there(u=fields.get("u" + ground, nan) * KNOT, v=fields.get("v" + ground, nan) * KNOT)
         if signal == "course" and kind != "VBW":
             return _there(SOG=fields["sog"] * KNOT, COG=fields["cog"] * _DEG)
+        if signal == "wind":
+            return self._wind(fields)
         if signal == "position" and isfinite(fields["lat"]) and isfinite(fields["lon"]):
             return self._metres(fields["lat"] * _DEG, fields["lon"] * _DEG)
         return {}
+
+    def _wind(self, fields: dict[str, float]) -> dict[str, float]:
+        """The relative wind, or the true one turned by the heading, by the direction it blows to."""
+        relative = isfinite(fields["angle"])
+        angle, speed = (fields[n] for n in (("angle", "speed") if relative else ("true_angle", "true_speed")))
+        tail, turned = ("_relative", 0.0) if relative else ("", self._psi)
+        direction = (angle * _DEG + pi + turned) % (2 * pi)
+        if not (isfinite(direction) and isfinite(speed)):
+            return {}
+        return {f"wind_speed{tail}": speed * KNOT, f"wind_direction{tail}": direction}
 
     def _metres(self, lat: float, lon: float) -> dict[str, float]:
         """North and east of the first fix, of midship where the antenna is stated."""
