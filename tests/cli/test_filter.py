@@ -150,7 +150,7 @@ def test_a_stream_that_begins_before_its_rudder(call, lines, monkeypatch):
         (2, ["--measured", "psi=-1 deg"], ("psi", "greater than zero")),
         (2, ["--measured", "heading=1 deg"], ("heading", "Known")),
         (2, ["--measured", "v=1 m/s"], ("v",)),
-        (3, ["--measured", "psi=0.2"], ("bare number", "rad")),
+        (2, ["--measured", "psi=0.2"], ("bare number", "rad")),
         (2, ["--rates", "psi=0.1 s"], ("psi", "sampled every 1 s")),
         (2, ["--rates", "u=2 s"], ("u", "not measured")),
         (2, ["--noise", "r=0.1 m"], ("rad/s", "density")),

@@ -92,7 +92,12 @@ async def _serve(app: Starlette, listener: socket.socket, ready: Callable[[], No
         await asyncio.sleep(0.01)
     if server.started:
         ready()
+        # A fault of the loop ends the server: a page that no longer changes would be the worse defect.
+        await asyncio.wait({task, app.state.loop}, return_when=asyncio.FIRST_COMPLETED)
+        server.should_exit = True
     await task
+    if not app.state.loop.cancelled() and app.state.loop.exception() is not None:
+        raise app.state.loop.exception()
     return came[0] if came else None
 
 

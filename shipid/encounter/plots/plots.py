@@ -76,7 +76,7 @@ class Sensor:
         """
         if self.range_std is None or self.bearing_std is None:
             return np.tile(self.position_std**2 * np.eye(2), (len(z), 1, 1))
-        away = z - own
+        away = np.where(np.isfinite(own), z - own, z)
         range_ = np.maximum(np.hypot(*away.T), _OWN_ECHO)
         along = away / range_[:, None]
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -100,7 +100,7 @@ class Scan:
     ago : ndarray, shape (m,)
         How long before `t` each plot was stamped, s.
     own : ndarray, shape (2,)
-        Where the sensor was, m.
+        Where the sensor was, m; NaN where that is not known.
     """
 
     t: float
@@ -170,7 +170,7 @@ def make_plots(
     t, x, y : ndarray, shape (N,)
         Times in s and positions north and east in m, in any order.
     own : ndarray, shape (N, 2), optional
-        Where the sensor was at each plot; the origin by default.
+        Where the sensor was at each plot, NaN where that is not known; the origin by default.
     sensor : ndarray of int, shape (N,), optional
         Which sensor each plot is from; the first by default.
     sensors : sequence of Sensor
@@ -195,7 +195,7 @@ def make_plots(
     if not (t.size == x.size == y.size == sensor.size == len(own)):
         raise EncounterRequestError("times, positions, sensors and own positions of plots have to be equally many.")
     notes = []
-    known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y) & np.isfinite(own).all(axis=1)
+    known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y)
     if not known.all():
         notes.append(
             Notice(
@@ -251,7 +251,7 @@ def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[
     if not t.size:
         return []
     if period is None:
-        period = _period(t, away)
+        period = _period(t, away) if np.isfinite(away).all() else 0.0
     if not period:
         return [0, *(np.flatnonzero(np.diff(t) > 0) + 1).tolist()]
     edges = [0]

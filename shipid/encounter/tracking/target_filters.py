@@ -35,6 +35,8 @@ class Expected:
         Likelihood of the plot, 1/m^2.
     distance : ndarray, shape (n, modes, plots)
         Squared, in standard deviations.
+    R : ndarray, shape (plots, 2, 2)
+        Covariance of each plot.
     """
 
     e: np.ndarray
@@ -42,6 +44,7 @@ class Expected:
     inverse: np.ndarray
     density: np.ndarray
     distance: np.ndarray
+    R: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,22 +155,17 @@ class TargetFilters:
         delay : ndarray, shape (m,)
             How long before the time of the filters each position was, s.
         """
-        shown = self.x[:, :, None, :2] - delay[:, None] * self.x[:, :, None, 2:4]
-        e = z - shown
-        S = np.einsum("nkmsi->nkmis", self._cross(delay))
-        S = S[..., :2] - delay[:, None, None] * S[..., 2:4] + R
-        det = S[..., 0, 0] * S[..., 1, 1] - S[..., 0, 1] ** 2
-        inverse = np.stack(
-            [np.stack([S[..., 1, 1], -S[..., 0, 1]], -1), np.stack([-S[..., 0, 1], S[..., 0, 0]], -1)], -2
-        )
-        inverse = inverse / det[..., None, None]
-        distance = np.einsum("nkmi,nkmij,nkmj->nkm", e, inverse, e)
-        return Expected(e, S, inverse, np.exp(-0.5 * distance) / (2 * np.pi * np.sqrt(det)), distance)
+        return expected_of(self.x, self.P, z, R, delay)
 
-    def _cross(self, delay: np.ndarray) -> np.ndarray:
-        """Covariance of the states with the position of each plot, shape (n, modes, plots, 5, 2)."""
-        P = self.P[:, :, None]
-        return np.asarray(P[..., :2] - delay[:, None, None] * P[..., 2:4])
+    @property
+    def mode_shares(self) -> np.ndarray:
+        """The mode probabilities, shape (n, modes)."""
+        return self.mu
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Of the modes."""
+        return tuple(m.label for m in self.motion.modes)
 
     def update(self, expected: Expected, delay: np.ndarray, shares: np.ndarray) -> TargetFilters:
         """Return the filters after a scan.
@@ -190,7 +188,7 @@ class TargetFilters:
         joint = by_mode * shares[:, None, 1:]
         mu = joint.sum(axis=2) + self.mu * shares[:, None, 0]
         weights = joint / np.maximum(mu, 1e-300)[:, :, None]
-        gain = np.einsum("nkmsi,nkmij->nkmsj", self._cross(delay), expected.inverse)
+        gain = np.einsum("nkmsi,nkmij->nkmsj", _cross(self.P, delay), expected.inverse)
         moves = np.einsum("nkmsi,nkmi->nkms", gain, expected.e)
         move = np.einsum("nkm,nkms->nks", weights, moves)
         less = np.einsum("nkm,nkmsi,nkmij,nkmtj->nkst", weights, gain, expected.S, gain, optimize=True)
@@ -237,6 +235,35 @@ class TargetFilters:
         if self.motion.model.states and "curvature" in self.motion.model.inputs:
             turn = turn * np.hypot(self.x[:, :, 2], self.x[:, :, 3])
         return np.asarray((self.mu * turn).sum(axis=1))
+
+
+def expected_of(x: np.ndarray, P: np.ndarray, z: np.ndarray, R: np.ndarray, delay: np.ndarray) -> Expected:
+    """Return what plots are expected to show of targets.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, modes, >= 4)
+        North and east position and velocity first.
+    P : ndarray, shape (n, modes, >= 4, >= 4)
+        Covariances.
+    z, R, delay
+        As for `TargetFilters.expect`.
+    """
+    shown = x[:, :, None, :2] - delay[:, None] * x[:, :, None, 2:4]
+    e = z - shown
+    crossed = _cross(P, delay)
+    S = crossed[..., :2, :] - delay[:, None, None] * crossed[..., 2:4, :] + R
+    det = S[..., 0, 0] * S[..., 1, 1] - S[..., 0, 1] ** 2
+    swapped = np.stack([np.stack([S[..., 1, 1], -S[..., 0, 1]], -1), np.stack([-S[..., 0, 1], S[..., 0, 0]], -1)], -2)
+    inverse = swapped / det[..., None, None]
+    distance = np.einsum("nkmi,nkmij,nkmj->nkm", e, inverse, e)
+    return Expected(e, S, inverse, np.exp(-0.5 * distance) / (2 * np.pi * np.sqrt(det)), distance, R)
+
+
+def _cross(P: np.ndarray, delay: np.ndarray) -> np.ndarray:
+    """Covariance of the states with the position of each plot, shape (n, modes, plots, states, 2)."""
+    P = P[:, :, None]
+    return np.asarray(P[..., :2] - delay[:, None, None] * P[..., 2:4])
 
 
 def _moments(weights: np.ndarray, x: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

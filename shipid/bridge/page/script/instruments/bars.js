@@ -87,7 +87,7 @@ export function createBars(model) {
     put(rate, sided(r, 1, "°/min"));
     mark(rate, "class", sideClass(r));
     mark(rate, "aria-label", `rate of turn ${perMinute(own.r)} degrees a minute`);
-    qualify(rate, rateNote, standing(model, "r"));
+    qualify(rate, rateNote, standing(model, "r"), known(r));
 
     const delta = known(own.delta) ? own.delta / DEG : null;
     const ordered = known(own.delta_order) ? own.delta_order / DEG : null;
@@ -97,6 +97,6 @@ export function createBars(model) {
     put(angle, rudder(own.delta));
     mark(angle, "class", sideClass(delta));
     put(order, `order ${rudder(own.delta_order)}`);
-    qualify(angle, angleNote, standing(model, "delta"));
+    qualify(angle, angleNote, standing(model, "delta"), known(delta));
   };
 }
