@@ -25,6 +25,7 @@ CALLS = {
     "report": ["{}", "--length", "45 m"],
     "identify": ["{}@0:150", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1", "--validate", "{}@150:279"],
     "compare": ["{}", "--models", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
+    "campaign": ["{folder}", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
     "criteria": ["norrbin", "--ship", "zeefakkel"],
     "filter": ["{}", "--model", "nomoto", "--ship", "zeefakkel"],
     "plan": ["--model", "nomoto", "--ship", "zeefakkel", "--time", "12min", "--draws", "0", "--repertoire", "zigzag"],
@@ -96,7 +97,7 @@ def test_every_command_is_here():
 
 @pytest.mark.parametrize("command", CALLS)
 def test_the_form_of_a_command(command, call, zigzag):
-    arguments = [a.replace("{}", str(zigzag)) for a in CALLS[command]]
+    arguments = [a.replace("{}", str(zigzag)).replace("{folder}", str(zigzag.parent)) for a in CALLS[command]]
     answer = call(command, *arguments, "--json")
     assert answer.code == ExitCode.DONE, answer
     told = parsed(answer.out)
