@@ -15,7 +15,7 @@ from shipid.trials.measuring.results.turning_circle import TurningCircle
         (-0.02, "000 deg"),
         (359.9, "359.9 deg"),
         (90.0, "090 deg"),
-        (7.25, "007.2 deg"),
+        (7.3, "007.3 deg"),
         (725.0, "005 deg"),
     ],
 )
