@@ -36,6 +36,9 @@ HEAD = ["schema_version", "command", "provenance", "warnings"]
 #: A key that names an interval in another way.
 OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
 
+#: A key that holds a unit.
+UNIT_IN_NAME = re.compile(r"_(deg|rad|m|s|kn|m_s|deg_s|rad_s)$")
+
 
 def parsed(text: str) -> dict:
     """Read JSON that may not hold NaN or infinity, nor a key twice."""
@@ -67,12 +70,15 @@ def check_form(told: dict, command: str) -> None:
 def check_values(value: object, where: str) -> None:
     """Assert that values have units, and that intervals have one name and two ends."""
     if isinstance(value, dict):
-        if isinstance(value.get("value"), Real):
+        if isinstance(value.get("value"), Real | list):
             assert isinstance(value.get("unit"), str), f"{where}: a value without a unit"
         for key, one in value.items():
             assert key.endswith("interval_95") or not OTHER_INTERVAL.search(key), f"{where}: {key}"
+            assert not UNIT_IN_NAME.search(key), f"{where}: {key} has its unit in its name"
             if key.endswith("interval_95") and one is not None:
-                check_ends(one, f"{where}.{key}")
+                for ends in one if isinstance(value.get("value"), list) else [one]:
+                    if ends is not None:
+                        check_ends(ends, f"{where}.{key}")
             check_values(one, f"{where}.{key}")
     elif isinstance(value, list):
         for one in value:
