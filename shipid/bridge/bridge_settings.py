@@ -23,6 +23,10 @@ class BridgeSettings:
         Where the samples come from.
     format : str or None
         Trial format file of the source.
+    route, chart : str or None
+        Files of the planned route and of the chart.
+    scenario, condition : str or None
+        Track and condition of the tracking experiment.
     record : Path or None
         The trial file that the samples are added to.
     clock_factor : float
@@ -40,6 +44,10 @@ class BridgeSettings:
     schedule: str | None = None
     source: str = "simulate"
     format: str | None = None
+    route: str | None = None
+    chart: str | None = None
+    scenario: str | None = None
+    condition: str | None = None
     record: Path | None = None
     clock_factor: float = 1.0
     filter_interval: float = 0.4

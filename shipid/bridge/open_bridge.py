@@ -10,18 +10,26 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.design_autopilot import design_autopilot
 from shipid.autopilot.design.read_schedule import read_schedule
 from shipid.bridge.bridge_settings import SHIP, BridgeSettings
-from shipid.bridge.core.core import BridgeCore
+from shipid.bridge.core.core import RUDDER_LIMIT, BridgeCore
+from shipid.bridge.core.route_watch import BridgeRoute, bridge_route
 from shipid.bridge.core.source import SampleSource
-from shipid.bridge.sources.simulated import SimulatedSource
+from shipid.bridge.experiment.open_experiment import open_experiment
+from shipid.bridge.experiment.voyage_score import VoyageScore
+from shipid.bridge.recorder import Recorder
+from shipid.bridge.sources.replayed import ReplayedSource
+from shipid.bridge.sources.source_of import source_of
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.prediction.charts.read_chart import read_chart
+from shipid.prediction.routes.read_route import read_route
 
 #: Models that are preferred for a bridge, the best first: they have position, heading and speed.
 _PREFERRED = ("de-keizer", "cross-flow", "bech-slipstream", "bech-surge", "pershitz", "de-keizer-minimal")
@@ -43,6 +51,8 @@ class OpenedBridge:
         What has to be shown.
     chart : plain values
         The chart as the page draws it.
+    score : VoyageScore or None
+        The score of the tracking experiment.
     recording : Path or None
         The recording.
     """
@@ -52,6 +62,7 @@ class OpenedBridge:
     address: str
     token: str | None
     chart: Plain
+    score: VoyageScore | None
     recording: Path | None
 
     @property
@@ -133,7 +144,13 @@ def _model(name: str) -> Model | None:
 
 
 @contextmanager
-def open_bridge(settings: BridgeSettings, host: str, port: int, token: str | None = None) -> Iterator[OpenedBridge]:
+def open_bridge(
+    settings: BridgeSettings,
+    host: str,
+    port: int,
+    token: str | None = None,
+    ended: Callable[[VoyageScore], None] | None = None,
+) -> Iterator[OpenedBridge]:
     """Open a bridge: take its port and its recording, and close both at the end.
 
     Parameters
@@ -146,6 +163,8 @@ def open_bridge(settings: BridgeSettings, host: str, port: int, token: str | Non
         Port; 0 for any.
     token : str, optional
         What has to be shown; made up where another host than this machine is served.
+    ended : callable, optional
+        Called with the score at the end of a track of the experiment.
 
     Yields
     ------
@@ -163,45 +182,107 @@ def open_bridge(settings: BridgeSettings, host: str, port: int, token: str | Non
         raise MissingExtraError("the bridge", "starlette, uvicorn and websockets", "bridge") from None
     if token is None and not is_loopback(host):
         token = secrets.token_urlsafe(16)
+    parts = _parts_of(settings, ended)
+    listener = listening(host, port)
+    recorder = None
+    try:
+        if settings.record is not None:
+            recorder = Recorder(
+                settings.record, parts.pilot.ship.name, settings.source, simulated=parts.source.kind == "simulate"
+            )
+        core = _core_of(settings, parts, recorder)
+        shown = f"[{host}]" if ":" in host else host
+        address = f"http://{shown}:{listener.getsockname()[1]}/" + ("" if token is None else f"?token={token}")
+        yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record)
+    finally:
+        listener.close()
+        if recorder is not None:
+            recorder.close()
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """What a bridge is put together from."""
+
+    pilot: Autopilot
+    source: SampleSource
+    route: BridgeRoute | None = None
+    chart: Plain = None
+    score: VoyageScore | None = None
+    predicts: bool = True
+    heading: float = 0.0
+    rudder_limit: float = RUDDER_LIMIT
+
+
+def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | None) -> _Parts:
     pilot = pilot_of(settings)
-    source = source_of(settings, pilot)
-    core = BridgeCore(
+    if settings.scenario is not None:
+        return _experiment_of(settings, pilot, ended)
+    if settings.condition is not None:
+        raise UsageError("--condition belongs to a --scenario of the tracking experiment.")
+    route, origin = None, None
+    if settings.route is not None:
+        read = read_route(settings.route)
+        origin = read.origin
+        route = bridge_route(read, origin, RADIUS * pilot.length)
+    chart: Plain = None
+    if settings.chart is not None:
+        if origin is None:
+            raise UsageError(
+                "a chart needs the place of x = y = 0: give a --route with latitudes and longitudes beside it."
+            )
+        chart = read_chart(settings.chart, origin).to_dict()
+    begin = None if route is None else route.plan.legs[0]
+    source = source_of(settings, pilot, origin, begin)
+    heading = begin.course if begin is not None and source.kind == "simulate" else 0.0
+    return _Parts(pilot, source, route, chart, heading=heading)
+
+
+def _experiment_of(settings: BridgeSettings, pilot: Autopilot, ended: Callable[[VoyageScore], None] | None) -> _Parts:
+    if settings.source != "simulate" or settings.route is not None or settings.chart is not None:
+        raise UsageError(
+            "the tracking experiment is simulated, on a track of its own: leave --source, --route and --chart out."
+        )
+    opened = open_experiment(
         pilot,
+        settings.scenario or "",
+        settings.condition or "C",
+        current=settings.current,
+        wind=settings.wind,
+        seed=settings.seed,
+        ended=ended,
+    )
+    return _Parts(
+        pilot,
+        opened.source,
+        opened.route,
+        None,
+        opened.score,
+        opened.predicts,
+        opened.source.now["psi"],
+        opened.rudder_limit,
+    )
+
+
+def _core_of(settings: BridgeSettings, parts: _Parts, recorder: Recorder | None) -> BridgeCore:
+    source = parts.source
+    core = BridgeCore(
+        parts.pilot,
         source,
+        route=parts.route,
+        recording=recorder,
+        score=parts.score,
         filter_interval=settings.filter_interval,
         prediction_interval=settings.prediction_interval,
-        started=datetime.now(UTC),
+        started=source.started if isinstance(source, ReplayedSource) else datetime.now(UTC),
+        predicts=parts.predicts,
+        heading=parts.heading,
+        rudder_limit=parts.rudder_limit,
     )
     if source.timed:
         core.clock_factor = settings.clock_factor
-    listener = listening(host, port)
-    try:
-        shown = f"[{host}]" if ":" in host else host
-        address = f"http://{shown}:{listener.getsockname()[1]}/" + ("" if token is None else f"?token={token}")
-        yield OpenedBridge(core, listener, address, token, None, settings.record)
-    finally:
-        listener.close()
-
-
-def source_of(settings: BridgeSettings, pilot: Autopilot) -> SampleSource:
-    """Return the source of a bridge.
-
-    Parameters
-    ----------
-    settings : BridgeSettings
-        What the bridge is opened with.
-    pilot : Autopilot
-        The autopilot, with the ship.
-
-    Raises
-    ------
-    UsageError
-        If there is no such source.
-    """
-    kind, _, _rest = settings.source.partition(":")
-    if kind == "simulate":
-        calm = (0.0, 0.0)
-        return SimulatedSource(pilot, seed=settings.seed, current=settings.current or calm, wind=settings.wind or calm)
-    raise UsageError(
-        f"there is no source '{settings.source}': write simulate, replay:TRIAL, nmea:udp:PORT, nmea:tcp:HOST:PORT or signalk:URL."
-    )
+    if parts.score is not None:
+        # In condition D nobody steers; in the others the navigator's limit is that of the experiment.
+        core.command({"command": "trial", "mode": "track"} if parts.score.condition == "D" else {"command": "trial"})
+        core.command({"command": "execute"})
+    return core

@@ -32,6 +32,14 @@ if TYPE_CHECKING:
     help="simulate, replay:TRIAL, nmea:udp:PORT, nmea:tcp:HOST:PORT or signalk:URL.",
 )
 @format_option
+@click.option("--route", metavar="FILE", help="Planned route: RTZ, or CSV with units in its header.")
+@click.option("--chart", metavar="FILE", help="Chart behind it: an S-57 cell or GeoJSON; with a --route on the earth.")
+@click.option("--scenario", metavar="T1..T6", help="Sail a track of the tracking experiment of Passenier (1989).")
+@click.option(
+    "--condition",
+    metavar="A|B|C|D",
+    help="Of the experiment: planned track; ground-speed vector; predictor (the default); track pilot.",
+)
 @click.option("--host", default="127.0.0.1", show_default=True, help="Address to serve at; another needs a token.")
 @click.option("--port", default=8000, show_default=True, type=click.IntRange(0, 65535), help="Port; 0 for any.")
 @click.option("--token", metavar="TEXT", help="What the page has to show; made up where another host is served.")
@@ -57,6 +65,10 @@ def bridge(
     schedule: str | None,
     source: str,
     format_: str | None,
+    route: str | None,
+    chart: str | None,
+    scenario: str | None,
+    condition: str | None,
     host: str,
     port: int,
     token: str | None,
@@ -77,6 +89,7 @@ def bridge(
     shipid bridge
     shipid bridge --ship kvlcc2 --record voyage.csv
     shipid bridge --source nmea:udp:10110 --format nmea.toml
+    shipid bridge --scenario T1 --condition C
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.bridge.bridge_settings import BridgeSettings
     from shipid.cli.simulate import flow_of
@@ -89,6 +102,10 @@ def bridge(
             schedule=schedule,
             source=source,
             format=format_,
+            route=route,
+            chart=chart,
+            scenario=scenario,
+            condition=condition,
             record=None if record is None else output_file(record, overwrite),
             clock_factor=clock_factor,
             filter_interval=to_si(filter_interval, "s", "--filter-interval"),
@@ -109,12 +126,14 @@ def _open(settings: BridgeSettings, host: str, port: int, token: str | None) -> 
 
     from shipid.bridge.open_bridge import open_bridge
 
-    with open_bridge(settings, host, port, token) as opened:
+    with open_bridge(settings, host, port, token, lambda score: click.echo(repr(score))) as opened:
         came = opened.serve(
             lambda: say(
                 f"the bridge of {opened.ship} ({opened.source}): {opened.address}\nNOT FOR NAVIGATION. Ctrl-C ends it."
             )
         )
+    if opened.score is not None and not opened.score.done:
+        click.echo(repr(opened.score))
     recorded = "" if opened.recording is None else f" The recording is {opened.recording}."
     say(f"the bridge has ended.{recorded}")
     if came == signal.SIGINT:

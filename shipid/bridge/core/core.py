@@ -12,8 +12,8 @@ from typing import Protocol, runtime_checkable
 
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.core.console import Console, Limits, SteeringMode, SteeringOrder
-from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question
-from shipid.bridge.core.route_watch import PlannedRoute, RouteWatch
+from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question, ShownTrack
+from shipid.bridge.core.route_watch import BridgeRoute, RouteWatch
 from shipid.bridge.core.scale_watch import ScaleWatch
 from shipid.bridge.core.source import SampleSource, SourceReading, Steered
 from shipid.bridge.core.targets import Targets
@@ -30,7 +30,7 @@ from shipid.prediction.tracks.track_predictor import TrackPredictor
 STALE = 5.0
 #: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
 _SLOWEST, _FASTEST = 0.02, 0.8
-_RUDDER_LIMIT = math.radians(10.0)
+RUDDER_LIMIT = math.radians(10.0)
 
 
 @runtime_checkable
@@ -79,7 +79,7 @@ class BridgeCore:
         The autopilot, with the model and the ship.
     source : SampleSource
         Where the samples come from.
-    route : PlannedRoute, optional
+    route : BridgeRoute, optional
         The planned track.
     recording : Recording, optional
         What keeps the samples.
@@ -89,6 +89,10 @@ class BridgeCore:
         Between two steps of the filters, and between two predictions, in s.
     started : datetime, optional
         The moment of t = 0; unknown by default.
+    predicts : bool
+        Whether tracks are predicted, and the wheel-over with them.
+    heading, rudder_limit : float
+        On the console at the beginning, in rad.
 
     Attributes
     ----------
@@ -111,12 +115,15 @@ class BridgeCore:
         pilot: Autopilot,
         source: SampleSource,
         *,
-        route: PlannedRoute | None = None,
+        route: BridgeRoute | None = None,
         recording: Recording | None = None,
         score: Score | None = None,
         filter_interval: float = 0.4,
         prediction_interval: float = 2.0,
         started: datetime | None = None,
+        predicts: bool = True,
+        heading: float = 0.0,
+        rudder_limit: float = RUDDER_LIMIT,
     ) -> None:
         self.pilot, self.source = pilot, source
         self.filter_interval, self.prediction_interval = filter_interval, prediction_interval
@@ -127,24 +134,25 @@ class BridgeCore:
         self.scale = ScaleWatch(TrackPredictor(pilot))
         self.steered: Steered | None = source if isinstance(source, Steered) else None
         self.recording, self.score, self._started = recording, score, started
-        self.console = self._console(route is not None)
+        self.console = self._console(route is not None, heading, rudder_limit)
         self.t = 0.0
         self.clock_factor: float | None = 1.0 if source.timed else None
         self.paused = False
         self._asked = -math.inf
         self._trial_changed = self._lost_answer = False
-        self._tracks: dict[str, Plain] = {"trial": None, "executed": None}
+        self._tracks: dict[str, ShownTrack | None] = {"trial": None, "executed": None}
+        self._warned = 0
         self._heading_known = self.steered is not None
-        self._told = ""
+        self._told, self._predicts, self._touched = "", predicts, False
         length, beam = pilot.length, pilot.ship.particular("B", "m")
         self.board.put("ship", {"name": pilot.ship.name, "length": number(length), "beam": number(beam)})
         self.publish()
 
-    def _console(self, routed: bool) -> Console:
+    def _console(self, routed: bool, heading: float, rudder_limit: float) -> Console:
         pilot = self.pilot
         largest = pilot.limits.get("delta_max", pilot.rudder_limit)
         pace = pilot.pace(pilot.own_speed)
-        start = SteeringOrder("heading", 0.0, min(_RUDDER_LIMIT, pilot.rudder_limit), 0.2 * pace, 0.0)
+        start = SteeringOrder("heading", heading % (2 * math.pi), min(rudder_limit, largest), 0.2 * pace, 0.0)
         limits = Limits((math.radians(1.0), largest), (_SLOWEST * pace, _FASTEST * pace), (-largest, largest))
         modes: tuple[SteeringMode, ...] = ("heading", "rudder", "rate")
         return Console(start, limits, (*modes, "track") if routed else modes, executed=self.steered is not None)
@@ -177,7 +185,7 @@ class BridgeCore:
         if not self._heading_known:
             # The console begins at the ship's own heading, unless it was set meanwhile.
             self._heading_known = True
-            if self.console.trial.heading == 0.0:
+            if not self._touched:
                 self.console.change({"heading": values["psi"]})
         self.past.add(self.t, values["x"], values["y"])
         self.targets.take(reading.targets, values)
@@ -185,7 +193,8 @@ class BridgeCore:
         if self.watch is not None:
             self.watch.update(values["x"], values["y"])
         if self.score is not None:
-            self.score.add(self.t, values)
+            # The voyage of a simulated ship is judged by where she is, not by where the filter takes her to be.
+            self.score.add(self.t, values if self.steered is None else self.steered.now)
 
     def _watch_alarms(self) -> None:
         own, t, alarms = self.own_ship, self.t, self.alarms
@@ -201,17 +210,19 @@ class BridgeCore:
         health = own.health
         alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.message}")
         alarms.set("doubtful", health == "doubtful", t, "warning", "the filter rejects many samples")
+        stopped = None if self.recording is None else self.recording.to_dict()["message"]
+        alarms.set("recording", bool(stopped), t, "warning", str(stopped or ""))
         if self.watch is not None:
             watch = self.watch
             off, side = watch.off_track or 0.0, "starboard" if (watch.off_track or 0.0) > 0 else "port"
             alarms.set("off track", watch.is_off, t, "alarm", f"off track: {abs(off):.0f} m to {side}")
             due, turn = watch.warns(t) and watch.next_leg is not None, watch.turn
-            if turn is not None:
-                to = math.degrees(turn.heading) % 360
-                alarms.set(f"wheel-over:{watch.leg}", due, t, "warning", f"wheel-over to {to:05.1f}° within a minute")
-            for name in [c for c in alarms.conditions if c.startswith("wheel-over:")]:
-                if name != f"wheel-over:{watch.leg}":
-                    alarms.set(name, False, t)
+            if watch.leg != self._warned:
+                # The turn that was warned of is sailed.
+                self._warned = watch.leg
+                alarms.drop("wheel-over")
+            to = 0.0 if turn is None else math.degrees(turn.heading) % 360
+            alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to:05.1f}° within a minute")
             alarms.set("route ended", watch.finished, t, "caution", "the end of the route is passed")
 
     # What is predicted.
@@ -219,7 +230,7 @@ class BridgeCore:
     def question(self) -> Question | None:
         """Return what is to be predicted now, or None where nothing is due."""
         known = self.own_ship.situation
-        if known is None:
+        if known is None or not self._predicts:
             return None
         trial = None if self.console.trial == self.console.executed else self.console.trial
         if self.t - self._asked >= self.prediction_interval - 1e-6:
@@ -260,11 +271,11 @@ class BridgeCore:
         """
         asked = answer.question
         if asked.executed is not None:
-            self._tracks["executed"] = None if answer.executed is None else answer.executed.to_dict()
+            self._tracks["executed"] = answer.executed
         if self.console.trial == self.console.executed:
             self._tracks["trial"] = None
         elif answer.trial is not None:
-            self._tracks["trial"] = answer.trial.to_dict()
+            self._tracks["trial"] = answer.trial
         if self.watch is not None and asked.executed is not None:
             track = None if answer.executed is None else answer.executed.track
             self.watch.take(answer.wheel_over, track, asked.t)
@@ -304,6 +315,7 @@ class BridgeCore:
         commands[name](rest)
 
     def _try(self, rest: dict[str, Plain]) -> None:
+        self._touched = True
         self._trial_changed |= self.console.change(rest)
 
     def _cancel(self, rest: dict[str, Plain]) -> None:
@@ -358,8 +370,9 @@ class BridgeCore:
         put("own", own.to_dict())
         put("sensors", own.sensors.to_list())
         put("settings", self.console.to_dict())
-        put("tracks", self._tracks)
-        put("route", None if self.watch is None else {**self.watch.fixed, **self.watch.to_dict(t)})
+        shown = {n: "null" if track is None else track.text for n, track in self._tracks.items()}
+        self.board.put_text("tracks", f'{{"trial":{shown["trial"]},"executed":{shown["executed"]}}}')
+        self.board.put_text("route", "null" if self.watch is None else self.watch.text(t))
         put("flow", own.flow())
         message = own.message or self._told or None
         health = {"state": own.health, "message": message, "rejected": number(own.rejected, 3)}
@@ -370,7 +383,7 @@ class BridgeCore:
         if self.steered is not None:
             simulation = {
                 **self.steered.to_dict(), "clock_factor": number(self.clock_factor), "paused": self.paused,
-                "clock_factors": [1, 2, 4, 8, 16],
+                "clock_factors": [1, 2, 4, 8, 16, 32, 64],
             }  # fmt: skip
         put("simulation", simulation)
         put("experiment", None if self.score is None else self.score.to_dict())

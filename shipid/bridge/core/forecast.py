@@ -5,12 +5,13 @@ It is a function of a question: it runs in a thread, and nothing else touches th
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import numpy as np
 
 from shipid.bridge.core.console import SteeringOrder
-from shipid.bridge.shown.plain_values import number
+from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
 from shipid.prediction.following.planned_track import PlannedTrack
@@ -38,6 +39,11 @@ class ShownTrack:
 
     track: PredictedTrack | None
     message: str = ""
+
+    @functools.cached_property
+    def text(self) -> str:
+        """It as JSON, made once."""
+        return strict_json(self.to_dict())
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI, of at most 200 points."""
@@ -165,13 +171,12 @@ class Forecaster:
                 turn = wheel_over(self.predictor, question.situation, question.leg, rudder_limit=question.rudder_limit)
             except ShipidError:
                 turn = None
-        return PredictionAnswer(
-            question,
-            self._forecast(question, question.trial, None),
-            self._forecast(question, question.executed, order),
-            turn,
-            order,
-        )
+        trial = self._forecast(question, question.trial, None)
+        executed = self._forecast(question, question.executed, order)
+        for track in (trial, executed):
+            if track is not None:
+                track.text  # noqa: B018 - written here, in the thread, and not where the page is brought up to date
+        return PredictionAnswer(question, trial, executed, turn, order)
 
     def _forecast(
         self, question: Question, steering: SteeringOrder | None, order: TrackOrder | None
@@ -191,6 +196,8 @@ class Forecaster:
             )
         except ShipidError as error:
             return ShownTrack(None, str(error))
+        except (ArithmeticError, ValueError, RuntimeError) as error:
+            return ShownTrack(None, f"nothing can be predicted: {type(error).__name__}.")
         if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
         return ShownTrack(track, track.ended)

@@ -7,66 +7,60 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.bridge.shown.plain_values import number
+from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.wheel_over import WARNING, TrackLeg, WheelOver
+from shipid.prediction.routes.route import Route
+from shipid.prediction.routes.route_plan import plan_of
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 
 #: Distance off the track in m that is an alarm where a leg states none: a tenth of a nautical mile.
 OFF_TRACK = 185.2
-#: The place on the line is looked for so far ahead of the place before and behind it, in m: a route may cross itself.
-_AHEAD, _BEHIND = 2000.0, 500.0
-#: The line is sought as a whole again where the ship is so much farther from the place that was found, in m.
-_LOST = 1000.0
+#: The whole track is looked at again where the ship is so much farther, in m, from the part she was on.
+_ELSEWHERE = 1000.0
+#: The line is sent with so many points at most.
+_SENT = 1000
 
 
-@dataclass(frozen=True)
-class Waypoint:
-    """A waypoint of the route in local metres.
-
-    Attributes
-    ----------
-    x, y : float
-        To the north and to the east in m.
-    name : str
-        Its name, or nothing.
-    radius : float or None
-        Of the turn there in m.
-    xtd_port, xtd_starboard : float or None
-        Limits of the leg that ends there, in m.
-    """
-
-    x: float
-    y: float
-    name: str = ""
-    radius: float | None = None
-    xtd_port: float | None = None
-    xtd_starboard: float | None = None
-
-    def to_dict(self) -> dict[str, Plain]:
-        """Return plain values, SI."""
-        numbers = ("x", "y", "radius", "xtd_port", "xtd_starboard")
-        return {"name": self.name, **{n: number(getattr(self, n), 8) for n in numbers}}
-
-
-@dataclass(frozen=True)
-class PlannedRoute:
-    """A route as the bridge uses it.
+@dataclass(frozen=True, eq=False)
+class BridgeRoute:
+    """A route as the bridge uses it, in local metres.
 
     Attributes
     ----------
     name : str
         Its name.
-    waypoints : tuple of Waypoint
-        Two at least.
     plan : PlannedTrack
         Its legs, and the line over the ground.
+    points : tuple of dict
+        Its waypoints as the page shows them: ``x``, ``y``, ``name``, ``radius``, ``xtd_port``, ``xtd_starboard``; SI.
     """
 
     name: str
-    waypoints: tuple[Waypoint, ...]
     plan: PlannedTrack
+    points: tuple[dict[str, Plain], ...]
+
+
+def bridge_route(route: Route, origin: tuple[float, float] | None, radius: float) -> BridgeRoute:
+    """Return a route as the bridge uses it.
+
+    Parameters
+    ----------
+    route : Route
+        The route.
+    origin : tuple of float or None
+        Latitude and longitude in rad of x = y = 0; the first waypoint by default.
+    radius : float
+        Of the turns in m where the route states none.
+    """
+    plan = plan_of(route, origin=origin, radius=radius)
+    points = []
+    for point, (x, y) in zip(route.waypoints, route.local(origin).tolist()):
+        numbers = {"x": x, "y": y, "radius": point.radius, "xtd_port": point.xtd_port}
+        numbers["xtd_starboard"] = point.xtd_starboard
+        points.append({"name": point.name, **{n: number(v, 8) for n, v in numbers.items()}})
+    return BridgeRoute(route.name, plan, tuple(points))
 
 
 class RouteWatch:
@@ -74,13 +68,13 @@ class RouteWatch:
 
     Parameters
     ----------
-    route : PlannedRoute
+    route : BridgeRoute
         The route.
 
     Attributes
     ----------
     leg : int
-        Number of the leg the ship is on, or turns to.
+        Number of the leg of the planned track that the ship is on, or turns to.
     off_track : float or None
         Distance from the planned line in m, positive to starboard.
     finished : bool
@@ -91,7 +85,7 @@ class RouteWatch:
         How far the predicted track swings beyond the next leg in m.
     """
 
-    def __init__(self, route: PlannedRoute) -> None:
+    def __init__(self, route: BridgeRoute) -> None:
         self.route = route
         self.leg = 0
         self.off_track: float | None = None
@@ -99,23 +93,15 @@ class RouteWatch:
         self.turn: WheelOver | None = None
         self.overshoot: float | None = None
         self._asked = 0.0
-        line = route.plan.line
-        self._begin, self._along = line[:-1], np.diff(line, axis=0)
-        self._lengths = np.maximum(np.hypot(self._along[:, 0], self._along[:, 1]), 1e-9)
-        self._sailed = np.concatenate([[0.0], np.cumsum(self._lengths)])
-        # A leg begins in the middle of the turn onto it: at the point of the line that is nearest to its waypoint.
-        self._starts = [0.0]
-        for leg in route.plan.legs[1:]:
-            nearest = np.hypot(line[:, 0] - leg.x, line[:, 1] - leg.y)
-            after = self._sailed > self._starts[-1]
-            self._starts.append(float(self._sailed[np.where(after, nearest, np.inf).argmin()]))
-        self._place: float | None = None
 
     @property
     def next_leg(self) -> TrackLeg | None:
-        """The leg after the one the ship is on; None on the last."""
-        legs = self.route.plan.legs
-        return legs[self.leg + 1] if self.leg + 1 < len(legs) else None
+        """The leg that begins at the next waypoint; None behind the last one that is turned at."""
+        plan = self.route.plan
+        if not plan.waypoints:
+            return plan.legs[self.leg + 1] if self.leg + 1 < len(plan.legs) else None
+        # A leg that is curved in the plane has several pieces, all of which lead to one waypoint.
+        return next((leg for leg, to in zip(plan.legs, plan.waypoints) if to > plan.waypoints[self.leg]), None)
 
     def update(self, x: float, y: float) -> None:
         """Take the ship's place.
@@ -125,29 +111,21 @@ class RouteWatch:
         x, y : float
             In m.
         """
-        away = np.array([x, y]) - self._begin
-        share = np.clip((away * self._along).sum(axis=1) / self._lengths**2, 0.0, 1.0)
-        left = away - share[:, None] * self._along
-        gap = np.hypot(left[:, 0], left[:, 1])
-        place = self._sailed[:-1] + share * self._lengths
-        best = int(gap.argmin())
-        if self._place is not None:
-            near = (place > self._place - _BEHIND) & (place < self._place + _AHEAD)
-            if near.any():
-                close = int(np.where(near, gap, np.inf).argmin())
-                if gap[close] <= gap[best] + _LOST:
-                    best = close
-        side = self._along[best, 0] * left[best, 1] - self._along[best, 1] * left[best, 0]
-        legs = self.route.plan.legs
-        self._place = float(place[best])
-        self.leg = max(k for k, start in enumerate(self._starts) if start <= self._place)
-        last = legs[-1]
-        self.finished = self.leg == len(legs) - 1 and bool(last.along(x, y) >= self.route.plan.end)
+        plan = self.route.plan
+        off, leg = plan.off_track(x, y, None if self.off_track is None else self.leg)
+        if self.off_track is not None:
+            elsewhere, other = plan.off_track(x, y)
+            if abs(elsewhere[0]) + _ELSEWHERE < abs(off[0]):
+                off, leg = elsewhere, other
+        self.leg = max(int(leg[0]), 0)
+        first, last = plan.legs[0], plan.legs[-1]
+        self.finished = self.leg == len(plan.legs) - 1 and bool(last.along(x, y) >= plan.end)
         # Before and behind the line its first and last leg go on.
-        if self._place <= 0.0 or self.finished:
-            self.off_track = float((last if self.finished else legs[0]).across(x, y))
-        else:
-            self.off_track = float(np.sign(side) * gap[best])
+        if self.finished:
+            off = last.across(np.array([x]), np.array([y]))
+        elif self.leg == 0 and first.along(x, y) < 0:
+            off = first.across(np.array([x]), np.array([y]))
+        self.off_track = float(off[0])
 
     def take(self, turn: WheelOver | None, track: PredictedTrack | None, t: float) -> None:
         """Take what was predicted.
@@ -188,8 +166,9 @@ class RouteWatch:
     @property
     def limits(self) -> tuple[float, float]:
         """Limits to port and to starboard of the present leg in m."""
-        point = self.route.waypoints[min(self.leg + 1, len(self.route.waypoints) - 1)]
-        return point.xtd_port or OFF_TRACK, point.xtd_starboard or OFF_TRACK
+        stated = (np.inf, np.inf) if self.route.plan.limits is None else self.route.plan.limits[self.leg]
+        port, starboard = (float(v) if np.isfinite(v) else OFF_TRACK for v in stated)
+        return port, starboard
 
     @property
     def is_off(self) -> bool:
@@ -208,8 +187,18 @@ class RouteWatch:
                 return float(max((-np.sign(change) * leg.across(track.x, track.y)).max(), 0.0))
         return None
 
+    def text(self, t: float) -> str:
+        """Return what the page shows as JSON: what does not change was written once.
+
+        Parameters
+        ----------
+        t : float
+            Now, in s.
+        """
+        return f"{self._fixed[:-1]},{strict_json(self.to_dict(t))[1:]}"
+
     def to_dict(self, t: float) -> dict[str, Plain]:
-        """Return what the page shows, SI.
+        """Return what changes, SI.
 
         Parameters
         ----------
@@ -219,7 +208,7 @@ class RouteWatch:
         turn, left = self.turn, self.to_wheel_over(t)
         speed = None if turn is None or not turn.time else turn.distance / turn.time
         return {
-            "leg": self.leg,
+            "leg": self.leg if not self.route.plan.waypoints else self.route.plan.waypoints[self.leg] - 1,
             "off_track": number(self.off_track, 5),
             "wheel_over": None
             if turn is None or left is None or speed is None
@@ -234,11 +223,12 @@ class RouteWatch:
         }
 
     @functools.cached_property
-    def fixed(self) -> dict[str, Plain]:
+    def _fixed(self) -> str:
         """What does not change: name, waypoints and line."""
-        line = [[number(v, 8) for v in point] for point in self.route.plan.line.tolist()]
-        return {
+        line = self.route.plan.line
+        kept = np.unique(np.linspace(0, len(line) - 1, min(_SENT, len(line))).round().astype(int))
+        return strict_json({
             "name": self.route.name,
-            "waypoints": [w.to_dict() for w in self.route.waypoints],
-            "line": line,
-        }
+            "waypoints": list(self.route.points),
+            "line": [[number(v, 6) for v in point] for point in line[kept].tolist()],
+        })  # fmt: skip

@@ -99,6 +99,10 @@ class SampleSource(Protocol):
 class Steered(Protocol):
     """A source that can be steered: the simulated ship."""
 
+    @property
+    def now(self) -> dict[str, float]:
+        """What the ship does, without the noise of the sensors; SI."""
+
     def steer(self, steering: SteeringOrder) -> None:
         """Take an order.
 

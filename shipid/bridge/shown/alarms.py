@@ -77,6 +77,16 @@ class Alarms:
             if alarm.acknowledged:
                 del self._by_condition[condition]
 
+    def drop(self, condition: str) -> None:
+        """Forget the alarm of a condition that no longer matters.
+
+        Parameters
+        ----------
+        condition : str
+            Its name.
+        """
+        self._by_condition.pop(condition, None)
+
     def acknowledge(self, number_of_it: int) -> None:
         """Acknowledge one alarm.
 

@@ -32,7 +32,18 @@ class Board:
         value : plain values
             What JSON can hold; a number that is not finite becomes null.
         """
-        text = strict_json(value)
+        self.put_text(key, strict_json(value))
+
+    def put_text(self, key: str, text: str) -> None:
+        """Set a key whose value is JSON already; an equal text is no change.
+
+        Parameters
+        ----------
+        key : str
+            The key.
+        text : str
+            Strict JSON.
+        """
         if self._texts.get(key) != text:
             self.version += 1
             self._texts[key], self._changed[key] = text, self.version

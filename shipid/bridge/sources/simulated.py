@@ -40,6 +40,8 @@ class SimulatedSource:
         Of the noise.
     heading : float
         At the beginning, in rad.
+    place : tuple of float
+        At the beginning, to the north and to the east in m.
     current, wind : tuple of float
         Speed in m/s and the direction it flows TO in rad.
     noise : bool
@@ -60,6 +62,7 @@ class SimulatedSource:
         *,
         seed: int = 0,
         heading: float = 0.0,
+        place: tuple[float, float] = (0.0, 0.0),
         current: tuple[float, float] = (0.0, 0.0),
         wind: tuple[float, float] = (0.0, 0.0),
         noise: bool = True,
@@ -71,7 +74,9 @@ class SimulatedSource:
         self._changed: dict[str, float] = {}
         self._by: SteeredBy = "heading"
         self._ended = ""
-        self.ship = SimulatedShip(pilot, start={"psi": heading}, parts=self._parts, inputs=self._acting())
+        self.ship = SimulatedShip(
+            pilot, start={"psi": heading, "x": place[0], "y": place[1]}, parts=self._parts, inputs=self._acting()
+        )
         names = (*pilot.model.parameters, *(("N_w", "F_w") if self._parts else ()))
         self._coefficients = {n: self.ship.coefficients[n] for n in names if n in self.ship.coefficients}
         self._limit = pilot.rudder_limit
@@ -87,6 +92,11 @@ class SimulatedSource:
     def state(self) -> SourceState:
         """Running, until the model leaves the range it describes."""
         return "ended" if self._ended else "running"
+
+    @property
+    def now(self) -> dict[str, float]:
+        """What the ship does, without the noise of the sensors; SI."""
+        return self.ship.now
 
     async def start(self) -> None:
         """Nothing has to be opened."""
@@ -175,7 +185,7 @@ class SimulatedSource:
         self.ship.inputs |= {n: v for n, v in self._acting().items() if n in self.ship.model.inputs}
 
     def _set(self, name: Plain, value: Plain) -> None:
-        if name not in self._coefficients or value is None:
+        if not isinstance(name, str) or name not in self._coefficients or value is None:
             raise UsageError(f"a coefficient is one of {', '.join(self._coefficients)}, with its value.")
         low, high = self._range(name)
         self._changed[name] = min(max(float(value), low), high)

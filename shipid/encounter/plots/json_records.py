@@ -77,12 +77,12 @@ def plots_of_json(file: Path, format_: PlotFormat) -> RawPlots:
             at = float(record[keys.time]) * second
             here = np.asarray(record[keys.own] if keys.own else (0.0, 0.0), float).ravel()[:2] * length
             pairs = _pairs(record[keys.position], keys.layout) * length
-            if here.size != 2:
-                raise ValueError
         except (TypeError, ValueError, KeyError):
+            here = np.zeros(0)
+        if here.size != 2:
             raise failed(
                 format_, f"'{file}', record {number}: its time, position or own position is no number, or no pair."
-            ) from None
+            )
         if not len(pairs):
             looks.append(at)
             looked.append(which)

@@ -1,4 +1,4 @@
-"""How dense the false plots of a sensor are, where a plot lies: learned from what no confirmed track explains."""
+"""How dense the false plots of a sensor are, where a plot lies: learned from what no track explains."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class ClutterMap:
         false : ndarray, shape (m,)
             Probability that each belongs to no track.
         unexplained : ndarray, shape (m,)
-            Probability that each belongs to no confirmed track.
+            Probability that each belongs to no track that is nearly sure.
         """
         self.count += _NEWEST * (float(false.sum()) + 0.5 - self.count)
         self.scans.append((z, unexplained))
