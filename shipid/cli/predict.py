@@ -103,7 +103,9 @@ def predict(
     plan = None if route is None else read_route(route)
     pilot = _pilot(model, ship, schedule)
     with delivery.progress() as tell:
-        situation, origin, told, trial = _situation(pilot, begin, current, wind, format_, tell, on_route=plan is not None)
+        situation, origin, told, trial = _situation(
+            pilot, begin, current, wind, format_, tell, on_route=plan is not None
+        )
         place = _origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.
         below = None if chart is None else read_chart(chart, _known(place))
