@@ -59,7 +59,13 @@ def test_ranges_and_bearings_from_own_ship(tmp_path):
 def test_own_ship_from_a_file_of_her_own(tmp_path):
     own = table(tmp_path / "own.csv", "t [s],x [m],y [m]", T, 5 * T, 0 * T)
     north = NORTH - 5 * T
-    log = table(tmp_path / "p.csv", "t [s],range [m],bearing [deg]", T, np.hypot(north, EAST), np.rad2deg(np.arctan2(EAST, north)))
+    log = table(
+        tmp_path / "p.csv",
+        "t [s],range [m],bearing [deg]",
+        T,
+        np.hypot(north, EAST),
+        np.rad2deg(np.arctan2(EAST, north)),
+    )
     found = read_detections(log, own=own)
     is_the_target(found)
     (one,) = track(found).tracks
@@ -116,7 +122,9 @@ def test_matlab_as_a_format_file_describes(tmp_path):
     range_, bearing = np.hypot(NORTH, EAST), np.arctan2(EAST, NORTH)
     log = {"azimuth": bearing, "range": range_, "time": 1000 * (T + 40000)}
     savemat(tmp_path / "d.mat", {"detections": log}, oned_as="column")
-    lonlat = np.column_stack([1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50))), 50 + np.rad2deg(NORTH / 6_380_000)])
+    lonlat = np.column_stack(
+        [1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50))), 50 + np.rad2deg(NORTH / 6_380_000)]
+    )
     ships = np.empty((1, 2), object)
     ships[0, 0] = {"numTime": T + 40000, "geoLonLat": np.tile([1.0, 50.0], (T.size, 1)), "shipName": "OWN  @@"}
     ships[0, 1] = {"numTime": T + 40000, "geoLonLat": lonlat, "shipName": "GULL"}
