@@ -42,7 +42,7 @@ class OwnShip:
     Parameters
     ----------
     pilot : Autopilot
-        The autopilot, with the model and the ship.
+        The autopilot, with the ship and her model, which has a position and a heading.
 
     Attributes
     ----------
@@ -50,17 +50,10 @@ class OwnShip:
         What is heard of her.
     message : str
         What there is to say of the filter.
-
-    Raises
-    ------
-    UsageError
-        If the model has no position and heading.
     """
 
     def __init__(self, pilot: Autopilot) -> None:
         model = pilot.model
-        if not {"x", "y", "psi"} <= set(model.states):
-            raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
         shown = {n: level for n, level in BRIDGE.items() if n in (*model.states, *model.derived)}
         adapts = [n for n in _ADAPTS if n in model.parameters]
         self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts)
