@@ -39,6 +39,8 @@ _HOMES = {
     "simulate": "shipid.trials.manoeuvres.simulate",
     "Cascade": "shipid.estimation.several.cascade",
     "ExtendedKalmanFilter": "shipid.estimation.kalman",
+    "InteractingMultipleModel": "shipid.estimation.multiple.interacting",
+    "Mode": "shipid.estimation.multiple.modes",
     "Fit": "shipid.identification.fit",
     "assess": "shipid.identification.assess",
     "compare_models": "shipid.identification.compare_models",

@@ -383,7 +383,7 @@ class BridgeCore:
         if self.steered is not None:
             simulation = {
                 **self.steered.to_dict(), "clock_factor": number(self.clock_factor), "paused": self.paused,
-                "clock_factors": [1, 2, 4, 8, 16],
+                "clock_factors": [1, 2, 4, 8, 16, 32, 64],
             }  # fmt: skip
         put("simulation", simulation)
         put("experiment", None if self.score is None else self.score.to_dict())

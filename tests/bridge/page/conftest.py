@@ -63,3 +63,17 @@ def open_page(browser):
     for context in contexts:
         context.close()
     assert faults == []
+
+
+@pytest.fixture
+def until():
+    """Wait until an expression of the page holds; the page's own policy forbids Playwright to evaluate it inside the page."""
+
+    def wait(page, expression: str, seconds: float = 8.0) -> None:
+        for _ in range(int(seconds / 0.04)):
+            if page.evaluate(expression):
+                return
+            page.wait_for_timeout(40)
+        raise AssertionError(f"never: {expression}")
+
+    return wait

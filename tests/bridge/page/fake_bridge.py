@@ -93,8 +93,12 @@ def voyage() -> dict:
     }  # fmt: skip
     settings = {"mode": "heading", "heading": 75 * DEG, "rudder_limit": 10 * DEG, "rate": 20 * DEG / 60, "rudder": 0.0}
     past = np.arange(0.0, 260.0, 2.0)
-    sensors = [("psi", "heading", "rad"), ("r", "rate of turn", "rad/s"), ("stw", "speed through the water", "m/s"),
-               ("delta", "rudder angle", "rad"), ("x", "position north", "m"), ("y", "position east", "m")]  # fmt: skip
+    sensors = [
+        ("psi", "heading", "rad"),
+        ("r", "rate of turn", "rad/s"),
+        ("u", "speed through the water", "m/s"),
+        ("delta", "rudder angle", "rad"),
+    ]
     estimates = [
         ("K", "K*", 1.58, 0.06, 1.6),
         ("tau", "τ*", 1.74, 0.09, 1.7),
@@ -184,7 +188,12 @@ class FakeBridge:
             Mount("/static", StaticFiles(directory=PAGE)),
         ]
         config = uvicorn.Config(
-            Starlette(routes=routes), host="127.0.0.1", port=self.port, log_level="error", ws="websockets-sansio"
+            Starlette(routes=routes),
+            host="127.0.0.1",
+            port=self.port,
+            log_level="error",
+            lifespan="off",
+            ws="websockets-sansio",
         )
         self._server = uvicorn.Server(config)
         self._thread = threading.Thread(target=self._server.run, daemon=True)

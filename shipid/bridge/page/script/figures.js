@@ -80,6 +80,13 @@ export function coefficient(value) {
   return plain(value, digits);
 }
 
+/** A value with its standard deviation: two figures of the deviation say how many of the value matter. */
+export function uncertain(value, deviation) {
+  if (!known(value) || !known(deviation) || !(deviation > 0)) return [coefficient(value), ""];
+  const digits = Math.max(0, Math.min(6, 1 - Math.floor(Math.log10(deviation))));
+  return [plain(value, digits), ` ± ${plain(deviation, digits)}`];
+}
+
 /** Read a number that a navigator typed: comma or point, a leading S or P for a side. Null where it is none. */
 export function typed(text) {
   const match = /^\s*([SPsp])?\s*([+\-−]?\d*[.,]?\d+|\d+[.,]?)\s*(?:°|nm|kn)?\s*$/.exec(text);

@@ -35,12 +35,12 @@ function arc(from, to) {
 export function createCompass(model, settings) {
   const ship = svg("g", {}, svg("path", { class: "hull", d: "M0 -20 C5 -12 6 -6 6 16 L-6 16 C-6 -6 -5 -12 0 -20 Z" }), svg("line", { class: "line", y1: -20, y2: -(RIM - 28) }));
   const executed = svg("path", { class: "bug executed", d: `M0 ${-RIM} l6 9 l-12 0 Z` });
-  const letter = svg("text", { class: "letter", y: -RIM - 5 });
+  const letter = svg("text", { class: "letter" });
   letter.textContent = "T";
-  const trial = svg("g", {}, svg("line", { class: "spoke", y1: -22, y2: -RIM }), svg("path", { class: "bug trial", d: `M0 ${-RIM} l11 -17 l-22 0 Z` }), letter);
+  const trial = svg("path", { class: "bug trial", d: `M0 ${-RIM} l10 -18 l-20 0 Z` });
   const turning = svg("path", { class: "turning" });
   const dial = svg("svg", { class: "compass", viewBox: "-95 -95 190 190", role: "slider", tabindex: 0, "aria-label": "Trial heading", "aria-valuemin": 0, "aria-valuemax": 359.9 },
-    ...rose(), turning, ship, executed, trial);
+    ...rose(), turning, ship, executed, trial, letter);
 
   let held = false;
   let sent = 0;
@@ -80,6 +80,13 @@ export function createCompass(model, settings) {
     };
     at(ship, psi);
     at(trial, heading);
+    mark(letter, "visibility", known(heading) ? "visible" : "hidden");
+    if (known(heading)) {
+      // The letter stays upright wherever the marker stands.
+      const [x, y] = polar(RIM + 12, heading);
+      mark(letter, "x", x.toFixed(1));
+      mark(letter, "y", (y + 4).toFixed(1));
+    }
     at(executed, done?.mode === "heading" ? done.heading : null);
     const apart = usable && known(psi) && Math.abs(halfTurn(heading - psi)) > 0.5 * DEG;
     mark(turning, "visibility", apart ? "visible" : "hidden");

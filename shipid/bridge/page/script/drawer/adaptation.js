@@ -1,7 +1,7 @@
 // How the prediction corrects itself: the estimated coefficients with their spread and recent course, and the health of the filter.
 
 import { el, mark, put, svg } from "../dom.js";
-import { coefficient, known } from "../figures.js";
+import { coefficient, known, uncertain } from "../figures.js";
 
 const HEALTH = { starting: "starting", well: "well", doubtful: "doubtful", diverged: "diverged", lost: "lost" };
 /** Points of a trend, and the seconds of ship's time between two of them. */
@@ -31,6 +31,14 @@ function plot({ drawing, spread, course, truth }, points, true_value) {
     mark(truth, "y1", y(true_value));
     mark(truth, "y2", y(true_value));
   }
+}
+
+const GREEK = { tau: "τ", rho: "ρ", gamma: "γ", alpha: "α", delta: "δ", psi: "ψ" };
+
+/** Set a symbol: Greek letters for their names, a subscript after the low line. */
+export function typeset(label) {
+  const [base, ...below] = label.replace(/[a-z]+/gi, (word) => GREEK[word] ?? word).split("_");
+  return below.length ? [base, el("sub", {}, below.join(" "))] : [base];
 }
 
 /** Return the part of the drawer that shows the adaptation. */
@@ -79,10 +87,14 @@ export function createAdaptation() {
       for (const item of values) {
         const { box, symbol, number, spread, standing, trend } = row(item);
         mark(box, "aria-label", item.label);
-        put(symbol, item.label);
-        put(number, coefficient(item.value));
+        if (symbol.dataset.of !== item.label) {
+          symbol.dataset.of = item.label;
+          symbol.replaceChildren(...typeset(item.label));
+        }
+        const [figure, deviation] = uncertain(item.value, item.sd);
+        put(number, figure);
         const unit = item.unit && item.unit !== "1" ? ` ${item.unit}` : "";
-        put(spread, `${known(item.sd) ? ` ± ${coefficient(item.sd)}` : ""}${unit}`);
+        put(spread, `${deviation}${unit}`);
         put(standing, [item.standing, known(item.truth) ? `true value ${coefficient(item.truth)}` : ""].filter(Boolean).join(", "));
         plot(trend, courses.get(item.name) ?? [], item.truth);
       }

@@ -8,9 +8,9 @@ export const OLD = 2;
 
 const SHIP = [
   { key: "psi", name: "HDG", full: "heading", measure: "°", text: degrees, sensors: ["psi"] },
-  { key: "cog", name: "COG", full: "course over ground", measure: "°", text: degrees, sensors: ["cog"] },
-  { key: "stw", name: "STW", full: "speed through the water", measure: "kn", text: knots, sensors: ["stw", "u"] },
-  { key: "sog", name: "SOG", full: "speed over ground", measure: "kn", text: knots, sensors: ["sog"] },
+  { key: "cog", name: "COG", full: "course over ground", measure: "°", text: degrees, sensors: ["COG"] },
+  { key: "stw", name: "STW", full: "speed through the water", measure: "kn", text: knots, sensors: ["u"] },
+  { key: "sog", name: "SOG", full: "speed over ground", measure: "kn", text: knots, sensors: ["SOG"] },
 ];
 
 /** Say how a value of the ship stands: its age where it is too old to be used, whether it is estimated. */
@@ -26,13 +26,13 @@ export function standing(model, key, sensors = [key]) {
   return { old: false, age: null, estimated };
 }
 
-/** Mark a number as old or estimated, and write beside it what it is. */
-export function qualify(value, note, how) {
-  value.classList.toggle("old", how.old);
-  value.classList.toggle("estimated", how.estimated);
+/** Mark a number as old or estimated, and write beside it what it is. A dash is not struck: there is nothing to mistrust. */
+export function qualify(value, note, how, there = true) {
+  value.classList.toggle("old", how.old && there);
+  value.classList.toggle("estimated", how.estimated && there);
   note.classList.toggle("age", how.old);
-  put(note, how.old ? (how.age === null ? "lost" : `${age(how.age)} old`) : how.estimated ? "est." : "");
-  mark(note, "title", how.old ? "older than its limit" : how.estimated ? "estimated, not measured" : null);
+  put(note, how.old ? (how.age === null ? "lost" : `${age(how.age)} old`) : how.estimated && there ? "est." : "");
+  mark(note, "title", how.old ? "older than its limit" : how.estimated && there ? "estimated, not measured" : null);
 }
 
 function makeReadout(name, full) {
@@ -57,7 +57,7 @@ export function createReadouts(model) {
     for (const item of ship) {
       put(item.number, item.text(state.own?.[item.key]));
       put(item.unit, item.measure);
-      qualify(item.number, item.note, standing(model, item.key, item.sensors));
+      qualify(item.number, item.note, standing(model, item.key, item.sensors), known(state.own?.[item.key]));
     }
     const route = state.route;
     const wheel = route?.wheel_over;
@@ -65,7 +65,7 @@ export function createReadouts(model) {
     put(over.unit, wheel ? distance(wheel.distance) : route ? "" : "no route");
     put(off.number, route ? aside(route.off_track) : DASH);
     for (const item of [over, off]) {
-      item.number.classList.toggle("old", !model.link.connected);
+      item.number.classList.toggle("old", !model.link.connected && Boolean(route));
       put(item.note, "");
     }
     if (wheel && wheel.seconds < 0) put(over.note, "past");

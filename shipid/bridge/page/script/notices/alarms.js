@@ -29,7 +29,7 @@ export function createAlarms(send) {
     const kind = alarm.kind in GRAVITY ? alarm.kind : "alarm";
     const words = el("span", { class: "words" });
     const since = el("span", { class: "since" });
-    const key = el("button", { type: "button" }, "Acknowledge");
+    const key = el("button", { type: "button" }, "ACK");
     key.addEventListener("click", () => send({ command: "acknowledge", id: alarm.id }));
     const item = el("li", { class: `alarm ${kind}-kind` }, sign(kind), el("span", { class: "kind" }, kind), words, since, key);
     return { item, words, since, key };

@@ -73,15 +73,32 @@ const SHAPES = {
   special: (ctx, x, y) => { ctx.moveTo(x - 4, y - 9); ctx.lineTo(x + 4, y - 1); ctx.moveTo(x + 4, y - 9); ctx.lineTo(x - 4, y - 1); },
 };
 
+// The topmark of a cardinal mark: two cones, each pointing up (1) or down (-1).
+const QUARTERS = { north: [1, 1], south: [-1, -1], east: [1, -1], west: [-1, 1] };
+
+function cones(ctx, x, y, [upper, lower]) {
+  for (const [way, base] of [[upper, y - 7], [lower, y]]) {
+    ctx.moveTo(x - 4, way > 0 ? base : base - 6);
+    ctx.lineTo(x + 4, way > 0 ? base : base - 6);
+    ctx.lineTo(x, way > 0 ? base - 6 : base);
+    ctx.closePath();
+  }
+}
+
+// Colours are written, as on a paper chart, because red and green mean port and starboard on this page.
+const LETTERS = { red: "R", green: "G", yellow: "Y", black: "B", white: "W", orange: "Or", amber: "Y", blue: "Bu" };
+const lettered = (colours) => (colours ?? []).map((name) => LETTERS[name] ?? "").join("");
+
 /** Draw buoys and the depths of contours, those in sight. */
 export function drawBuoys(ctx, view, chart, colours, labels, size) {
   if (!chart) return;
   let count = 0;
-  for (const { x, y, name, kind } of chart.buoys) {
+  for (const { x, y, name, kind, quarter, colour, structure } of chart.buoys) {
     const [px, py] = view.point(x, y);
     if (px < -20 || py < -20 || px > size.width + 20 || py > size.height + 20 || ++count > BUOYS) continue;
     ctx.beginPath();
-    (SHAPES[kind] ?? SHAPES.safe)(ctx, px, py);
+    if (kind === "cardinal" && quarter in QUARTERS) cones(ctx, px, py - 2, QUARTERS[quarter]);
+    else (SHAPES[kind] ?? SHAPES.safe)(ctx, px, py);
     ctx.setLineDash([]);
     ctx.lineWidth = 1.6;
     ctx.strokeStyle = colours.text;
@@ -89,9 +106,11 @@ export function drawBuoys(ctx, view, chart, colours, labels, size) {
     ctx.fill();
     ctx.stroke();
     ctx.beginPath();
-    ctx.arc(px, py, 1.8, 0, 7);
+    if (structure === "beacon") ctx.rect(px - 2, py - 1, 4, 4);
+    else ctx.arc(px, py, 1.8, 0, 7);
     ctx.stroke();
-    if (name) labels.write(name, [px, py - 4], colours.soft, { away: 9 });
+    const text = [name, lettered(colour)].filter(Boolean).join(" ");
+    if (text) labels.write(text, [px, py - 4], colours.soft, { away: 9 });
   }
   for (const { depth, line: points } of chart.marks) {
     const [x, y] = points[Math.floor(points.length / 2)];

@@ -1,6 +1,6 @@
 // Range rings, the scale of bearings, the markers of heading and trial heading, the variable range marker.
 
-import { DEG, known, plain } from "../figures.js";
+import { DEG, plain } from "../figures.js";
 import { trace } from "./projection.js";
 
 function circle(ctx, [x, y], radius) {
@@ -48,7 +48,6 @@ export function drawBearings(ctx, view, place, radius, colours, labels) {
 
 /** Draw the trial heading marker: a dashed line from the ship to a triangle with a T at the outermost ring. */
 export function drawTrialHeading(ctx, view, place, radius, heading, colours) {
-  if (!known(heading)) return;
   ctx.strokeStyle = ctx.fillStyle = colours.trial;
   ctx.lineWidth = 1.4;
   ctx.setLineDash([6, 5]);

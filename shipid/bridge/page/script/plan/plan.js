@@ -13,8 +13,9 @@ import { drawPast, drawTrack } from "./tracks.js";
 export const RANGES = [1, 2, 4, 8];
 export const ORIENTATIONS = { north: "North up", head: "Head up", course: "Course up" };
 export const MARKERS = {
-  rings: "Rings", heading: "Heading line", trial: "Trial heading", vector: "Ground vector", vrm: "VRM", past: "Past track",
-  band: "Band", ships: "Ships", chart: "Chart",
+  rings: ["Rings", "Range rings and bearings"], heading: ["Heading", "Heading line"], trial: ["Trial", "Trial heading marker"],
+  vector: ["Vector", "Ground-speed vector"], vrm: ["VRM", "Variable range marker"], past: ["Past", "Past track"],
+  band: ["Band", "Bands of the predicted tracks"], ships: ["Ships", "Other ships"], chart: ["Chart", "Chart"],
 };
 /** How far ahead vectors reach, in s, by range: a vector stays on the screen. */
 const VECTOR = { 1: 180, 2: 360, 4: 360, 8: 720 };
@@ -90,6 +91,13 @@ export function createPlan(model, settings) {
     const reserved = [[0, 0, 130, 44], [size.width - 190, 0, 190, 44], [0, size.height - 30, markers.vrm ? 200 : 0, 30], [size.width - 160, size.height - 110, 160, 110]];
     const labels = createLabels(ctx, size.width, size.height, colours.sea, size.width > 500 ? reserved : reserved.slice(0, 3));
 
+    const trial = settings.trial();
+    const tried = markers.trial && here && trial.mode === "heading" && known(trial.heading);
+    if (here) labels.keep(centre, 12);
+    for (const point of [...(route?.waypoints ?? []), ...(markers.ships ? state.targets ?? [] : []), ...(markers.chart ? chart?.buoys ?? [] : [])]) {
+      if (known(point.x) && known(point.y)) labels.keep(look.point(point.x, point.y), 6);
+    }
+    if (tried) labels.keep(look.offset(centre, trial.heading, radius + 8), 12);
     if (markers.chart) drawChart(ctx, look, chart, colours, size.ratio);
     if (markers.rings) {
       drawRings(ctx, centre, radius, colours);
@@ -98,12 +106,14 @@ export function createPlan(model, settings) {
     if (route) drawRoute(ctx, look, route, colours);
     if (markers.past) drawPast(ctx, look, past, colours, size);
     if (here) drawOwn(ctx, look, own, ship, colours, { line: markers.heading, reach: radius });
-    const trial = settings.trial();
-    if (markers.trial && here && trial.mode === "heading") drawTrialHeading(ctx, look, centre, radius, trial.heading, colours);
+    if (tried) drawTrialHeading(ctx, look, centre, radius, trial.heading, colours);
     if (route) labelRoute(look, route, colours, labels);
     if (may.tracks && here) {
+      // The times of the two tracks stand on their outer sides, so that they do not meet.
+      const apart = halfTurn((trial.heading ?? 0) - (settings.executed()?.heading ?? own.psi ?? 0));
+      const side = apart < 0 ? -1 : 1;
       for (const kind of ["executed", "trial"]) {
-        if (tracks[kind]?.x?.length > 1) drawTrack(ctx, look, tracks[kind], { kind, band: markers.band, labels, ship, colours });
+        if (tracks[kind]?.x?.length > 1) drawTrack(ctx, look, tracks[kind], { kind, side: kind === "trial" ? side : -side, band: markers.band, labels, ship, colours });
       }
     }
     if (may.vector && markers.vector && here) drawVector(ctx, look, own, VECTOR[view.range], colours.own);
@@ -117,6 +127,7 @@ export function createPlan(model, settings) {
   function write({ tracks = {}, own, experiment }, may, here) {
     trialMark.hidden = !(may.tracks && tracks.trial);
     const words = [];
+    if (!model.link.connected) words.push("Old picture");
     if (!here) words.push("No position");
     if (!known(own?.psi)) words.push("No heading");
     for (const kind of may.tracks ? ["executed", "trial"] : []) {

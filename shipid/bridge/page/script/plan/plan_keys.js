@@ -1,7 +1,7 @@
 // The keys of the plan view: range, orientation, the variable range marker, a switch for every marker; and what the lines mean.
 
 import { el, mark, segments, svg } from "../dom.js";
-import { DEG, degrees, MILE, plain } from "../figures.js";
+import { DEG, degrees, known, MILE, plain } from "../figures.js";
 import { createField } from "../console/fields.js";
 import { allowed, MARKERS, ORIENTATIONS, RANGES } from "./plan.js";
 
@@ -19,8 +19,8 @@ export function createPlanKeys(plan) {
   const upKeys = segments(ups, Object.entries(ORIENTATIONS).map(([value, text]) => ({ value, text })), plan.setOrientation);
   const range = createField({ label: "Range of the variable range marker", unit: "nm", give: (n) => plan.setVrm({ range: n * MILE }), fits: (n) => n > 0 && n <= 100 });
   const bearing = createField({ label: "Bearing of the variable range marker", unit: "°", give: (n) => plan.setVrm({ bearing: n * DEG }), fits: (n) => n >= 0 && n <= 360 });
-  const switches = Object.entries(MARKERS).map(([name, text]) => {
-    const key = el("button", { type: "button" }, text);
+  const switches = Object.entries(MARKERS).map(([name, [text, title]]) => {
+    const key = el("button", { type: "button", title, "aria-label": title }, text);
     key.addEventListener("click", () => plan.toggle(name));
     return { name, key };
   });
@@ -56,7 +56,7 @@ export function createLegend(plan) {
     const may = allowed(state.experiment);
     const there = {
       executed: may.tracks && state.tracks?.executed, trial: may.tracks && state.tracks?.trial, route: state.route,
-      past: plan.view.markers.past, vector: may.vector && plan.view.markers.vector,
+      past: plan.view.markers.past, vector: may.vector && plan.view.markers.vector && known(state.own?.x) && known(state.own?.cog) && known(state.own?.sog),
     };
     for (const { name, item } of items) item.hidden = !there[name];
   };

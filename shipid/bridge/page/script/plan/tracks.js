@@ -5,7 +5,9 @@ import { hull } from "./ship.js";
 
 const TICKS = [10, 20, 30, 60, 120, 300, 600, 1200];
 /** Pixels that two time ticks, and two dots of the past track, keep apart at least. */
-const [APART, DOTS] = [26, 7];
+const [APART, DOTS] = [24, 7];
+/** Pixels between ticks below which only every second one has its time written. */
+const NUMBERED = { minutes: 34, seconds: 46 };
 
 // One side of the band and back on the other, square to the track.
 function bandOf(view, track) {
@@ -30,22 +32,22 @@ export function tickStep(seconds, length) {
   return TICKS.find((step) => step / seconds * length >= APART) ?? TICKS.at(-1);
 }
 
-/** Return the places of a track at whole time ticks: {t, x, y, psi, slope} in the world. */
+/** Return the places of a track at whole time ticks: {t, x, y, slope} in the world. */
 export function ticksOf(track, step) {
-  const { x, y, t, psi } = track;
+  const { x, y, t } = track;
   const found = [];
   for (let i = 1; i < t.length; i++) {
-    const next = (found.length + 1) * step;
-    if (!(t[i] >= next) || !(t[i] > t[i - 1])) continue;
-    const share = (next - t[i - 1]) / (t[i] - t[i - 1]);
-    const between = (values) => values[i - 1] + share * (values[i] - values[i - 1]);
-    found.push({ t: next, x: between(x), y: between(y), psi: psi ? between(psi) : null, slope: Math.atan2(y[i] - y[i - 1], x[i] - x[i - 1]) });
+    for (let next = (found.length + 1) * step; t[i] >= next && t[i] > t[i - 1]; next += step) {
+      const share = (next - t[i - 1]) / (t[i] - t[i - 1]);
+      const between = (values) => values[i - 1] + share * (values[i] - values[i - 1]);
+      found.push({ t: next, x: between(x), y: between(y), slope: Math.atan2(y[i] - y[i - 1], x[i] - x[i - 1]) });
+    }
   }
   return found;
 }
 
-/** Draw a predicted track. */
-export function drawTrack(ctx, view, track, { kind, band, labels, ship, colours }) {
+/** Draw a predicted track; its times stand to starboard of it where `side` is 1, to port where it is −1. */
+export function drawTrack(ctx, view, track, { kind, side, band, labels, ship, colours }) {
   const colour = colours[kind];
   const points = pixels(view, track.x, track.y);
   if (points.length < 2) return;
@@ -71,19 +73,24 @@ export function drawTrack(ctx, view, track, { kind, band, labels, ship, colours 
   let length = 0;
   for (let i = 1; i < points.length; i++) length += Math.hypot(points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1]);
   const step = tickStep(track.t.at(-1), length);
-  for (const tick of ticksOf(track, step)) {
+  const ticks = ticksOf(track, step);
+  const every = step / track.t.at(-1) * length < NUMBERED[step % 60 ? "seconds" : "minutes"] ? 2 : 1;
+  ticks.forEach((tick, i) => {
     const middle = view.point(tick.x, tick.y);
     const across = tick.slope + Math.PI / 2;
     trace(ctx, [view.offset(middle, across, 6), view.offset(middle, across, -6)]);
+    ctx.strokeStyle = colour;
     ctx.lineWidth = 2;
     ctx.stroke();
-    const text = step % 60 ? `${Math.floor(tick.t / 60)}:${String(tick.t % 60).padStart(2, "0")}` : `${tick.t / 60} min`;
-    labels.write(text, middle, colour, { away: 10 });
-  }
+    if ((ticks.length - 1 - i) % every) return;
+    const text = step % 60 ? `${Math.floor(tick.t / 60)}:${String(tick.t % 60).padStart(2, "0")}` : String(tick.t / 60);
+    labels.beside(step % 60 === 0 && i === ticks.length - 1 ? `${text} min` : text, middle, across - view.up + (side < 0 ? Math.PI : 0), colour);
+  });
   const last = track.x.length - 1;
   // Where she will lie: her outline at the end of the track, where it can be seen.
   if (ship.length * view.scale > 14 && Number.isFinite(track.psi?.[last])) {
     trace(ctx, hull(view, { x: track.x[last], y: track.y[last], psi: track.psi[last] }, ship), true);
+    ctx.strokeStyle = colour;
     ctx.lineWidth = 1.5;
     ctx.setLineDash(kind === "executed" ? [] : [4, 3]);
     ctx.stroke();
@@ -102,8 +109,8 @@ export function drawPast(ctx, view, past, colours, size) {
     if (Math.hypot(x - lx, y - ly) < DOTS) continue;
     [lx, ly] = [x, y];
     if (x < -5 || y < -5 || x > size.width + 5 || y > size.height + 5) continue;
-    ctx.moveTo(x + 1.7, y);
-    ctx.arc(x, y, 1.7, 0, 2 * Math.PI);
+    ctx.moveTo(x + 1.9, y);
+    ctx.arc(x, y, 1.9, 0, 2 * Math.PI);
   }
   ctx.fill();
 }

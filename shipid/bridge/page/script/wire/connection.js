@@ -23,10 +23,10 @@ export function connect(model, told) {
         told();
         return;
       }
-      link.unreadable = false;
       attempts = 0;
-      if (!link.connected) {
+      if (!link.connected || link.unreadable) {
         link.connected = link.everConnected = true;
+        link.unreadable = false;
         told();
       }
       model.take(frame);
