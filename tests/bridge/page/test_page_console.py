@@ -143,6 +143,26 @@ def test_a_refusal_is_said_and_the_setting_goes_back(bridge, open_page, until):
     until(page, "document.querySelector('.primary input').value === '075.0'")
 
 
+def test_a_key_pressed_with_the_pointer_leaves_the_keyboard_to_the_heading(bridge, open_page, until):
+    page = open_page(bridge.address)
+    page.get_by_role("radio", name="Rudder").click()
+    page.get_by_role("radio", name="Heading").click()
+    page.keyboard.press("ArrowRight")
+    wait_for(bridge, page, "trial", heading=76 * DEG)
+    page.get_by_role("button", name="Trial heading plus 5").click()
+    wait_for(bridge, page, "trial", heading=81 * DEG)
+    page.keyboard.press("Enter")
+    page.keyboard.press("Enter")
+    wait_for(bridge, page, "execute")
+    assert executed(bridge, "heading") == pytest.approx(81 * DEG)
+    # By the tabulator the row is a row of radio keys like any other.
+    page.get_by_role("radio", name="Heading").focus()
+    page.keyboard.press("ArrowRight")
+    until(page, "document.activeElement.textContent === 'Rudder' && document.activeElement.getAttribute('aria-checked') === 'true'")
+    page.keyboard.press("Enter")
+    assert page.locator(".execute").get_attribute("aria-pressed") == "false"
+
+
 def test_letters_can_be_switched_off_and_the_fields_keep_theirs(bridge, open_page, until):
     page = open_page(bridge.address)
     page.keyboard.press("h")
