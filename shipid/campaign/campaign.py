@@ -137,6 +137,17 @@ def generator_of(seed: int, number: int) -> np.random.Generator:
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
 
 
+def run_number(rng: np.random.Generator) -> int:
+    """Return the number of the run that has these random numbers: which case of a list it is, say.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        As a run is given it.
+    """
+    return int(rng.bit_generator.seed_seq.spawn_key[-1])  # type: ignore[attr-defined]
+
+
 def run_batch(campaign: Campaign, seed: int, numbers: Sequence[int]) -> Rows:
     """Run some runs of a campaign, here.
 

@@ -18,7 +18,7 @@ _OTHER = "(other)"
 
 
 @dataclass
-class Moments:
+class RunMoments:
     """Number, mean and sum of squared deviations of what has been added, for each place of a measure.
 
     Attributes
@@ -36,7 +36,7 @@ class Moments:
     high: np.ndarray
 
     @classmethod
-    def nothing(cls, shape: tuple[int, ...]) -> Moments:
+    def nothing(cls, shape: tuple[int, ...]) -> RunMoments:
         """Return those of no runs.
 
         Parameters
@@ -80,16 +80,16 @@ class Moments:
 
 
 @dataclass
-class Tally:
+class MeasureTally:
     """The statistics of one measure, while batches are added.
 
     Attributes
     ----------
     measure : Measure
         What it is.
-    overall, square : Moments
+    overall, square : RunMoments
         Of a run's mean over its places, and of its mean square: runs are independent, places within one are not.
-    places, place_squares : Moments or None
+    places, place_squares : RunMoments or None
         By place, for a measure with several.
     texts : Counter
         Of a text.
@@ -98,16 +98,16 @@ class Tally:
     """
 
     measure: Measure
-    overall: Moments
-    square: Moments
-    places: Moments | None
-    place_squares: Moments | None
+    overall: RunMoments
+    square: RunMoments
+    places: RunMoments | None
+    place_squares: RunMoments | None
     texts: Counter[str]
     runs: int = 0
     missing: int = 0
 
     @classmethod
-    def begin(cls, measure: Measure, first: np.ndarray) -> Tally:
+    def begin(cls, measure: Measure, first: np.ndarray) -> MeasureTally:
         """Return the tally of a measure before the first batch.
 
         Parameters
@@ -118,8 +118,8 @@ class Tally:
             The first batch, for its shape.
         """
         shape = first.shape[1:]
-        places, squares = (Moments.nothing(shape) if shape else None for _ in range(2))
-        return cls(measure, Moments.nothing(()), Moments.nothing(()), places, squares, Counter())
+        places, squares = (RunMoments.nothing(shape) if shape else None for _ in range(2))
+        return cls(measure, RunMoments.nothing(()), RunMoments.nothing(()), places, squares, Counter())
 
     def add(self, rows: np.ndarray) -> None:
         """Add a batch.
@@ -238,7 +238,7 @@ def _ends(pair: Plain) -> list[float | None] | None:
     return None if pair is None else [plain(float(e)) for e in pair]
 
 
-def _told(measure: Measure, of: Moments, square: Moments) -> dict[str, Plain]:
+def _told(measure: Measure, of: RunMoments, square: RunMoments) -> dict[str, Plain]:
     """The statistics of a kind of measure: arrays by place, or numbers."""
     half = of.band()
     known = of.count > 0

@@ -16,7 +16,7 @@ from shipid.campaign.campaign import Campaign, Rows, run_batch
 from shipid.campaign.engines import Running, cluster_engine, local_engine
 from shipid.campaign.errors import CampaignRequestError, WorkerLostError
 from shipid.campaign.find_campaign import CampaignFile, whole
-from shipid.campaign.moments import Tally
+from shipid.campaign.moments import MeasureTally
 from shipid.campaign.result import CampaignResult
 from shipid.campaign.store import Store, open_store
 from shipid.foundation.aliases import Plain
@@ -110,10 +110,10 @@ def result_of(store: Store, runs: int, kept: Path | None) -> CampaignResult:
     kept : Path or None
         The folder, where it stays.
     """
-    tallies: dict[str, Tally] = {}
+    tallies: dict[str, MeasureTally] = {}
     for rows in store.batches(runs):
         for name, measure in store.measures.items():
-            tallies.setdefault(name, Tally.begin(measure, rows[name])).add(rows[name])
+            tallies.setdefault(name, MeasureTally.begin(measure, rows[name])).add(rows[name])
     statistics = {n: t.statistic(n) for n, t in tallies.items()}
     warnings = [
         Notice(f"'{n}' has no finite value in {s.missing} of {runs} runs; its statistics are those of the others.",

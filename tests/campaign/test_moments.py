@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from shipid.campaign.campaign import Measure
-from shipid.campaign.moments import Moments, Statistic, Tally
+from shipid.campaign.moments import MeasureTally, RunMoments, Statistic
 
 
 def told(measure: Measure, rows: np.ndarray, size: int = 7) -> Statistic:
-    tally = Tally.begin(measure, rows)
+    tally = MeasureTally.begin(measure, rows)
     for k in range(0, len(rows), size):
         tally.add(rows[k : k + size])
     return tally.statistic("x")
@@ -22,7 +22,7 @@ def test_batches_add_up_to_the_whole():
     rng = np.random.default_rng(0)
     rows = 1e6 + rng.normal(size=(101, 4))
     rows[rng.random(rows.shape) < 0.2] = np.nan
-    found = Moments.nothing((4,))
+    found = RunMoments.nothing((4,))
     for k in range(0, 101, 13):
         found.add(rows[k : k + 13])
     np.testing.assert_allclose(found.mean, np.nanmean(rows, 0), rtol=1e-14)

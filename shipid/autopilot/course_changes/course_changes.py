@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import with_units
 from shipid.foundation.statistics import plain
 
 
@@ -48,9 +49,15 @@ class CourseChange:
     sea_filter: bool = False
     lost: bool = False
 
+    def without_measures(self) -> CourseChange:
+        """Return the change as one of which nothing is measured, as the run was lost."""
+        return CourseChange(
+            self.speed, self.change_deg, self.weather, *(None,) * 7, sea_filter=self.sea_filter, lost=True
+        )
+
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
-        return asdict(self)
+        return with_units(asdict(self), speed="m/s")
 
 
 @dataclass(frozen=True, eq=False)

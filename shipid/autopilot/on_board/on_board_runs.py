@@ -11,6 +11,7 @@ import numpy as np
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import columns_of, quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -36,7 +37,9 @@ class OnBoardRun:
     error_deg : float or None
         Root mean square of the heading fed back less the ship's heading, in degrees; None where the run diverged.
     histories : mapping of str to ndarray, shape (n,)
-        ``t``, ``psi_order``, ``psi``, ``delta`` of the whole voyage, thinned, SI.
+        ``t``, ``psi_order``, ``psi``, ``delta`` of the whole voyage, thinned, SI; not a number from a departure on.
+    departure : str or None
+        Where the run leaves the range in which the model is valid, and why; nothing is measured from there on.
     """
 
     feedback: Feedback
@@ -44,14 +47,16 @@ class OnBoardRun:
     changes: tuple[CourseChange, ...]
     error_deg: float | None
     histories: Mapping[str, np.ndarray]
+    departure: str | None = None
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, without the histories."""
         return {
             "feedback": self.feedback,
             "weather": self.weather,
-            "heading_error_rms_deg": self.error_deg,
+            "heading_error_rms": quantity(self.error_deg, "deg"),
             "changes": [c.to_dict() for c in self.changes],
+            "not_sailed": self.departure,
         }
 
 
@@ -89,7 +94,7 @@ class OnBoardRuns:
             "ship": self.ship,
             "filter": self.kalman,
             "sensors": dict(self.sensors),
-            "interval_s": self.interval,
+            "interval": quantity(self.interval, "s"),
             "adaptation": self.adaptation,
             "runs": [r.to_dict() for r in self.runs],
             "warnings": plain_notices(self.warnings),
@@ -99,8 +104,8 @@ class OnBoardRuns:
         """Return a pandas table with a row for each course change."""
         import pandas as pd
 
-        rows = [{"feedback": r.feedback, **c.to_dict()} for r in self.runs for c in r.changes]
-        return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change_deg"])
+        rows = [{"feedback": r.feedback, **columns_of(c.to_dict())} for r in self.runs for c in r.changes]
+        return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change [deg]"])
 
     def __repr__(self) -> str:
         sensors = ", ".join(f"{n} {level}" for n, level in self.sensors.items())

@@ -112,6 +112,7 @@ def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.
 
 model_argument = click.argument("model")
 model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL)
+optional_model_option = click.option("--model", metavar="MODEL", help=_MODEL)
 trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
 format_option = click.option(
     "--format", "format_", metavar="FILE", help="Trial format file (TOML), for headers without units."

@@ -76,7 +76,7 @@ class Sensor:
         """
         if self.range_std is None or self.bearing_std is None:
             return np.tile(self.position_std**2 * np.eye(2), (len(z), 1, 1))
-        away = z - own
+        away = np.where(np.isfinite(own), z - own, z)
         range_ = np.maximum(np.hypot(*away.T), _OWN_ECHO)
         along = away / range_[:, None]
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)
@@ -100,7 +100,7 @@ class Scan:
     ago : ndarray, shape (m,)
         How long before `t` each plot was stamped, s.
     own : ndarray, shape (2,)
-        Where the sensor was, m.
+        Where the sensor was, m; NaN where that is not known.
     """
 
     t: float
@@ -170,7 +170,7 @@ def make_plots(
     t, x, y : ndarray, shape (N,)
         Times in s and positions north and east in m, in any order.
     own : ndarray, shape (N, 2), optional
-        Where the sensor was at each plot; the origin by default.
+        Where the sensor was at each plot, NaN where that is not known; the origin by default.
     sensor : ndarray of int, shape (N,), optional
         Which sensor each plot is from; the first by default.
     sensors : sequence of Sensor
@@ -195,7 +195,7 @@ def make_plots(
     if not (t.size == x.size == y.size == sensor.size == len(own)):
         raise EncounterRequestError("times, positions, sensors and own positions of plots have to be equally many.")
     notes = []
-    known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y) & np.isfinite(own).all(axis=1)
+    known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y)
     if not known.all():
         notes.append(
             Notice(
@@ -251,9 +251,9 @@ def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[
     if not t.size:
         return []
     if period is None:
-        period = _period(t, away)
-    if not period:
-        return [0, *(np.flatnonzero(np.diff(t) > 0) + 1).tolist()]
+        turned = _turns(t, away) if np.isfinite(away).all() else None
+        new = np.diff(t) > 0 if turned is None else np.diff(np.floor(turned)) > 0
+        return [0, *(np.flatnonzero(new) + 1).tolist()]
     edges = [0]
     for k in range(1, t.size):
         if t[k] - t[edges[-1]] >= period:
@@ -261,17 +261,15 @@ def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[
     return edges
 
 
-def _period(t: np.ndarray, away: np.ndarray) -> float:
-    """The time of a turn of an antenna that sees plots one after the other, s; zero where plots come in scans or alone.
+def _turns(t: np.ndarray, away: np.ndarray) -> np.ndarray | None:
+    """How often an antenna has turned at each plot; None where plots do not come one after the other round the horizon.
 
-    A turning antenna goes through the bearings one way: the steps from plot to plot add up to its turns.
+    A turning antenna goes through the bearings one way, a few at least in a turn. The bearing of one target goes to and fro.
     """
-    steps = np.diff(t)
-    if t.size < 20 or np.mean(steps > 0) < 0.7:
-        return 0.0
-    turn = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
-    turn = np.where(turn > 2 * np.pi - 0.05, 0.0, turn)
-    step = float(turn.mean())
-    if not 0.05 < step < 2 * np.pi / 2.5:
-        return 0.0
-    return float((t[-1] - t[0]) / (turn.sum() / (2 * np.pi)))
+    if t.size < 20 or np.mean(np.diff(t) > 0) < 0.7:
+        return None
+    steps = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
+    if not 0.05 < steps.mean() < 2 * np.pi / 2.5 or np.mean(steps > np.pi) > 1 / 3:
+        return None
+    # A little past the first plot, so that a target that is seen just before it does not begin a turn of her own.
+    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi) + 1e-3

@@ -1,4 +1,4 @@
-"""How dense the false plots of a sensor are, where a plot lies: learned from what no confirmed track explains."""
+"""How dense the false plots of a sensor are, where a plot lies: learned from what no track explains."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ _SCANS, _FULL = 40, 20
 _WIDTHS = (6.0, 20.0)
 #: Weight of the newest scan in the mean number of false plots, and the number that is expected at first.
 _NEWEST, _AT_FIRST = 0.1, 1.0
+#: The smallest reach of a sensor whose place is not known, in standard deviations of a plot.
+_LEAST = 100.0
 
 
 @dataclass
@@ -24,12 +26,16 @@ class ClutterMap:
         Largest distance of a plot from the sensor so far, m.
     count : float
         Mean number of false plots a scan.
+    low, high : ndarray, shape (2,)
+        Corners of the box that holds all plots, where the place of the sensor is not known.
     scans : list of tuple of ndarray
-        Positions, widths and weights of the plots of the last scans.
+        Positions and weights of the plots of the last scans.
     """
 
     reach: float = 1.0
     count: float = _AT_FIRST
+    low: np.ndarray = field(default_factory=lambda: np.full(2, np.inf))
+    high: np.ndarray = field(default_factory=lambda: np.full(2, -np.inf))
     scans: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
 
     @property
@@ -37,15 +43,25 @@ class ClutterMap:
         """What the sensor covers, m^2."""
         return float(np.pi * self.reach**2)
 
-    def cover(self, distances: np.ndarray) -> None:
+    def cover(self, z: np.ndarray, own: np.ndarray, width: np.ndarray) -> None:
         """Take note of how far the sensor sees.
 
         Parameters
         ----------
-        distances : ndarray, shape (m,)
-            Of plots from the sensor, m.
+        z : ndarray, shape (m, 2)
+            Plots, m.
+        own : ndarray, shape (2,)
+            Where the sensor is; NaN where that is not known. Then what it covers is a circle around the plots.
+        width : ndarray, shape (m,)
+            Standard deviations of the plots, m.
         """
-        self.reach = max(self.reach, float(distances.max(initial=0.0)))
+        if not len(z):
+            return
+        if np.isfinite(own).all():
+            self.reach = max(self.reach, float(np.hypot(*(z - own).T).max()))
+            return
+        self.low, self.high = np.minimum(self.low, z.min(axis=0)), np.maximum(self.high, z.max(axis=0))
+        self.reach = max(0.5 * float(np.hypot(*(self.high - self.low))), _LEAST * float(width.max()))
 
     def density(self, z: np.ndarray, width: np.ndarray) -> np.ndarray:
         """Return the density of false plots where plots lie, shape (m,), 1/m^2.
@@ -79,7 +95,7 @@ class ClutterMap:
         false : ndarray, shape (m,)
             Probability that each belongs to no track.
         unexplained : ndarray, shape (m,)
-            Probability that each belongs to no confirmed track.
+            Probability that each belongs to no track that is nearly sure.
         """
         self.count += _NEWEST * (float(false.sum()) + 0.5 - self.count)
         self.scans.append((z, unexplained))

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.encounter.tracking.target_filters import Expected, TargetFilters
+from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.target_filters import Expected, TargetFilters
 
 #: Below this speed a track says nothing of a latency, m/s; the share of a plot that is surely a track's.
 _MOVING, _SURELY = 1.0, 0.9
@@ -27,12 +28,14 @@ class Latency:
     value: float
     std: float
 
-    def learn(self, filters: TargetFilters, expected: Expected, shares: np.ndarray, tracks: np.ndarray) -> None:
+    def learn(
+        self, filters: TargetFilters | AlphaBetaFilters, expected: Expected, shares: np.ndarray, tracks: np.ndarray
+    ) -> None:
         """Take in the plots that surely belong to a moving track.
 
         Parameters
         ----------
-        filters : TargetFilters
+        filters : TargetFilters or AlphaBetaFilters
             Before the update.
         expected : Expected
             Of the plots.

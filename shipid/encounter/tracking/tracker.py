@@ -16,12 +16,14 @@ from shipid.encounter.errors import EncounterRequestError
 from shipid.encounter.plots.plots import Plots, Scan, Sensor
 from shipid.encounter.tracking.association import joint_probabilities, nearest_assignment
 from shipid.encounter.tracking.clutter import ClutterMap
+from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.latency import Latency
-from shipid.encounter.tracking.motion import Motion
-from shipid.encounter.tracking.target_filters import TargetFilters
 
 #: Existence is never certain: a sure track could not be lost.
 _SURE = 1 - 1e-6
+#: A track explains a plot to the map of false ones above this existence: a ship at anchor would else become a part of it.
+_EXPLAINS = 0.99
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,8 @@ class TrackerSettings:
         Mean time after which a sensor may see a hidden target again, s.
     confirmed, lost, forgotten : float
         Existence at which a track is confirmed, told to be lost, and dropped.
+    patience : float
+        Time after its last plot at which a lost track ends, s.
     plots_to_confirm : int
         Plots a track needs before it is confirmed.
     speed : float
@@ -52,14 +56,15 @@ class TrackerSettings:
 
     association: Literal["joint", "nearest"] = "joint"
     gate: float = 13.8
-    births: float = 0.8
+    births: float = 1.2
     survival: float = 60.0
     out_of_sight: float = 60.0
     confirmed: float = 0.999
     lost: float = 0.5
     forgotten: float = 0.002
-    plots_to_confirm: int = 4
-    speed: float = 3.0
+    patience: float = 45.0
+    plots_to_confirm: int = 3
+    speed: float = 3.5
     same: float = 2.0
 
     def __post_init__(self) -> None:
@@ -68,7 +73,7 @@ class TrackerSettings:
             raise EncounterRequestError(f"'{self.association}' is no association. Write joint or nearest.")
         if not 0 < self.forgotten < self.lost < self.confirmed < 1:
             raise EncounterRequestError("the existence of a track that is forgotten, lost and confirmed has to rise.")
-        positive = (self.gate, self.births, self.survival, self.out_of_sight, self.speed, self.same)
+        positive = (self.gate, self.births, self.survival, self.out_of_sight, self.speed, self.same, self.patience)
         if not all(np.isfinite(p) and p > 0 for p in positive) or self.plots_to_confirm < 1:
             raise EncounterRequestError("every setting of a tracker has to be a number above zero.")
 
@@ -119,26 +124,26 @@ class Tracker:
 
     Attributes
     ----------
-    motion : Motion
-        How targets may move.
+    filters : TargetFilters or AlphaBetaFilters
+        The filters of no target yet; they say how targets may move.
     sensors : sequence of Sensor
         The sensors, by index.
     settings : TrackerSettings
         What decides on tracks.
     """
 
-    motion: Motion
+    filters: TargetFilters | AlphaBetaFilters
     sensors: tuple[Sensor, ...]
     settings: TrackerSettings = field(default_factory=TrackerSettings)
 
     def __post_init__(self) -> None:
         """Begin without a track."""
-        self.filters = TargetFilters.none(self.motion)
         self.existence = np.zeros(0)
         self.in_sight = np.zeros((0, len(self.sensors)))
         self.number = np.zeros(0, int)
         self.plots = np.zeros(0, int)
         self.confirmed = np.zeros(0, bool)
+        self.last = np.zeros(0)
         self.clutter = [ClutterMap() for _ in self.sensors]
         self.latency = [Latency(s.latency, s.latency_std) for s in self.sensors]
         self._t: float | None = None
@@ -173,8 +178,9 @@ class Tracker:
         own = np.broadcast_to(scan.own, scan.z.shape)
         R = sensor.covariance(scan.z, own)
         delay = scan.ago + self.latency[k].value
-        map_.cover(np.hypot(*(scan.z - own).T))
-        density = map_.density(scan.z, np.sqrt(0.5 * np.trace(R, axis1=1, axis2=2)))
+        width = np.sqrt(0.5 * np.trace(R, axis1=1, axis2=2))
+        map_.cover(scan.z, scan.own, width)
+        density = map_.density(scan.z, width)
         expected = self.filters.expect(scan.z, R, delay)
         chance = sensor.detection * self.in_sight[:, k]
         missed = 1 - self.existence * chance
@@ -193,10 +199,11 @@ class Tracker:
         self.filters = self.filters.update(expected, delay, shares)
         unseen = self.in_sight[:, k] * (1 - sensor.detection) / np.maximum(1 - chance, 1e-12)
         self.in_sight[:, k] = np.clip(found + (1 - found) * unseen, 1e-3, 1 - 1e-3)
-        sure = self.confirmed & (self.existence > rules.lost)
+        sure = self.existence > _EXPLAINS
         self.existence = np.minimum(exists, _SURE)
         self.plots = self.plots + (found > 0.5)
         seen = found > 0.5
+        self.last = np.where(seen, self._t, self.last)
         free = np.clip(1 - pair.sum(axis=0), 0.0, 1.0)
         map_.learn(scan.z, free, np.clip(1 - pair[sure].sum(axis=0), 0.0, 1.0))
         new = free > 0.5
@@ -207,7 +214,7 @@ class Tracker:
         self._select(keep)
         x, P = self.filters.combined()
         return Standing(
-            self._t, k, self.number.copy(), x, P, self.filters.mu.copy(), self.filters.turn_rates(),
+            self._t, k, self.number.copy(), x, P, self.filters.mode_shares.copy(), self.filters.turn_rates(),
             self.existence.copy(), self.confirmed.copy(), seen[keep],
         )  # fmt: skip
 
@@ -231,26 +238,31 @@ class Tracker:
         self.number = np.concatenate([self.number, self._next + np.arange(count)])
         self.plots = np.concatenate([self.plots, np.ones(count, int)])
         self.confirmed = np.concatenate([self.confirmed, np.zeros(count, bool)])
+        self.last = np.concatenate([self.last, np.full(count, scan.t)])
         self._next += count
 
     def _kept(self) -> np.ndarray:
         """Which tracks go on: those that may exist, and of two that are one the older that is confirmed."""
-        keep = self.existence > self.settings.forgotten
+        rules = self.settings
+        keep = self.existence > rules.forgotten
+        # A lost track coasts on: the longer, the more likely it takes the plots of another target.
+        assert self._t is not None, "called after a scan"
+        keep &= ~self.confirmed | (self.existence > rules.lost) | (self._t - self.last < rules.patience)
         x, P = self.filters.combined()
         i, j = np.triu_indices(len(x), 1)
         apart = x[i] - x[j]
         # Only neighbours are looked at in full.
-        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < self.settings.same * (
+        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < rules.same * (
             P[i, 0, 0] + P[i, 1, 1] + P[j, 0, 0] + P[j, 1, 1]
         )
         i, j, apart = i[near], j[near], apart[near]
         distance = np.einsum("ki,ki->k", apart, np.linalg.solve(P[i] + P[j], apart[..., None])[..., 0])
-        for a, b in zip(i[distance < self.settings.same], j[distance < self.settings.same]):
+        for a, b in zip(i[distance < rules.same], j[distance < rules.same]):
             if keep[a] and keep[b]:
                 keep[b if self.confirmed[a] >= self.confirmed[b] else a] = False
         return np.asarray(keep)
 
     def _select(self, keep: np.ndarray) -> None:
         self.filters = self.filters.select(keep)
-        for name in ("existence", "in_sight", "number", "plots", "confirmed"):
+        for name in ("existence", "in_sight", "number", "plots", "confirmed", "last"):
             setattr(self, name, getattr(self, name)[keep])

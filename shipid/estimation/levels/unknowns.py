@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import display_unit
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
 from shipid.estimation.levels.ascent import Summit
+from shipid.estimation.levels.bias_standings import is_steered
 from shipid.estimation.levels.cleaned import cleaned, pieces, resolution
 from shipid.estimation.levels.long_run import long_run_deviations
 from shipid.estimation.levels.pieces import Piece
@@ -46,6 +47,8 @@ class Unknowns:
         What it was made of.
     record : Trial or mapping of str to ndarray
         What is filtered.
+    kept : collection of str
+        ``bias:INPUT`` that is none.
 
     Attributes
     ----------
@@ -55,13 +58,19 @@ class Unknowns:
         ``sensor:NAME`` and ``noise:NAME``.
     biases : tuple of str
         Inputs with a bias.
+    bias_sizes : ndarray, shape (biases,)
+        Prior standard deviations of the biases, SI.
+    steered : bool
+        Whether the rudder moves.
     declared : bool
         Whether the model itself is declared with noise on its states.
     middle, prior : ndarray, shape (unknowns,)
         What the filter has, and the standard deviations of the prior about it.
     """
 
-    def __init__(self, design: FilterDesign, settings: FilterSettings, record: FilterRecord) -> None:
+    def __init__(
+        self, design: FilterDesign, settings: FilterSettings, record: FilterRecord, kept: Collection[str] = ()
+    ) -> None:
         self.design = design
         driven = {s.name for s in design.sources}
         walking = [n for n, state in design.parameters.items() if state in driven]
@@ -78,9 +87,10 @@ class Unknowns:
         self._origin = np.array([first[n][0] for n in self.still])
         own = np.array([design.first.deviations.get(n, first[n][1]) for n in self.still])
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
-        sizes = _biases(self._fixed, settings, columns)
+        sizes = {n: s for n, s in _biases(self._fixed, settings, columns).items() if f"bias:{n}" not in kept}
         self._moved = _moved(design, record, columns)
-        self.biases, self._bias_size = tuple(sizes), np.array(list(sizes.values()))
+        self.steered = is_steered(columns)
+        self.biases, self.bias_sizes = tuple(sizes), np.array(list(sizes.values()))
         positive = np.where(self._logs, np.abs(self._origin), 1.0)
         self.middle = np.concatenate(
             [np.log(positive), np.log(np.concatenate([design.r, design.q])), np.zeros(len(sizes))]
@@ -208,7 +218,7 @@ class Unknowns:
 
     def _own_bias(self, z: np.ndarray) -> dict[str, float]:
         """What is added to the inputs of the record without its wild samples."""
-        return dict(zip(self.biases, (z[self._parts[3]] * self._bias_size).tolist()))
+        return dict(zip(self.biases, (z[self._parts[3]] * self.bias_sizes).tolist()))
 
     def units(self) -> dict[str, tuple[str, str]]:
         """Return the unit of each level, and the one it is shown in, by key."""
@@ -293,14 +303,16 @@ class Unknowns:
             one = np.where(there, 1 / s, 0.0)[..., None]
             e, de, ds = e[..., None], de * np.sqrt(one), ds * one
             rows.append((0.5 * ds * (e**2 * one - (one > 0)) - e * np.sqrt(one) * de).sum(axis=1))
-            flat = np.concatenate([de.reshape(-1, index.size), ds.reshape(-1, index.size) / np.sqrt(2)])
+            # The sizes in full: where nothing is sought, NumPy cannot tell how many rows there are.
+            shape = (de.shape[0] * de.shape[1], index.size)
+            flat = np.concatenate([de.reshape(shape), ds.reshape(shape) / np.sqrt(2)])
             information[np.ix_(index, index)] += flat.T @ flat
         scores = np.zeros((sum(len(r) for r in rows), z.size))
         scores[:, index] = np.concatenate(rows)
         return scores, information
 
     def deviations(self, summit: Summit) -> tuple[np.ndarray, np.ndarray]:
-        """Return standard deviations of the coefficients: by the information, and under the innovations as they are.
+        """Return standard deviations of coefficients and biases: by the information, and under the innovations as they are.
 
         Parameters
         ----------
@@ -309,8 +321,9 @@ class Unknowns:
 
         Returns
         -------
-        white, correlated : ndarray, shape (coefficients,)
-            In the unknowns; the second is larger where the innovations are correlated (Huber 1967; White 1982).
+        white, correlated : ndarray, shape (coefficients + biases,)
+            In the unknowns; the second is larger where the innovations are correlated (Huber 1967; White 1982). Biases that were
+            not sought have zero.
         """
         levels = slice(self._parts[1].start, self._parts[2].stop)
         seen = summit.free.copy()
@@ -318,8 +331,11 @@ class Unknowns:
         index = np.flatnonzero(seen)
         inverse = np.linalg.pinv(summit.information[np.ix_(index, index)])
         scores, _ = self._scores(summit.at, seen)
-        count = len(self.still)
-        return np.sqrt(np.diag(inverse))[:count], long_run_deviations(scores[:, index], inverse)[:count]
+        white, correlated = np.zeros(summit.at.size), np.zeros(summit.at.size)
+        white[index] = np.sqrt(np.diag(inverse))
+        correlated[index] = long_run_deviations(scores[:, index], inverse)
+        still, _, _, biases = self._parts
+        return np.r_[white[still], white[biases]], np.r_[correlated[still], correlated[biases]]
 
 
 def _biases(design: FilterDesign, settings: FilterSettings, columns: Mapping[str, np.ndarray]) -> dict[str, float]:
