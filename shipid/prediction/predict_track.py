@@ -73,11 +73,11 @@ def predict_track(
     """
     known = situation if isinstance(situation, Situation) else Situation(dict(situation))
     parts: tuple[type[Component], ...] = (Wind,) if known.values.get("wind_speed") else ()
-    if parts and "r_disturbance" not in pilot.model.inputs:
+    if parts and model == "own" and "r_disturbance" not in pilot.model.inputs:
         parts = ()
     if model == "own" and band != "none":
         known = with_coefficients(known, pilot)
-    predictor = TrackPredictor(pilot, model=model, values=values, parts=parts if model == "own" else ())
+    predictor = TrackPredictor(pilot, model=model, values=values, parts=parts)
     told = list(warnings)
     found = None
     if leg is not None:
