@@ -68,6 +68,7 @@ _HOMES = {
     "read_route": "shipid.prediction.routes.read_route",
     "write_route": "shipid.prediction.routes.read_route",
     "situation_of": "shipid.prediction.situations.filtered_situation",
+    "avoid": "shipid.encounter.avoid",
     "closest_approach": "shipid.encounter.closest_approach",
     "Campaign": "shipid.campaign.campaign",
     "Measure": "shipid.campaign.campaign",
