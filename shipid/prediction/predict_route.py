@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.foundation.errors import UsageError
-from shipid.foundation.notices import Notice
+from shipid.foundation.notices import Notice, notice_of
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.wheel_over import heading_on
 from shipid.prediction.predict_track import prediction_of, wind_parts
@@ -80,7 +80,7 @@ def predict_route(
     """
     if pilot.mode != "course":
         raise UsageError("an autopilot that holds a rate of turn steers no route: design one that holds a course.")
-    told = [*warnings, *(n for n in route.notes if isinstance(n, Notice))]
+    told = [*warnings, *map(notice_of, route.notes)]
     size = RADIUS * pilot.length if radius is None else radius
     unstated = sum(w.radius is None for w in route.waypoints[1:-1])
     if unstated and radius is None:
