@@ -22,7 +22,7 @@ _SMALLEST = 0.1
 
 
 class ScaleWatch:
-    """Follows K_rho."""
+    """Follows K_rho through the turn that was executed last."""
 
     def __init__(self) -> None:
         self._follower: TrackFollower | None = None
