@@ -49,6 +49,8 @@ class RealTime:
         """Run until the task is cancelled."""
         core = self.core
         await core.source.start()
+        # The first question waits for what has to be compiled; the filter and the page do not.
+        warming = asyncio.get_running_loop().run_in_executor(self._thread, core.warm)
         before = display = self._clock()
         try:
             while True:
@@ -63,6 +65,7 @@ class RealTime:
                 with suppress(TimeoutError):
                     await asyncio.wait_for(self._wake.wait(), max(display - self._clock(), 0.001))
         finally:
+            warming.cancel()
             await core.source.stop()
             self._thread.shutdown(wait=False, cancel_futures=True)
 

@@ -33,6 +33,8 @@ BARE = {
     "--position-std": (["track", "plots.csv"], "5", "5 m"),
     "--latency": (["track", "plots.csv"], "2", "2 s"),
     "--scan": (["track", "plots.csv"], "3", "3 s"),
+    "--filter-interval": (["bridge"], "0.4", "0.4 s"),
+    "--prediction-interval": (["bridge"], "2", "2 s"),
     "--wait": (["filter", "--follow", "trial.csv", "--model", "nomoto"], "5", "5 s"),
 }
 

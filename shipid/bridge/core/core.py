@@ -8,9 +8,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime, timedelta
-from typing import Protocol, runtime_checkable
 
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.core.companions import Recording, VoyageJudge
 from shipid.bridge.core.console import Console, Limits, SteeringMode, SteeringOrder
 from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question, ShownTrack
 from shipid.bridge.core.route_watch import BridgeRoute, RouteWatch
@@ -24,50 +24,14 @@ from shipid.bridge.shown.past_track import PastTrack
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
-#: The source is stale after so many seconds without a sample.
+#: The source is stale where nothing was heard in so many seconds after the beginning.
 STALE = 5.0
 #: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
 _SLOWEST, _FASTEST = 0.02, 0.8
 RUDDER_LIMIT = math.radians(10.0)
-
-
-@runtime_checkable
-class Recording(Protocol):
-    """What keeps the samples."""
-
-    def add(self, t: float, values: Mapping[str, float]) -> None:
-        """Keep a sample.
-
-        Parameters
-        ----------
-        t : float
-            In s.
-        values : mapping of str to float
-            SI.
-        """
-
-    def to_dict(self) -> dict[str, Plain]:
-        """Return file, samples and message."""
-
-
-class VoyageJudge(Protocol):
-    """What judges a voyage: the tracking experiment."""
-
-    def add(self, t: float, values: Mapping[str, float]) -> None:
-        """Take where the ship is.
-
-        Parameters
-        ----------
-        t : float
-            In s.
-        values : mapping of str to float
-            ``x``, ``y`` and ``r``, SI.
-        """
-
-    def to_dict(self) -> dict[str, Plain]:
-        """Return what the page shows."""
 
 
 class BridgeCore:
@@ -131,7 +95,8 @@ class BridgeCore:
         self.own_ship = OwnShip(pilot)
         self.watch = None if route is None else RouteWatch(route)
         self.forecaster = Forecaster(TrackPredictor(pilot), prediction_interval)
-        self.scale = ScaleWatch(TrackPredictor(pilot))
+        self.scale = ScaleWatch()
+        self._begins: SteeringOrder | None = None
         self.steered: Steered | None = source if isinstance(source, Steered) else None
         self.recording, self.score, self._started = recording, score, started
         self.console = self._console(route is not None, heading, rudder_limit)
@@ -200,7 +165,8 @@ class BridgeCore:
         own, t, alarms = self.own_ship, self.t, self.alarms
         state = self.source.state
         quiet = own.sensors.youngest
-        stale = state == "lost" or (state == "running" and (quiet if quiet is not None else t) > STALE)
+        silent = t > STALE if quiet is None else own.sensors.silent
+        stale = state == "lost" or (state == "running" and silent)
         alarms.set("stale", stale, t, "alarm", f"no data from the source ({self.source.kind})")
         alarms.set("ended", state == "ended", t, "caution", f"the source has ended ({self.source.kind})")
         lost = {} if stale or state == "ended" else own.sensors.lost
@@ -237,6 +203,7 @@ class BridgeCore:
             self._asked = self.t
             self._trial_changed = False
             executed, watch = self.console.executed, self.watch
+            begins, self._begins = self._begins, None
             return Question(
                 self.t,
                 known,
@@ -245,6 +212,7 @@ class BridgeCore:
                 None if watch is None else watch.next_leg,
                 self.console.trial.rudder_limit,
                 executed is not None and executed.mode == "track",
+                begins,
             )
         if self._trial_changed:
             self._trial_changed = False
@@ -270,6 +238,8 @@ class BridgeCore:
             Of a question of `question`.
         """
         asked = answer.question
+        if asked.begins is not None:
+            self.scale.begin(answer.still)
         if asked.executed is not None:
             self._tracks["executed"] = answer.executed
         if self.console.trial == self.console.executed:
@@ -285,6 +255,12 @@ class BridgeCore:
             self.steered.steer(
                 SteeringOrder("heading", order.heading, order.rudder_limit, executed.rate, executed.rudder)
             )
+
+    def warm(self) -> None:
+        """Have everything compiled that a command may ask for; it is called in the thread of the predictor."""
+        self.forecaster.warm(Situation({"psi": 0.0, "u": self.pilot.own_speed}))
+        if self.steered is not None:
+            self.steered.warm()
 
     # What a navigator does.
 
@@ -323,7 +299,7 @@ class BridgeCore:
 
     def _execute(self, rest: dict[str, Plain]) -> None:
         self.console.execute()
-        executed, known = self.console.executed, self.own_ship.situation
+        executed = self.console.executed
         assert executed is not None
         self._tracks = {"trial": None, "executed": self._tracks["trial"] or self._tracks["executed"]}
         self._asked = -math.inf
@@ -331,8 +307,7 @@ class BridgeCore:
             self.forecaster.follow(self.watch.route.plan, executed.rudder_limit, self.watch.leg)
         elif self.steered is not None:
             self.steered.steer(executed)
-        if known is not None:
-            self.scale.begin(known, executed)
+        self._begins = executed
 
     def _acknowledge(self, rest: dict[str, Plain]) -> None:
         which = rest.get("id")

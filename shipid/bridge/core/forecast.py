@@ -6,11 +6,13 @@ It is a function of a question: it runs in a thread, and nothing else touches th
 from __future__ import annotations
 
 import functools
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
 from shipid.bridge.core.console import SteeringOrder
+from shipid.bridge.core.scale_watch import still_water_track
 from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
@@ -79,6 +81,8 @@ class Question:
         Of the turn onto that leg, in rad.
     steer : bool
         Whether the track pilot is asked what to order.
+    begins : SteeringOrder or None
+        What was executed just now: its turn in still water is wanted.
     """
 
     t: float
@@ -88,6 +92,7 @@ class Question:
     leg: TrackLeg | None = None
     rudder_limit: float = 0.1
     steer: bool = False
+    begins: SteeringOrder | None = None
 
 
 @dataclass(frozen=True)
@@ -104,6 +109,8 @@ class PredictionAnswer:
         Where the turn onto the next leg begins.
     order : TrackOrder or None
         What the track pilot orders.
+    still : PredictedTrack or None
+        The turn that begins, in still water.
     """
 
     question: Question
@@ -111,6 +118,7 @@ class PredictionAnswer:
     executed: ShownTrack | None = None
     wheel_over: WheelOver | None = None
     order: TrackOrder | None = None
+    still: PredictedTrack | None = None
 
 
 class Forecaster:
@@ -176,7 +184,26 @@ class Forecaster:
         for track in (trial, executed):
             if track is not None:
                 track.text  # noqa: B018 - written here, in the thread, and not where the page is brought up to date
-        return PredictionAnswer(question, trial, executed, turn, order)
+        still = None
+        if question.begins is not None:
+            still = still_water_track(self.predictor, question.situation, question.begins)
+        return PredictionAnswer(question, trial, executed, turn, order, still)
+
+    def warm(self, situation: Situation) -> None:
+        """Predict once under every kind of order, so that what has to be compiled is.
+
+        Parameters
+        ----------
+        situation : Situation
+            Any of the ship.
+        """
+        for order in (
+            {"heading": 0.5},
+            {"rudder": 0.1},
+            {"heading": 0.5, "rate": 0.2 * self.predictor.pilot.pace(situation.values["u"])},
+        ):
+            with suppress(ShipidError):
+                self.predictor.predict(situation, **order, band="none")  # type: ignore[arg-type]
 
     def _forecast(
         self, question: Question, steering: SteeringOrder | None, order: TrackOrder | None

@@ -14,6 +14,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
 from shipid.prediction.following.track_adaptation import TrackFollower
 from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 #: A change of heading smaller than this, in rad, says nothing of the scale.
@@ -21,39 +22,23 @@ _SMALLEST = 0.1
 
 
 class ScaleWatch:
-    """Follows K_rho.
+    """Follows K_rho through the turn that was executed last."""
 
-    Parameters
-    ----------
-    predictor : TrackPredictor
-        Predicts the turn in still water when it is executed.
-    """
-
-    def __init__(self, predictor: TrackPredictor) -> None:
-        self._predictor = predictor
+    def __init__(self) -> None:
         self._follower: TrackFollower | None = None
         self._K_rho: float | None = None
 
-    def begin(self, known: Situation, steering: SteeringOrder) -> None:
-        """Begin to follow a turn to a heading; under another order nothing is followed.
+    def begin(self, track: PredictedTrack | None) -> None:
+        """Begin to follow a turn; a change of heading that is too small is none.
 
         Parameters
         ----------
-        known : Situation
-            What is known of the ship.
-        steering : SteeringOrder
-            What is executed.
+        track : PredictedTrack or None
+            The turn in still water, from `still_water_track`; None where nothing is to be followed.
         """
         self._follower = self._K_rho = None
-        if steering.mode != "heading":
-            return
-        still = {n: v for n, v in known.values.items() if not n.startswith("current_")}
-        try:
-            track = self._predictor.predict(Situation(still), **steering.order(), band="none")
-            if abs(track.psi[-1] - track.psi[0]) >= _SMALLEST:
-                self._follower = TrackFollower(track)
-        except ShipidError:
-            self._follower = None
+        if track is not None and abs(track.psi[-1] - track.psi[0]) >= _SMALLEST:
+            self._follower = TrackFollower(track)
 
     def update(self, t: float, values: Mapping[str, float]) -> None:
         """Take the ship's estimated state.
@@ -80,3 +65,24 @@ class ScaleWatch:
             "name": "K_rho", "label": "K_ρ", "value": number(self._K_rho, 4), "sd": None, "unit": "1",
             "standing": "at the end of its range" if self._follower.limited else "of this turn",
         }]  # fmt: skip
+
+
+def still_water_track(predictor: TrackPredictor, known: Situation, steering: SteeringOrder) -> PredictedTrack | None:
+    """Return the track of a turn to a heading in still water; None for another order, or where nothing can be predicted.
+
+    Parameters
+    ----------
+    predictor : TrackPredictor
+        Predicts it.
+    known : Situation
+        What is known of the ship when the turn is executed.
+    steering : SteeringOrder
+        What is executed.
+    """
+    if steering.mode != "heading":
+        return None
+    still = {n: v for n, v in known.values.items() if not n.startswith("current_")}
+    try:
+        return predictor.predict(Situation(still), **steering.order(), band="none")
+    except ShipidError:
+        return None

@@ -112,6 +112,9 @@ class Steered(Protocol):
             What is ordered.
         """
 
+    def warm(self) -> None:
+        """Have everything compiled that an order may ask for."""
+
     def change(self, wanted: Mapping[str, Plain]) -> None:
         """Change the surroundings or the ship.
 

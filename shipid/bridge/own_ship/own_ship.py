@@ -30,6 +30,8 @@ _RECENT, _DOUBTFUL, _STARTING = 60.0, 0.2, 20.0
 _AFTERMATH = 60.0
 #: The cruising speed follows the speed with this time constant in s while the ship goes straight, below this rate of turn.
 _CRUISE, _STRAIGHT = 300.0, np.deg2rad(0.03)
+#: The coefficients adapt while r L/u is larger than this, as Passenier (1989) lets them in manoeuvres only.
+_TURNING = 0.05
 #: Relative standard deviations up to which a coefficient is determined, and weakly determined.
 _DETERMINED, _WEAKLY = 0.1, 0.3
 #: Names of coefficients as they are printed.
@@ -56,7 +58,8 @@ class OwnShip:
         model = pilot.model
         shown = {n: level for n, level in BRIDGE.items() if n in (*model.states, *model.derived)}
         adapts = [n for n in _ADAPTS if n in model.parameters]
-        self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts)
+        self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts, switchable=bool(adapts))
+        self._adapts = bool(adapts)
         self._pilot = pilot
         self.sensors = Sensors()
         self.message = ""
@@ -129,13 +132,21 @@ class OwnShip:
     def _update(self, t: float, sample: Mapping[str, float]) -> None:
         assert self._online is not None
         try:
-            estimate = self._online.update({"t": t, **sample})
+            estimate = self._online.update({"t": t, **sample}, adapt=not self._adapts or self._turns)
         except FilterDivergedError as error:
             self._restart(t, str(error))
             return
         if not estimate.refused:
             self._estimate = estimate
             self._situation = self._known()
+
+    @property
+    def _turns(self) -> bool:
+        """Whether she turns fast enough to tell what her coefficients are: on a straight course an estimate only drifts."""
+        known = self._situation
+        if known is None:
+            return False
+        return abs(known.values.get("r", 0.0)) * self._pilot.length > _TURNING * known.values["u"]
 
     def _restart(self, t: float, why: str) -> None:
         self._online, self._situation, self._estimate = None, None, None

@@ -22,6 +22,8 @@ _SENSORS: Mapping[str, tuple[str, str]] = {
 EXPECTED = ("psi", "r", "u", "x", "delta")
 #: A sensor is lost after so many of its own intervals, and after so many seconds at least.
 _INTERVALS, _LEAST = 5.0, 5.0
+#: One that was heard only once has no interval yet, and is lost after so many seconds.
+_ONCE = 30.0
 #: Share of the newest interval in the usual one.
 _NEWEST = 0.2
 
@@ -105,13 +107,19 @@ class Sensors:
         return min(ages, default=None)
 
     @property
+    def silent(self) -> bool:
+        """Whether every sensor that was heard is lost."""
+        lost = self.lost
+        return all(n in lost for n in self._heard)
+
+    @property
     def lost(self) -> dict[str, str]:
         """The sensors that are lost, by name, with what they are called."""
         found = {}
         for name, (label, _) in _SENSORS.items():
             heard, age = self._heard.get(name), self.age(name)
             if heard is not None and age is not None:
-                if age > max(_LEAST, _INTERVALS * heard.interval):
+                if age > (max(_LEAST, _INTERVALS * heard.interval) if heard.interval else _ONCE):
                     found[name] = label
             elif name in EXPECTED and self._t is not None and self._t - (self._began or 0.0) > _LEAST:
                 found[name] = label

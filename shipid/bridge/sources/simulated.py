@@ -150,6 +150,11 @@ class SimulatedSource:
         wind, blows = self._flows["wind"]
         return SourceReading(values | ({"wind_speed": wind, "wind_direction": blows} if self._parts else {}))
 
+    def warm(self) -> None:
+        """Build the ship once under every kind of order: what is compiled then is kept."""
+        for by in _BY.values():
+            SimulatedShip(self._pilot, parts=self._parts, steered_by=by)
+
     def change(self, wanted: Mapping[str, Plain]) -> None:
         """Change current, wind, or a coefficient of the ship.
 

@@ -47,6 +47,7 @@ def own_ship_filter(
     estimated: Sequence[str] = (),
     noise: Mapping[str, Amount] | None = None,
     gate: float | None = 5.0,
+    switchable: bool = False,
 ) -> ExtendedKalmanFilter:
     """Return the filter of a ship's own model that a prediction begins from.
 
@@ -66,6 +67,8 @@ def own_ship_filter(
         Noise of states, in place of the defaults.
     gate : float or None
         See `ExtendedKalmanFilter`.
+    switchable : bool
+        Whether the adaptation of the coefficients can be switched off sample by sample.
 
     Returns
     -------
@@ -97,4 +100,5 @@ def own_ship_filter(
         noise=levels | dict(noise or {}),
         initial=initial,
         gate=gate,
+        switchable=switchable,
     )

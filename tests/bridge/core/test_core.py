@@ -236,7 +236,7 @@ def test_a_filter_that_diverges_is_an_alarm_and_begins_again(scripted, monkeypat
     sail(core, 30)
     online = core.own_ship._online  # noqa: SLF001 - there is no honest way to make this filter diverge
 
-    def diverge(sample):
+    def diverge(sample, **_):
         raise FilterDivergedError("the filter diverges at 30 s.")
 
     monkeypatch.setattr(online, "update", diverge)
@@ -356,3 +356,35 @@ def test_without_the_predictor_nothing_of_it_is_shown(make_core):
     core.command({"command": "trial", "heading": 1.0})
     sail(core, 10)
     assert shown(core)["tracks"] == {"trial": None, "executed": None}
+
+
+def test_on_a_straight_course_the_coefficients_stay_as_they_were_found(make_core):
+    core = make_core()
+    core.command({"command": "trial", "heading": 1.0})
+    core.command({"command": "execute"})
+    for _ in range(300):
+        core.step(core.t + 0.4)
+    while abs(core.source.now["r"]) > 1e-4:
+        core.step(core.t + 0.4)
+    found = {v["name"]: v for v in core.own_ship.adaptation()}
+    for _ in range(2500):
+        core.step(core.t + 0.4)
+    kept = {v["name"]: v for v in core.own_ship.adaptation()}
+    for name, truth in (("K", 1.6), ("tau", 1.7)):
+        # Nothing tells them there: neither the estimate nor its standard deviation goes on.
+        assert kept[name]["value"] == pytest.approx(found[name]["value"], rel=0.01)
+        assert kept[name]["sd"] == pytest.approx(found[name]["sd"], rel=0.02)
+        assert abs(kept[name]["value"] - truth) < 2.5 * kept[name]["sd"]
+
+
+def test_a_slow_record_is_not_stale(make_core):
+    source = Scripted()
+    core = make_core(source)
+    every = source.take
+
+    def take(t):
+        return every(t) if round(t / 0.4) % 25 == 1 else SourceReading()
+
+    source.take = take
+    sail(core, 100)
+    assert texts(core) == []
