@@ -304,3 +304,46 @@ def test_a_record_that_adds_nothing_determines_nothing(call, zigzag):
     assert {p["standing"] for p in found.values()} == {"not determined"}
     assert all("of the one it started with" in p["why"] for p in found.values())
     assert "not determined: it is known from before" in call("filter", f"{zigzag}@0:8", *NOMOTO).out
+
+
+def _condition(folder, name, gain, constant):
+    text = f'name = "{name}"\ntitle = "{name}"\n[particulars]\nL = {{ value = 226.0, unit = "m", source = "test" }}\n'
+    text += 'speed = { value = 9.5, unit = "m/s", source = "test" }\n[nomoto]\n'
+    text += f'K = {{ value = {gain}, unit = "1/s", source = "test" }}\n'
+    text += f'tau = {{ value = {constant}, unit = "s", source = "test" }}\n'
+    path = folder / f"{name}.toml"
+    path.write_text(text)
+    return path
+
+
+def test_which_of_two_ships_sails(call, refused, tmp_path):
+    """The container ship's own parameters beside those of a ship that turns half as fast."""
+    loaded, heavy = _condition(tmp_path, "own", 0.0673, 40.4), _condition(tmp_path, "heavy", 0.035, 80.0)
+    both = ("--model", "nomoto", "--ship", loaded, "--ship", heavy, "--method", "imm")
+    out = tmp_path / "out"
+    answer = call("filter", f"{TRIAL}@0:200", *both, *SENSORS, "--out", out)
+    assert "own sails, with a probability of" in answer.out
+    assert "does not say that it is right" in answer.out
+    result = json.loads((out / "result.json").read_text())
+    assert result["most_probable"] == "own" and result["told"]
+    assert result["modes"]["own"]["probability"] > 0.95 > 0.05 > result["modes"]["heavy"]["probability"]
+    table = pd.read_csv(out / "estimates.csv")
+    assert np.isfinite(table.to_numpy()).all()
+    assert table["probability_own [1]"].iloc[-1] == pytest.approx(result["modes"]["own"]["probability"])
+    page = (out / "report.html").read_text()
+    assert "which ship sails" in page and "Log-likelihood alone" in page
+    refused(2, ["filter", TRIAL, *both[:4], "--method", "imm"], "two or more")
+    refused(2, ["filter", TRIAL, *both[:6]], "--method imm")
+    refused(2, ["filter", TRIAL, *both, "--estimate", "K"], "--estimate")
+    refused(
+        2,
+        ["filter", TRIAL, "--model", "nomoto", "--ship", loaded, "--ship", loaded, "--method", "imm"],
+        "different names",
+    )
+
+
+def test_nothing_to_learn_is_no_error(call):
+    """Every level given, and no parameter to estimate."""
+    given = ("--noise", "r=0.01 deg/s^1.5", "--estimate", "none")
+    answer = call("filter", f"{TRIAL}@0:100", *NOMOTO, *SENSORS, *given)
+    assert answer.code in (0, 5) and "innovations of psi" in answer.out

@@ -18,7 +18,10 @@ TWO = [[0.95, 0.05], [0.1, 0.9]]
 def unequal(**changes):
     """A straight course and a turn at an unknown rate, which has one state more."""
     maps = {("straight", "turning"): {"omega": ("0 deg/s", "3 deg/s")}}
-    models = {"straight": constant_velocity, "turning": Mode(turning_at_unknown_rate, noise={"omega": "0.5 deg/s"})}
+    models = {
+        "straight": constant_velocity,
+        "turning": Mode(turning_at_unknown_rate, noise={"omega": "0.5 deg/s"}),
+    }
     given = {"measured": SENSORS, "noise": NOISE, "maps": maps}
     return InteractingMultipleModel(models, TWO, **(given | changes))
 
