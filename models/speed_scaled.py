@@ -45,6 +45,7 @@ class WindMoment(Component):
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
     wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
     wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
+    r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
     L = constant("m", "length between perpendiculars")
     w1 = parameter(
         "1",
@@ -66,7 +67,7 @@ class WindMoment(Component):
         nominal=0.002,
         latex="w_2",
     )
-    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")
+    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
 
     @r_disturbance.equals
     def moment(self):
@@ -76,7 +77,8 @@ class WindMoment(Component):
         from, w1 would change its sign, and w2 would not.
         """
         angle = self.wind_direction - self.psi
-        return (self.wind_speed / self.L) ** 2 * (self.w1 * np.sin(angle) + self.w2 * np.sin(2 * angle))
+        wind = (self.wind_speed / self.L) ** 2 * (self.w1 * np.sin(angle) + self.w2 * np.sin(2 * angle))
+        return wind + self.r_residual
 
 
 class CubicYawInWind(WindMoment, CubicYaw):

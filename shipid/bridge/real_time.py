@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from shipid.bridge.core.core import BridgeCore
-from shipid.bridge.core.forecast import PredictionAnswer, Question
+from shipid.bridge.core.forecast import PredictionAnswer
 from shipid.foundation.aliases import Plain
 
 #: The page is sent what has changed ten times a second.
@@ -94,15 +94,14 @@ class RealTime:
             return
         loop = asyncio.get_running_loop()
         self._predicting = loop.run_in_executor(self._thread, self.core.forecaster.answer, question)
-        self._predicting.add_done_callback(lambda future: self._answered(future, question))
+        self._predicting.add_done_callback(self._answered)
 
-    def _answered(self, future: asyncio.Future[PredictionAnswer], question: Question) -> None:
+    def _answered(self, future: asyncio.Future[PredictionAnswer]) -> None:
         self._predicting = None
         if not future.cancelled():
             self.core.take_answer(future.result())
-            if question.executed is None:
-                # A trial is shown at once, not with the next turn of the display.
-                asyncio.ensure_future(self._show())  # noqa: RUF006 - it ends by itself
+            # A track is shown at once, not with the next turn of the display.
+            asyncio.ensure_future(self._show())  # noqa: RUF006 - it ends by itself
         self._wake.set()
 
     async def _show(self) -> None:

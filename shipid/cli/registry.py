@@ -20,5 +20,6 @@ COMMANDS = {
     "predict": ("shipid.cli.predict:predict", "Predict where a ship goes under an order, with a band."),
     "bridge": ("shipid.cli.bridge:bridge", "Open the live bridge page of a ship, simulated or listened to."),
     "campaign": ("shipid.cli.campaign:campaign", "Run a study many times, or identify each trial of a folder."),
+    "track": ("shipid.cli.track:track", "Track other ships from the plots of radar, lidar or AIS."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
 }

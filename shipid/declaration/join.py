@@ -46,6 +46,7 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     given: dict[str, list[Entry]] = {}
     order: list[str] = []
     components: list[type[Component]] = []
+    extended: list[str] = []
     for part in parts:
         for entry in _entries(part):
             _check_declared_unit(entry)
@@ -58,13 +59,14 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
             else:
                 stated[entry.name] = _state_once(stated.get(entry.name), entry)
         components += part.components if isinstance(part, Model) else (part,)
+        extended += (part.name, *part.extended) if isinstance(part, Model) else ()
     if not stated:
         raise DeclarationError(f"model {name} joins no component that states anything.")
 
     for wanted, readers in given.items():
         _check_connection(name, wanted, readers, stated.get(wanted))
     entries = {n: stated.get(n) or _input(given[n]) for n in order}
-    model = Model(name, entries, tuple(components))
+    model = Model(name, entries, tuple(components), tuple(dict.fromkeys(n for n in extended if n != name)))
     check_units(model)
     return model
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
-from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope
+from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope, slug
 from shipid.declaration.quantity import COMPUTED, Equation, Kind, Quantity
 from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Expression
@@ -74,11 +75,14 @@ class Model:
         Every quantity, in the order of declaration.
     components : tuple of type[Component]
         What it was joined from.
+    extended : tuple of str
+        Names of the models it was joined from: what is known of a ship under these names is known of it.
     """
 
     name: str
     entries: Mapping[str, Entry]
     components: tuple[type[Component], ...]
+    extended: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "entries", MappingProxyType(dict(self.entries)))
@@ -96,42 +100,47 @@ class Model:
         return hash((self.name, self.components, tuple(self.entries)))
 
     def __reduce__(self) -> tuple[object, ...]:
-        return Model, (self.name, dict(self.entries), self.components)
+        return Model, (self.name, dict(self.entries), self.components, self.extended)
+
+    @property
+    def known_as(self) -> tuple[str, ...]:
+        """Names under which a parameter set may hold its coefficients: its own, those of the models it extends, its components'."""
+        return tuple(dict.fromkeys((self.name, *self.extended, *(slug(c) for c in self.components))))
 
     def _names(self, *kinds: Kind) -> tuple[str, ...]:
         return tuple(n for n, e in self.entries.items() if e.quantity.kind in kinds and n != SAMPLING_INTERVAL)
 
-    @property
+    @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states, in order."""
         return self._names("state")
 
-    @property
+    @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Names of the inputs, which no component states: rudder, speed, current, ..."""
         return self._names("given")
 
-    @property
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """Names of what identification may estimate."""
         return self._names("parameter")
 
-    @property
+    @cached_property
     def constants(self) -> tuple[str, ...]:
         """Names of the particulars of the ship."""
         return self._names("constant")
 
-    @property
+    @cached_property
     def derived(self) -> tuple[str, ...]:
         """Names of the quantities that follow from the others."""
         return self._names("derived")
 
-    @property
+    @cached_property
     def outputs(self) -> tuple[str, ...]:
         """Names of the sensor outputs."""
         return self._names("output")
 
-    @property
+    @cached_property
     def guards(self) -> tuple[str, ...]:
         """Names of the margins that are not negative while the model is valid."""
         return self._names("guard")

@@ -38,7 +38,7 @@ def filter_by_record(
     record : Trial or mapping of str to ndarray
         What is filtered.
     kept : collection of str
-        ``sensor:NAME`` and ``noise:NAME`` that stay as they are.
+        ``sensor:NAME`` and ``noise:NAME`` that stay as they are, and ``bias:INPUT`` that is none.
     tell : callable
         Called with what is being done.
 

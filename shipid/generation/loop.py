@@ -48,6 +48,16 @@ SHIPID_EXPORT int shipid_loop(const casadi_real* z0, const casadi_real* c, const
   memcpy(z, now, nz * sizeof(casadi_real));
   return failed;
 }}
+/* Many records of one length, one after the other; a stride of zero gives all of them the same samples. */
+SHIPID_EXPORT int shipid_records(const casadi_real* z0, const casadi_real* c, const casadi_real* p, casadi_real* z,
+                                 casadi_real* out, long long n, long long records, long long stride) {{
+  static const int nz = {nz}, np = {np}, no = {no};
+  long long k;
+  int failed = 0;
+  for (k = 0; k < records && !failed; ++k)
+    failed = shipid_loop(z0 + k * nz, c + k * stride, p + k * np, z + k * nz, out + k * n * no, n);
+  return failed;
+}}
 /* One sample; one argument, since each costs Python a conversion. */
 SHIPID_EXPORT int shipid_once(void* const* a) {{
   return shipid_loop((const casadi_real*)a[0], (const casadi_real*)a[1], (const casadi_real*)a[2], (casadi_real*)a[3],
@@ -161,6 +171,55 @@ class Loop:
         with ThreadPoolExecutor(workers) as pool:
             return list(pool.map(self, z0, controls, p))
 
+    def side_by_side(
+        self, z0: np.ndarray, controls: np.ndarray, p: np.ndarray, threads: int | None = None
+    ) -> np.ndarray:
+        """Run records of one length, one call of the machine code a thread, and return their outputs.
+
+        Parameters
+        ----------
+        z0 : ndarray, shape (R, z)
+            States before the first samples.
+        controls : ndarray, shape (R, N, c) or (N, c)
+            One row a sample; without the first axis, every record has the same.
+        p : ndarray, shape (R, p)
+            Coefficients.
+        threads : int, optional
+            How many; by default one for each processor.
+
+        Returns
+        -------
+        ndarray, shape (R, N, out)
+
+        Raises
+        ------
+        ValueError
+            If the shapes do not fit the step.
+        """
+        nz, nc, n_p, no = self.sizes
+        z0, controls, p = (np.ascontiguousarray(a, dtype=self.dtype) for a in (z0, controls, p))
+        runs, count, shared = len(z0), controls.shape[-2], controls.ndim == 2
+        if z0.shape != (runs, nz) or p.shape != (runs, n_p) or controls.shape not in ((count, nc), (runs, count, nc)):
+            raise ValueError(f"shapes {z0.shape}, {controls.shape}, {p.shape} do not fit the step {self.sizes}")
+        if self.call is None:
+            return np.stack([self(z0[k], controls if shared else controls[k], p[k])[1] for k in range(runs)])
+        z, out = np.empty((runs, nz), self.dtype), np.empty((runs, count, no), self.dtype)
+        stride = 0 if shared else count * nc
+
+        def some(first: int, last: int) -> None:
+            arrays = (z0[first:], controls if shared else controls[first:], p[first:], z[first:], out[first:])
+            places = (a.ctypes.data for a in arrays)
+            self.library.shipid_records(*places, count, last - first, stride)
+
+        workers = min(threads or os.cpu_count() or 1, runs)
+        ends = np.linspace(0, runs, workers + 1).astype(int).tolist()
+        if workers <= 1:
+            some(0, runs)
+        else:
+            with ThreadPoolExecutor(workers) as pool:
+                list(pool.map(some, ends[:-1], ends[1:]))
+        return out
+
     def one_at_a_time(self, z0: np.ndarray, p: np.ndarray) -> Stepper:
         """Return the same step for samples that arrive one by one.
 
@@ -252,6 +311,7 @@ def make_loop(step: CasadiFunction, compiled: bool = True, single: bool = False)
         text = _LOOP.format(
             nz=nz,
             nc=step.size1_in(1),
+            np=step.size1_in(2),
             no=no,
             name=step.name(),
             args=max(3, step.sz_arg()),
@@ -265,4 +325,6 @@ def make_loop(step: CasadiFunction, compiled: bool = True, single: bool = False)
         return Loop(step, False, False)
     call = library.shipid_loop
     call.argtypes, call.restype = [ctypes.c_void_p] * 5 + [ctypes.c_longlong], ctypes.c_int
+    records = library.shipid_records
+    records.argtypes, records.restype = [ctypes.c_void_p] * 5 + [ctypes.c_longlong] * 3, ctypes.c_int
     return Loop(step, True, single, call, library)

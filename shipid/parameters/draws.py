@@ -59,8 +59,8 @@ def draw_coefficients(model: Model, ship: ParameterSet, count: int, seed: int = 
     -------
     Drawn
     """
-    joint = ship.joint.get(model.name)
-    joint = joint if joint is not None and joint.names else None  # a set may state its range alone
+    # A set may state its range alone.
+    joint = next((ship.joint[n] for n in model.known_as if n in ship.joint and ship.joint[n].names), None)
     scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
     names, nominal, spread, box = [], [], [], []
     open_ones = []

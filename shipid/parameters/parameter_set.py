@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from shipid.declaration.component import Scope, slug
+from shipid.declaration.component import Scope
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty, split, to_si
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
@@ -129,11 +129,12 @@ class ParameterSet:
         Parameters
         ----------
         model : Model
-            The model; its own section goes before those of its components, and these before the particulars.
+            The model; its own section goes before those of the models it extends, these before those of its components, and these
+            before the particulars.
         name : str
             The quantity.
         """
-        for section in (model.name, *(slug(c) for c in model.components), PARTICULARS):
+        for section in (*model.known_as, PARTICULARS):
             value = self.sections.get(section, {}).get(name)
             if value is not None:
                 return value

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from shipid.declaration.component import slug
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
@@ -26,9 +25,9 @@ def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:
     ship : ParameterSet
         The ship.
     model : Model
-        The model; its own section goes before those of its components.
+        The model; its own section goes before those of the models it extends and of its components.
     """
-    for section in (model.name, *(slug(c) for c in model.components)):
+    for section in model.known_as:
         if section in ship.joint:
             return section, ship.joint[section]
         # A table against speed is refused beyond its ends, and says so itself.

@@ -28,6 +28,24 @@ class SlowDisturbance(Component):
         return 0.0
 
 
+class SlowResidual(Component):
+    """What a measured wind does not explain of the yaw: a yaw acceleration that changes slowly, as `SlowDisturbance` does."""
+
+    r_residual = state(
+        "rad/s^2",
+        "yaw acceleration by anything but the wind",
+        nominal="1e-4 rad/s^2",
+        spread="2.5e-4 rad/s^2",
+        noise="1.6e-6 rad/s^2.5",
+        latex=r"\dot r_{res}",
+    )
+
+    @r_residual.rate
+    def keeps(self) -> Expression:
+        """Passenier (1989), eq. (5.20): constant except for the process noise."""
+        return 0.0
+
+
 class SlowCurrent(Component):
     """An unmeasured current that changes slowly."""
 

@@ -26,6 +26,7 @@ class Wind(Component):
     v = given("m/s", "sway speed through the water, positive to starboard", default=0.0)
     current_north = given("m/s", "current, component to the north", default=0.0, latex="U_{c,N}")
     current_east = given("m/s", "current, component to the east", default=0.0, latex="U_{c,E}")
+    r_residual = given("rad/s^2", "yaw acceleration by anything but the wind", default=0.0, latex=r"\dot r_{res}")
     L = constant("m", "length between perpendiculars")
     N_w = parameter(
         "rad/m^2",
@@ -49,7 +50,7 @@ class Wind(Component):
     wind_aside = derived("m/s", "relative wind, component to starboard", latex="V_{wr,y}")
     wind_relative = derived("m/s", "speed of the relative wind", latex="V_{wr}")
     wind_angle = derived("rad", "direction the relative wind blows to, from the bow", wraps=True, latex=r"\gamma_r")
-    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind", latex=r"\dot r_d")
+    r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
     u_disturbance = derived("m/s^2", "forward acceleration by the wind", latex=r"\dot u_d")
 
     @wind_ahead.equals
@@ -76,8 +77,8 @@ class Wind(Component):
 
     @r_disturbance.equals
     def moment(self):
-        """Passenier (1989), eq. (2.85) with (2.87): N_w' sin(2 gamma_r) V_wr^2."""
-        return 2 * self.N_w * self.wind_ahead * self.wind_aside
+        """Passenier (1989), eq. (2.85) with (2.87): N_w' sin(2 gamma_r) V_wr^2; and what is none of the wind's."""
+        return 2 * self.N_w * self.wind_ahead * self.wind_aside + self.r_residual
 
     @u_disturbance.equals
     def push(self):

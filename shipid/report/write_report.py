@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from shipid.campaign.result import CampaignResult
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
+    from shipid.encounter.tracking.tracking import Tracking
+    from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
         Fit
         | FilterRun
         | Observability
+        | WhichShip
         | RecursiveIdentification
         | Autopilot
         | Judgement
@@ -36,6 +39,7 @@ if TYPE_CHECKING:
         | TrialSheet
         | CampaignResult
         | FleetResult
+        | Tracking
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -43,6 +47,7 @@ _VIEWS = {
     "Fit": "fit.page:fit_page",
     "FilterRun": "filter.page:filter_page",
     "Observability": "filter.page:observability_page",
+    "WhichShip": "filter.which_ship:which_ship_page",
     "RecursiveIdentification": "filter.recursive:recursive_page",
     "Autopilot": "tuning.page:design_page",
     "Judgement": "tuning.page:tuning_page",
@@ -51,6 +56,7 @@ _VIEWS = {
     "TrialSheet": "sheet.page:sheet_page",
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
+    "Tracking": "tracking.page:tracking_page",
 }
 
 
@@ -65,8 +71,8 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult or FleetResult
+    result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
+TrialSheet, CampaignResult, FleetResult or Tracking
         What to report.
     path : str or Path
         The file to write.

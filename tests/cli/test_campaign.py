@@ -99,7 +99,11 @@ def test_an_interrupted_campaign_loses_no_finished_run(call, study, tmp_path):
         "--workers",
         "1",
     ]
-    running = subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=os.environ)
+    # A test run in the background ignores Ctrl-C, and hands that on.
+    heed = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)  # noqa: E731
+    running = subprocess.Popen(
+        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=os.environ, preexec_fn=heed
+    )
     for _ in range(600):
         if len(list((out / "batches").glob("*.npz"))) >= 2:
             break

@@ -169,3 +169,20 @@ def test_a_long_record_on_little_memory(loops: dict[str, Loop]) -> None:
     for piece in np.array_split(controls, 7):
         z, _ = loops["compiled"](z, piece, p)
     assert np.array_equal(z, whole)
+
+
+@pytest.mark.parametrize("compiled", [True, False])
+@pytest.mark.parametrize("threads", [1, 3])
+def test_records_of_one_length_side_by_side_are_the_single_ones(compiled, threads):
+    z, c, p = ca.SX.sym("z", 2), ca.SX.sym("c", 2), ca.SX.sym("p", 1)
+    step = ca.Function(
+        "step", [z, c, p], [ca.vertcat(z[0] + p * c[0], z[1] * 0.9 + c[1]), ca.vertcat(z[0] - z[1], p, c[1])]
+    )
+    loop, random = make_loop(step, compiled=compiled), np.random.default_rng(0)
+    starts, own, coefficients = random.normal(size=(5, 2)), random.normal(size=(5, 7, 2)), random.normal(size=(5, 1))
+    for controls in (own, own[0]):
+        each = [controls[k] if controls.ndim == 3 else controls for k in range(5)]
+        wanted = np.stack([loop(starts[k], each[k], coefficients[k])[1] for k in range(5)])
+        np.testing.assert_array_equal(loop.side_by_side(starts, controls, coefficients, threads), wanted)
+    with pytest.raises(ValueError, match="do not fit the step"):
+        loop.side_by_side(starts, own[:, :, :1], coefficients)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import ipaddress
 from collections.abc import Mapping
@@ -84,8 +85,14 @@ class Guard:
 
     def _shown(self, connection: HTTPConnection) -> bool:
         assert self.token is not None
-        shown = connection.query_params.get("token") or connection.cookies.get(COOKIE) or ""
-        return hmac.compare_digest(shown.encode("utf-8", "replace"), self.token.encode())
+        shown, cookie = connection.query_params.get("token", ""), connection.cookies.get(COOKIE, "")
+        by_query = hmac.compare_digest(shown.encode("utf-8", "replace"), self.token.encode())
+        return by_query or hmac.compare_digest(cookie.encode("utf-8", "replace"), self.cookie.encode())
+
+    @property
+    def cookie(self) -> str:
+        """What the cookie holds: a token may have signs that a cookie cannot."""
+        return hashlib.sha256((self.token or "").encode()).hexdigest()
 
 
 def _host_of(headers: Headers) -> tuple[str, int] | None:
@@ -154,7 +161,7 @@ class GuardMiddleware:
                     headers[name] = value
                 token = self._guard.token
                 if why is None and token is not None and connection.query_params.get("token") is not None:
-                    headers.append("Set-Cookie", f"{COOKIE}={token}; HttpOnly; SameSite=Strict; Path=/")
+                    headers.append("Set-Cookie", f"{COOKIE}={self._guard.cookie}; HttpOnly; SameSite=Strict; Path=/")
             await send(message)
 
         if why is None:

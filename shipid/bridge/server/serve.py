@@ -38,10 +38,17 @@ def listening(host: str, port: int) -> socket.socket:
     UsageError
         If it cannot: the port is in use, or there is no such address.
     """
+    made: socket.socket | None = None
     try:
-        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        made = socket.create_server((host, port), family=family, backlog=64)
+        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
+        # Named as TCP: asyncio sends small messages at once only where a socket says that it is TCP.
+        made = socket.socket(family, kind, protocol or socket.IPPROTO_TCP)
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        made.bind(address)
+        made.listen(64)
     except OSError as error:
+        if made is not None:
+            made.close()
         why = "is in use already" if error.errno == 98 else f"cannot be used: {error.strerror or error}"
         raise UsageError(f"port {port} of {host} {why}. Choose another --port or --host.") from None
     made.setblocking(False)

@@ -185,7 +185,7 @@ class SimulatedSource:
         self.ship.inputs |= {n: v for n, v in self._acting().items() if n in self.ship.model.inputs}
 
     def _set(self, name: Plain, value: Plain) -> None:
-        if name not in self._coefficients or value is None:
+        if not isinstance(name, str) or name not in self._coefficients or value is None:
             raise UsageError(f"a coefficient is one of {', '.join(self._coefficients)}, with its value.")
         low, high = self._range(name)
         self._changed[name] = min(max(float(value), low), high)

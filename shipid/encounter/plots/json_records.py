@@ -77,12 +77,12 @@ def plots_of_json(file: Path, format_: PlotFormat) -> RawPlots:
             at = float(record[keys.time]) * second
             here = np.asarray(record[keys.own] if keys.own else (0.0, 0.0), float).ravel()[:2] * length
             pairs = _pairs(record[keys.position], keys.layout) * length
-            if here.size != 2:
-                raise ValueError
         except (TypeError, ValueError, KeyError):
+            here = np.zeros(0)
+        if here.size != 2:
             raise failed(
                 format_, f"'{file}', record {number}: its time, position or own position is no number, or no pair."
-            ) from None
+            )
         if not len(pairs):
             looks.append(at)
             looked.append(which)
@@ -94,7 +94,14 @@ def plots_of_json(file: Path, format_: PlotFormat) -> RawPlots:
     columns = dict(zip("xy", np.array(z, float).reshape(-1, 2).T))
     if keys.own:
         columns |= dict(zip(("own_x", "own_y"), np.array(own, float).reshape(-1, 2).T))
-    return RawPlots(np.array(t, float), columns, np.array(sensor, int), np.array(looks, float), np.array(looked, int))
+    return RawPlots(
+        np.array(t, float),
+        columns,
+        np.array(sensor, int),
+        np.array(looks, float),
+        np.array(looked, int),
+        one_by_one=False,
+    )
 
 
 def _key(value: Plain) -> Plain:

@@ -159,6 +159,7 @@ def make_plots(
     sensors: Sequence[Sensor] = (Sensor(),),
     looks: np.ndarray | None = None,
     looks_sensor: np.ndarray | None = None,
+    one_by_one: bool = True,
     frame: str = "the origin of the log",
     origin: tuple[float, float] | None = None,
     start: float | None = None,
@@ -177,6 +178,8 @@ def make_plots(
         The sensors.
     looks, looks_sensor : ndarray, shape (K,), optional
         Times at which a sensor looked and saw nothing, s, and which sensor.
+    one_by_one : bool
+        Whether plots may come one after the other as an antenna turns; False takes those of one time as a scan.
     frame, origin, start
         See `Plots`.
 
@@ -229,7 +232,7 @@ def make_plots(
     for k, one in enumerate(sensors):
         mine = rows[sensor[rows] == k]
         z = np.stack([x[mine], y[mine]], axis=1)
-        edges = _scan_starts(t[mine], z - own[mine], one.period)
+        edges = _scan_starts(t[mine], z - own[mine], one.period, one_by_one)
         for a, b in zip(edges, [*edges[1:], mine.size]):
             last = float(t[mine[b - 1]])
             scans.append(Scan(last, k, z[a:b], last - t[mine[a:b]], own[mine[b - 1]]))
@@ -246,14 +249,14 @@ def _count(which: np.ndarray) -> str:
     return f"{n} plot{'s' * (n > 1)}"
 
 
-def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[int]:
+def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None, one_by_one: bool) -> list[int]:
     """Where a new scan begins: with a new time, or with a new turn of the antenna."""
     if not t.size:
         return []
     if period is None:
-        period = _period(t, away) if np.isfinite(away).all() else 0.0
-    if not period:
-        return [0, *(np.flatnonzero(np.diff(t) > 0) + 1).tolist()]
+        turned = _turns(t, away) if one_by_one and np.isfinite(away).all() else None
+        new = np.diff(t) > 0 if turned is None else np.diff(np.floor(turned)) > 0
+        return [0, *(np.flatnonzero(new) + 1).tolist()]
     edges = [0]
     for k in range(1, t.size):
         if t[k] - t[edges[-1]] >= period:
@@ -261,17 +264,15 @@ def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[
     return edges
 
 
-def _period(t: np.ndarray, away: np.ndarray) -> float:
-    """The time of a turn of an antenna that sees plots one after the other, s; zero where plots come in scans or alone.
+def _turns(t: np.ndarray, away: np.ndarray) -> np.ndarray | None:
+    """How often an antenna has turned at each plot; None where plots do not come one after the other round the horizon.
 
-    A turning antenna goes through the bearings one way: the steps from plot to plot add up to its turns.
+    A turning antenna goes through the bearings one way, a few at least in a turn. The bearing of one target goes to and fro.
     """
-    steps = np.diff(t)
-    if t.size < 20 or np.mean(steps > 0) < 0.7:
-        return 0.0
-    turn = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
-    turn = np.where(turn > 2 * np.pi - 0.05, 0.0, turn)
-    step = float(turn.mean())
-    if not 0.05 < step < 2 * np.pi / 2.5:
-        return 0.0
-    return float((t[-1] - t[0]) / (turn.sum() / (2 * np.pi)))
+    if t.size < 20 or np.mean(np.diff(t) > 0) < 0.7:
+        return None
+    steps = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
+    if not 0.05 < steps.mean() < 2 * np.pi / 2.5 or np.mean(steps > np.pi) > 1 / 3:
+        return None
+    # A little past the first plot, so that a target that is seen just before it does not begin a turn of her own.
+    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi) + 1e-3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,10 +17,11 @@ from shipid.encounter.plots.raw_plots import RawPlots
 from shipid.encounter.plots.sentences import holds_plots, plots_of_sentences
 from shipid.encounter.plots.ship_path import ShipPath, path_of
 from shipid.encounter.plots.structs import truth_of_structs
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.foundation.notices import Notice
 from shipid.trials import columns as spelling
-from shipid.trials.errors import EmptyFileError, UnknownColumnError
+from shipid.trials.errors import ClockError, EmptyFileError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
@@ -76,6 +77,7 @@ def read_detections(
     own: str | Path | None = None,
     truth: str | Path | None = None,
     sensors: Sequence[Sensor] = (),
+    sensor_values: Mapping[str, float] | None = None,
 ) -> Detections:
     """Read the plots of a log, with own ship and the truth where they are given.
 
@@ -92,6 +94,9 @@ def read_detections(
         The true tracks: a table with ``t``, a position and a column ``ship``, or a file that the format describes.
     sensors : sequence of Sensor, optional
         Instead of what the file says of its sensors.
+    sensor_values : mapping of str to float, optional
+        What else is known of every sensor, by the attributes of `Sensor`, SI; an accuracy of positions replaces those of range
+        and bearing.
 
     Returns
     -------
@@ -107,6 +112,8 @@ def read_detections(
         If a table lacks a column.
     FormatFileError
         If the format file does not fit.
+    EncounterRequestError
+        If own ship's path and the plots have no time in common.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
@@ -120,9 +127,14 @@ def read_detections(
     relative = ship is None and "range" in raw.columns
     x, y, here, frame = _placed(raw, origin, ship)
     known = sensors or (fmt.sensors if fmt else ()) or raw.sensors or (Sensor(),)
+    if sensor_values:
+        values: dict[str, Plain] = dict(sensor_values)
+        if "position_std" in values:
+            values |= {"range_std": None, "bearing_std": None}
+        known = tuple(replace(s, **values) for s in known)
     plots = make_plots(
         raw.t - begin, x, y, own=here, sensor=raw.sensor, sensors=known, looks=raw.looks - begin,
-        looks_sensor=raw.looks_sensor, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),
+        looks_sensor=raw.looks_sensor, one_by_one=raw.one_by_one, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),
         start=begin,
     )  # fmt: skip
     if not len(plots):
@@ -176,18 +188,23 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     if fmt is not None and len(fmt.sensors) > 1:
         if "sensor" not in columns:
             raise failed(fmt, f"{record.where} has no column 'sensor' that tells its {len(fmt.sensors)} sensors apart.")
-        sensor = np.array(
-            [fmt.values.get(v, fmt.values.get(int(v)) if np.isfinite(v) else None) or 0 for v in columns["sensor"]]
-        )
+        # 2.0 and 2 are one key; a plot of a sensor that the format does not name is left out, as one without a time.
+        sensor = np.array([fmt.values.get(v, -1) for v in columns["sensor"]], int)
+        t = np.where(sensor >= 0, t, np.nan)
     return RawPlots(t, found, sensor, notes=record.notes if fmt is None else ())
 
 
 def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Times that count from where the log's clock does, and the columns, SI."""
     for fault in record.faults:
-        # What a trial may not have, such as a time that stands still, plots may; what cannot be read they may not.
-        if type(fault).__name__ != "ClockError":
+        # A trial may not have a time that stands still, nor a column without a unit; plots may, where it is not theirs.
+        if not isinstance(fault, (ClockError, NoUnitError)):
             raise fault
+    pair = pair_of(record.values) or ()
+    known = {"t", *pair, *(n for names in (_NAMES | _OWN).values() for n in names)}
+    bare = next((n for n in record.values if n not in record.stated and (n in pair or n.lower() in known)), None)
+    if bare is not None:
+        raise spelling.no_unit(bare, f"{record.where}, ")
     values = {
         name: column * spelling.to_inside(name, record.stated[name], f"{record.where}: ")
         for name, column in record.values.items()

@@ -12,6 +12,7 @@ import numpy as np
 
 from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError
 from shipid.trials.errors import EmptyFileError, NonFiniteError
 from shipid.trials.logs.nmea.opening import encoding_of
@@ -193,7 +194,7 @@ def _take_ais(
             return
         del parts[key]
     try:
-        message = pyais.decode(*whole)
+        message: Plain = pyais.decode(*whole)
     except AISBaseException:
         found.left_out += 1
         return

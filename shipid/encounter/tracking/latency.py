@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shipid.encounter.tracking.alpha_beta_filters import AlphaBetaFilters
-from shipid.encounter.tracking.target_filters import Expected, TargetFilters
+from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.target_filters import Expected, TargetFilters
 
 #: Below this speed a track says nothing of a latency, m/s; the share of a plot that is surely a track's.
 _MOVING, _SURELY = 1.0, 0.9

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.encounter.plots.plots import Plots
+from shipid.encounter.plots.plots import Plots, Scan
 from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import plain
-
-if TYPE_CHECKING:
-    from shipid.encounter.tracking.tracking import Track
 
 #: A track is a ship's within so many standard deviations of a plot; no ship within this distance, and it is a false one.
 _NEAR, _FAR = 5.0, 250.0
@@ -117,7 +114,7 @@ class Score:
 
 
 def score_tracks(
-    tracks: Sequence[Track],
+    tracks: Sequence[TargetTrack],
     plots: Plots,
     truth: Sequence[ShipPath],
     own: ShipPath | None = None,
@@ -127,7 +124,7 @@ def score_tracks(
 
     Parameters
     ----------
-    tracks : sequence of Track
+    tracks : sequence of TargetTrack
         The tracks.
     plots : Plots
         What they were made from.
@@ -188,7 +185,7 @@ def _ship_near(state: np.ndarray, t: float, ships: Sequence[ShipPath]) -> bool:
     return any(np.hypot(*(state[:2] - path.at(t))) < _FAR for path in ships if path.t[0] - 10 <= t <= path.t[-1] + 10)
 
 
-def _estimates(tracks: Sequence[Track], t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _estimates(tracks: Sequence[TargetTrack], t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Numbers, states and covariances of the tracks that are held after the scan of a time."""
     found = []
     for track in tracks:
@@ -203,19 +200,19 @@ def _estimates(tracks: Sequence[Track], t: float) -> tuple[np.ndarray, np.ndarra
 
 def _score_ship(
     path: ShipPath,
-    scans: Sequence[object],
+    scans: Sequence[Scan],
     times: np.ndarray,
     estimates: Sequence[tuple[np.ndarray, ...]],
     limit: float,
 ) -> ShipScore:
     inside = path.covers(times)
-    detected = np.array([len(s.z) > 0 and np.hypot(*(s.z - path.at(s.t)).T).min() < limit for s in scans]) & inside  # type: ignore[attr-defined]
+    detected = np.array([len(s.z) > 0 and np.hypot(*(s.z - path.at(s.t)).T).min() < limit for s in scans]) & inside
     visible = np.convolve(detected.astype(float), np.ones(3), "same") >= 2
     visible = visible & inside
     held = np.zeros(times.size, bool)
     squares: list[list[float]] = [[] for _ in HORIZONS]
     nees, numbers = [], []
-    for k in np.flatnonzero(inside):
+    for k in np.flatnonzero(inside).tolist():
         number, x, P = estimates[k]
         if not len(number):
             continue

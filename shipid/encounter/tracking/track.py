@@ -8,13 +8,14 @@ from shipid.encounter.closest_approach import ClosestApproach, closest_approach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.read_plots import Detections
 from shipid.encounter.plots.ship_path import ShipPath
-from shipid.encounter.tracking.alpha_beta import FuzzySettings
-from shipid.encounter.tracking.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.alpha_beta import FuzzySettings
+from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.target_filters import TargetFilters
+from shipid.encounter.tracking.filters.trackers import motion_of
 from shipid.encounter.tracking.scoring import score_tracks
-from shipid.encounter.tracking.target_filters import TargetFilters
+from shipid.encounter.tracking.target_track import Status, TargetTrack
 from shipid.encounter.tracking.tracker import Standing, Tracker, TrackerSettings
-from shipid.encounter.tracking.trackers import motion_of
-from shipid.encounter.tracking.tracking import Status, Track, Tracking
+from shipid.encounter.tracking.tracking import Tracking
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -37,7 +38,7 @@ def track(
     detections : Detections or Plots
         What the sensors saw; with own ship and the truth, where they are known.
     tracker : str
-        One of `shipid.encounter.tracking.trackers.NAMES`.
+        One of `shipid.encounter.tracking.filters.trackers.NAMES`.
     ship : ParameterSet, optional
         A ship whose length says how sharply targets turn.
     settings : TrackerSettings, optional
@@ -82,7 +83,7 @@ def track(
     )
 
 
-def _tracks(standings: list[Standing], rules: TrackerSettings, found: Detections) -> list[Track]:
+def _tracks(standings: list[Standing], rules: TrackerSettings, found: Detections) -> list[TargetTrack]:
     """Gather what the scans say of each confirmed track."""
     rows: dict[int, list[tuple[Standing, int]]] = {}
     for standing in standings:
@@ -96,7 +97,7 @@ def _tracks(standings: list[Standing], rules: TrackerSettings, found: Detections
         t, x = np.array([s.t for s, _ in seen]), np.array([s.x[i] for s, i in seen])
         P = np.array([s.P[i] for s, i in seen])
         tracks.append(
-            Track(
+            TargetTrack(
                 number,
                 t,
                 x,
@@ -120,7 +121,7 @@ def _approach(x: np.ndarray, P: np.ndarray, t: float, own: ShipPath | None, rela
     return None if motion is None else closest_approach(x, motion, covariance=P)
 
 
-def _warnings(found: Detections, tracks: list[Track], engine: Tracker) -> tuple[Notice, ...]:
+def _warnings(found: Detections, tracks: list[TargetTrack], engine: Tracker) -> tuple[Notice, ...]:
     warnings = list(found.plots.notes)
     if not tracks:
         count = len(found.plots)

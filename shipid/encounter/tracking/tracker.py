@@ -14,14 +14,16 @@ import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
 from shipid.encounter.plots.plots import Plots, Scan, Sensor
-from shipid.encounter.tracking.alpha_beta_filters import AlphaBetaFilters
 from shipid.encounter.tracking.association import joint_probabilities, nearest_assignment
 from shipid.encounter.tracking.clutter import ClutterMap
+from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
+from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.latency import Latency
-from shipid.encounter.tracking.target_filters import TargetFilters
 
 #: Existence is never certain: a sure track could not be lost.
 _SURE = 1 - 1e-6
+#: Existence above which a track explains a plot to the map of false ones.
+_EXPLAINS = 0.99
 
 
 @dataclass(frozen=True)
@@ -54,15 +56,15 @@ class TrackerSettings:
 
     association: Literal["joint", "nearest"] = "joint"
     gate: float = 13.8
-    births: float = 0.8
-    survival: float = 120.0
+    births: float = 1.2
+    survival: float = 60.0
     out_of_sight: float = 60.0
     confirmed: float = 0.999
     lost: float = 0.5
     forgotten: float = 0.002
-    patience: float = 30.0
-    plots_to_confirm: int = 4
-    speed: float = 3.0
+    patience: float = 45.0
+    plots_to_confirm: int = 3
+    speed: float = 3.5
     same: float = 2.0
 
     def __post_init__(self) -> None:
@@ -197,8 +199,9 @@ class Tracker:
         self.filters = self.filters.update(expected, delay, shares)
         unseen = self.in_sight[:, k] * (1 - sensor.detection) / np.maximum(1 - chance, 1e-12)
         self.in_sight[:, k] = np.clip(found + (1 - found) * unseen, 1e-3, 1 - 1e-3)
-        sure = self.confirmed & (self.existence > rules.lost)
         self.existence = np.minimum(exists, _SURE)
+        # A ship at anchor would else become a part of the map of false plots before her track is confirmed.
+        sure = self.existence > _EXPLAINS
         self.plots = self.plots + (found > 0.5)
         seen = found > 0.5
         self.last = np.where(seen, self._t, self.last)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,69 +12,19 @@ from shipid.encounter.closest_approach import ClosestApproach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.scoring import Score
+from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: How a track stands: held, told to be lost, or given up before the log ended.
-Status = Literal["held", "lost", "ended"]
 #: Columns of the tracks and their units.
 UNITS: Mapping[str, str] = {
     "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
     "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1",
 }  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Track:
-    """One target, from its confirmation on.
-
-    Attributes
-    ----------
-    number : int
-        Of the track.
-    t : ndarray, shape (N,)
-        Times of scans, s.
-    x : ndarray, shape (N, 4)
-        North and east position and velocity, m and m/s.
-    P : ndarray, shape (N, 4, 4)
-        Covariance.
-    mu : ndarray, shape (N, modes)
-        Mode probabilities.
-    turn_rate : ndarray, shape (N,)
-        rad/s, positive to starboard.
-    existence : ndarray, shape (N,)
-        Probability that there is a target.
-    held : ndarray of bool, shape (N,)
-        Whether the track is held; where it is not, it says that it is lost.
-    status : {"held", "lost", "ended"}
-        How it stands at the end of the log.
-    approach : ClosestApproach or None
-        To own ship, from the last estimate; None where own ship's motion is not known or the track is not held.
-    """
-
-    number: int
-    t: np.ndarray
-    x: np.ndarray
-    P: np.ndarray
-    mu: np.ndarray
-    turn_rate: np.ndarray
-    existence: np.ndarray
-    held: np.ndarray
-    status: Status
-    approach: ClosestApproach | None = None
-
-    @property
-    def speed(self) -> np.ndarray:
-        """Speed over the ground, shape (N,), m/s."""
-        return np.asarray(np.hypot(self.x[:, 2], self.x[:, 3]))
-
-    @property
-    def course(self) -> np.ndarray:
-        """Course over the ground, shape (N,), rad, within a turn."""
-        return np.asarray(np.arctan2(self.x[:, 3], self.x[:, 2]) % (2 * np.pi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +39,7 @@ class Tracking:
         Which tracker.
     modes : tuple of str
         Labels along the mode probabilities.
-    tracks : sequence of Track
+    tracks : sequence of TargetTrack
         The confirmed ones, by number.
     plots : Plots
         What they were made from.
@@ -110,7 +60,7 @@ class Tracking:
     name: str
     tracker: str
     modes: tuple[str, ...]
-    tracks: Sequence[Track]
+    tracks: Sequence[TargetTrack]
     plots: Plots
     latency: Mapping[str, tuple[float, float]]
     own: ShipPath | None = None
@@ -156,7 +106,7 @@ class Tracking:
             "warnings": plain_notices(self.warnings),
         }
 
-    def _plain(self, one: Track) -> dict[str, Plain]:
+    def _plain(self, one: TargetTrack) -> dict[str, Plain]:
         spread = np.sqrt(np.maximum(np.diagonal(one.P[-1]), 0.0))
         values = (*one.x[-1], one.speed[-1], one.course[-1], one.turn_rate[-1])
         names = ("x", "y", "vx", "vy", "SOG", "COG", "turn_rate")
@@ -171,7 +121,7 @@ class Tracking:
             "existence": float(one.existence[-1]),
             "state": known,
             "mode_probabilities": dict(zip(self.modes, map(float, one.mu[-1]))),
-            "closest_approach": None if one.approach is None else one.approach.to_dict(),
+            "closest_approach": None if one.approach is None else _plain_approach(one.approach),
         }
 
     def __repr__(self) -> str:
@@ -192,7 +142,7 @@ class Tracking:
             lines += [f"  {line}" for line in repr(self.score).splitlines()]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
 
-    def _row(self, one: Track) -> tuple[str, ...]:
+    def _row(self, one: TargetTrack) -> tuple[str, ...]:
         near = one.approach
         cpa = (
             ("not known", "")
@@ -204,3 +154,20 @@ class Tracking:
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
             f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{np.rad2deg(one.course[-1]):03.0f}", *cpa,
         )  # fmt: skip
+
+
+def _plain_approach(near: ClosestApproach) -> dict[str, Plain]:
+    """The closest approach with units; what is not known is null."""
+
+    def known(value: float, unit: str, std: float | None, interval: tuple[float, float] | None) -> dict[str, Plain]:
+        ends = None if interval is None else [float(end) for end in interval]
+        return {"value": plain(value), "unit": unit, "std": std, "interval_95": ends}
+
+    return {
+        "motion": near.motion,
+        "range": {"value": near.range, "unit": "m"},
+        "relative_speed": {"value": near.relative_speed, "unit": "m/s"},
+        "cpa": known(near.cpa, "m", near.cpa_std, near.cpa_interval),
+        "tcpa": known(near.tcpa, "s", near.tcpa_std, near.tcpa_interval),
+        "nearest": known(near.nearest, "m", None, near.nearest_interval),
+    }

@@ -43,13 +43,13 @@ def learn_levels(
     record : Trial or mapping of str to ndarray
         What is filtered.
     kept : collection of str
-        ``sensor:NAME`` and ``noise:NAME`` that stay as they are.
+        ``sensor:NAME`` and ``noise:NAME`` that stay as they are, and ``bias:INPUT`` that is none.
 
     Returns
     -------
     RecordLevels
     """
-    problem = Unknowns(design, settings, record)
+    problem = Unknowns(design, settings, record, kept)
     stays = {*kept, *(f"noise:{n}" for n in design.instruments.lost)}
     learnt = tuple(k for k in problem.keys if k not in stays)
     low, high = problem.bounds(learnt)

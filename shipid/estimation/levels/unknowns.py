@@ -47,6 +47,8 @@ class Unknowns:
         What it was made of.
     record : Trial or mapping of str to ndarray
         What is filtered.
+    kept : collection of str
+        ``bias:INPUT`` that is none.
 
     Attributes
     ----------
@@ -66,7 +68,9 @@ class Unknowns:
         What the filter has, and the standard deviations of the prior about it.
     """
 
-    def __init__(self, design: FilterDesign, settings: FilterSettings, record: FilterRecord) -> None:
+    def __init__(
+        self, design: FilterDesign, settings: FilterSettings, record: FilterRecord, kept: Collection[str] = ()
+    ) -> None:
         self.design = design
         driven = {s.name for s in design.sources}
         walking = [n for n, state in design.parameters.items() if state in driven]
@@ -83,7 +87,7 @@ class Unknowns:
         self._origin = np.array([first[n][0] for n in self.still])
         own = np.array([design.first.deviations.get(n, first[n][1]) for n in self.still])
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
-        sizes = _biases(self._fixed, settings, columns)
+        sizes = {n: s for n, s in _biases(self._fixed, settings, columns).items() if f"bias:{n}" not in kept}
         self._moved = _moved(design, record, columns)
         self.steered = is_steered(columns)
         self.biases, self.bias_sizes = tuple(sizes), np.array(list(sizes.values()))
@@ -299,7 +303,9 @@ class Unknowns:
             one = np.where(there, 1 / s, 0.0)[..., None]
             e, de, ds = e[..., None], de * np.sqrt(one), ds * one
             rows.append((0.5 * ds * (e**2 * one - (one > 0)) - e * np.sqrt(one) * de).sum(axis=1))
-            flat = np.concatenate([de.reshape(-1, index.size), ds.reshape(-1, index.size) / np.sqrt(2)])
+            # The sizes in full: where nothing is sought, NumPy cannot tell how many rows there are.
+            shape = (de.shape[0] * de.shape[1], index.size)
+            flat = np.concatenate([de.reshape(shape), ds.reshape(shape) / np.sqrt(2)])
             information[np.ix_(index, index)] += flat.T @ flat
         scores = np.zeros((sum(len(r) for r in rows), z.size))
         scores[:, index] = np.concatenate(rows)

@@ -29,6 +29,8 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.prediction.sailing.sail import steering
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
+#: What is told of the ship; the last two are heading and rate of turn as the autopilot sees them, with waves.
+_SHOWN = ("x", "y", "psi", "r", "u", "v", "delta", "delta_order", "psi_seen", "r_seen")
 #: How she is steered: to a heading, to a heading at a rate of turn, or by a rudder angle that is held.
 SteeredBy: TypeAlias = Literal["heading", "rate", "rudder"]
 
@@ -135,15 +137,20 @@ class SimulatedShip:
         self._longest = min(
             stiffest(self.pilot, self.model, np.array([self.speed])), PACE / self.pilot.pace(self.speed)
         )
-        self._shown = tuple(n for n in ("x", "y", "psi", "r", "u", "v", "delta", "delta_order") if n in self.model)
+        self._shown = tuple(n for n in _SHOWN if n in self.model)
         self._loop = _loop(self.model, self._shown)
         rows = input_rows(self.model, self.inputs, 1)[:, 0]
         first = _shown_by(self._system, self._shown)(self._x, rows, self._p, self._longest).full()[:, 0]
         self._now = dict(zip(self._shown, first.tolist()))
 
     @property
+    def longest_step(self) -> float:
+        """Longest step in s in which the ship is sailed on; a longer time is divided."""
+        return self._longest
+
+    @property
     def now(self) -> dict[str, float]:
-        """What the ship does now: position, heading, speeds, rudder and its order, SI."""
+        """What the ship does now: position, heading, speeds, rudder and its order, and what the autopilot sees of them, SI."""
         return dict(self._now)
 
     @property

@@ -12,10 +12,12 @@ from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.settings.instruments import Amount
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parts.unmeasured import SlowCurrent, SlowDisturbance
+from shipid.parts.unmeasured import SlowCurrent, SlowDisturbance, SlowResidual
 
 #: What an ordinary bridge measures: the standard deviation of one sample.
 BRIDGE: Mapping[str, str] = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "10 m", "y": "10 m"}
+#: States in which a yaw acceleration is estimated that nobody measures.
+DISTURBANCES = ("r_disturbance", "r_residual")
 #: Spread of the first estimates and noise of current and disturbance in the prime system: of U, and of (U/L)^2.
 _CURRENT, _DISTURBANCE = (0.1, 0.007), (0.15, 0.005)
 
@@ -30,7 +32,9 @@ def own_ship_model(model: Model | type[Component] | str) -> Model:
     """
     whole = model_of(model)
     parts: list[type[Component]] = [SlowCurrent] if "current_north" in whole.inputs else []
+    # A model that reads the wind states its moment; what else acts on her yaw comes on top.
     parts += [SlowDisturbance] if "r_disturbance" in whole.inputs else []
+    parts += [SlowResidual] if "r_residual" in whole.inputs else []
     return join(f"{whole.name}-own-ship", whole, *parts) if parts else whole
 
 
@@ -79,9 +83,10 @@ def own_ship_filter(
             if name in whole.states:
                 initial[name] = f"{_CURRENT[0] * speed} m/s"
                 levels[name] = f"{_CURRENT[1] * speed / unit_time**0.5} m/s^1.5"
-        if "r_disturbance" in whole.states:
-            initial["r_disturbance"] = f"{_DISTURBANCE[0] / unit_time**2} rad/s^2"
-            levels["r_disturbance"] = f"{_DISTURBANCE[1] / unit_time**2.5} rad/s^2.5"
+        for name in DISTURBANCES:
+            if name in whole.states:
+                initial[name] = f"{_DISTURBANCE[0] / unit_time**2} rad/s^2"
+                levels[name] = f"{_DISTURBANCE[1] / unit_time**2.5} rad/s^2.5"
     shown = {n: level for n, level in (measured or BRIDGE).items() if n in whole}
     return ExtendedKalmanFilter(
         whole,

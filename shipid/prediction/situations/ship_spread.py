@@ -9,6 +9,7 @@ import numpy as np
 from shipid.autopilot.course_changes.run_course_changes import scaled_draws
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import coefficients_of
+from shipid.identification.problem.prior import INDEPENDENT, STRUCTURE_ANGLE
 from shipid.parameters.draws import draw_coefficients
 from shipid.prediction.situations.situation import Situation
 
@@ -18,6 +19,9 @@ _DRAWS = 2000
 
 def with_coefficients(situation: Situation, pilot: Autopilot, condition: int = 0) -> Situation:
     """Return a situation with the coefficients of the ship and their covariance, as her set states it.
+
+    Where the set states how sure they are, they were identified, and a model of low order is not the ship: its rate of turn is off
+    by `STRUCTURE_ANGLE` in L/U, as its fit takes it to be, and this lasts for 1.5 L/U. On the heading that acts as noise.
 
     Parameters
     ----------
@@ -42,8 +46,13 @@ def with_coefficients(situation: Situation, pilot: Autopilot, condition: int = 0
     whole = np.zeros((before + len(names),) * 2)
     whole[:before, :before] = situation.covariance
     whole[before:, before:] = covariance
+    noise = dict(situation.noise)
+    # Noise of the rate with variance s^2 that lasts for tau moves the heading as white noise of density s sqrt(2 tau) does.
+    structure = STRUCTURE_ANGLE * np.sqrt(2 * INDEPENDENT * pilot.pace(situation.values["u"]))
+    noise["psi"] = float(np.hypot(noise.get("psi", 0.0), structure))
     return replace(
         situation,
+        noise=noise,
         values={**situation.values, **{n: known[n] for n in names}},
         uncertain=(*situation.uncertain, *names),
         covariance=whole,

@@ -16,7 +16,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.sensors import standard_noise
 from shipid.parts.wind import Wind
 from shipid.prediction.situations.filtered_situation import situation_of
-from shipid.prediction.situations.own_ship_filter import own_ship_filter
+from shipid.prediction.situations.own_ship_filter import DISTURBANCES, own_ship_filter
 from shipid.prediction.situations.situation import Situation
 from shipid.trials.trial import Trial
 
@@ -25,6 +25,8 @@ _LEAST = 10
 #: What a filter may measure, in this order.
 _MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
 _WIND = ("wind_speed", "wind_direction")
+#: The wind is averaged over the last so many L/U.
+_WIND_MEAN = 3.0
 
 
 def situation_in(
@@ -80,13 +82,30 @@ def situation_in(
     kalman = own_ship_filter(whole, ship, measured=sensors)
     # What drives current and disturbance is chosen for a ship of her size; all other levels come from the record.
     kept = [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    # A bias of the rudder angle is in the estimated yaw acceleration, which goes on while she is predicted; one that is added to
+    # the record's rudder alone would end with it.
+    if any(n in kalman.model.states for n in DISTURBANCES):
+        kept.append("bias:delta")
     run, _ = filter_by_record(kalman, before, kept)
     told += run.warnings
     found = situation_of(run)
-    values = {**found.values, **(stated or {})}
+    values = {**found.values, **_mean_wind(before, whole, found.values, ship), **(stated or {})}
     if "u" not in values:
         values["u"] = _last(before, "u")
     return Situation(values, found.uncertain, found.covariance, found.noise, found.t), told
+
+
+def _mean_wind(trial: Trial, model: Model, values: Mapping[str, float], ship: ParameterSet) -> dict[str, float]:
+    """The wind to go on with: the mean of the last few L/U, since what an anemometer shows at one instant is a gust."""
+    length = ship.particular("L", "m")
+    if not (set(_WIND) <= set(model.inputs) and trial.has(*_WIND)) or length is None or not values.get("u", 0.0) > 0:
+        return {}
+    t, speed, to = trial["t"], trial["wind_speed"], trial["wind_direction"]
+    kept = (t >= t[-1] - _WIND_MEAN * length / values["u"]) & np.isfinite(speed) & np.isfinite(to)
+    if not kept.any():
+        return {}
+    north, east = float((speed * np.cos(to))[kept].mean()), float((speed * np.sin(to))[kept].mean())
+    return {"wind_speed": float(np.hypot(north, east)), "wind_direction": float(np.arctan2(east, north))}
 
 
 def _until(trial: Trial, at: float) -> Trial:

@@ -72,24 +72,26 @@ def sampled_track(
     if samples < 2:
         raise UsageError(f"a band by {samples} samples is none: take at least 2, better 200.")
     extra, covariance, noise = spread_in(run.model, run.situation, run.slopes)
-    loop = make_distance_loop(run.model, extra, "drawn", substeps)
+    driven = tuple(np.flatnonzero(noise[: len(run.model.states)]).tolist())
+    loop = make_distance_loop(run.model, extra, "drawn", substeps, driven)
     random, states, nodes = np.random.default_rng(seed), len(run.model.states), track.s.size
     values, vectors = np.linalg.eigh(covariance)
-    draws = random.standard_normal((samples, len(covariance))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
-    controls = np.zeros((samples, nodes, 1 + len(covariance)))
+    # The first is drawn from nothing: the track as these steps integrate it.
+    draws = random.standard_normal((samples + 1, len(covariance))) @ (vectors * np.sqrt(np.maximum(values, 0.0))).T
+    draws[0] = 0.0
+    controls = np.empty((samples + 1, nodes, 1 + len(driven)))
     controls[:, :, 0] = distance
-    driven = np.flatnonzero(noise)
-    controls[:, :, 1 + driven] = random.standard_normal((samples, nodes, driven.size))
-    table = np.repeat(loop.coefficients(run.p, run.inputs, run.least, noise)[None], samples, axis=0)
+    controls[:, :, 1:] = random.standard_normal((samples + 1, nodes, len(driven)))
+    controls[0, :, 1:] = 0.0
+    table = np.repeat(loop.coefficients(run.p, run.inputs, run.least, noise)[None], samples + 1, axis=0)
     _draw_into(table, run, extra, draws[:, states:])
-    found = loop.loop.map(run.x0 + draws[:, :states], controls, table)
-    away = np.stack([out[:, _PLACES] for _, out in found])
-    away -= np.stack([track.x, track.y, track.psi, track.t], axis=1)
+    away = loop.loop.side_by_side(run.x0 + draws[:, :states], controls, table)[:, :, _PLACES]
+    away = away[1:] - away[0]
     kept = away[np.isfinite(away).all(axis=(1, 2))]
     lost = samples - len(kept)
     if len(kept) < 2:
         return replace(track, ended=track.ended or "nearly all samples run away: no band")
-    shown = with_spread(track, np.einsum("kni,knj->nij", kept, kept) / len(kept))
+    shown = with_spread(track, np.matmul(kept.transpose(1, 2, 0), kept.transpose(1, 0, 2)) / len(kept))
     return replace(shown, ended=track.ended or f"{lost} of {samples} samples run away") if lost else shown
 
 

@@ -68,7 +68,7 @@ class DistanceLoop:
     """A step over a distance, run over the nodes of a track; made by `make_distance_loop`.
 
     The coefficients of the loop are those of the model, its inputs, the least speed in m/s and, with a spread, the noise of each
-    uncertain quantity. The control of a node is the distance to the next in m and, with drawn noise, one number a quantity.
+    uncertain quantity. The control of a node is the distance to the next in m and, with drawn noise, one number a driven state.
 
     Attributes
     ----------
@@ -141,7 +141,11 @@ def with_clock(model: Model) -> Model:
 
 @functools.lru_cache(maxsize=64)
 def make_distance_loop(
-    model: Model, extra: tuple[str, ...] = (), spread: Spread = "none", substeps: int = 1
+    model: Model,
+    extra: tuple[str, ...] = (),
+    spread: Spread = "none",
+    substeps: int = 1,
+    driven: tuple[int, ...] = (),
 ) -> DistanceLoop:
     """Generate and compile the step over a distance.
 
@@ -155,6 +159,8 @@ def make_distance_loop(
         How the spread is carried.
     substeps : int
         Integration steps between two nodes.
+    driven : tuple of int
+        With drawn noise: places of the states that it drives.
 
     Returns
     -------
@@ -180,8 +186,10 @@ def make_distance_loop(
     noise = ca.SX.sym("noise", count)
     p = ca.vertcat(p, noise)
     if spread == "drawn":
-        draws = ca.SX.sym("w", count)
-        moved = x_next + (noise * draws * ca.sqrt(interval))[: len(system.states)]
+        draws = ca.SX.sym("w", len(driven))
+        moved, size = x_next + 0, ca.sqrt(interval)
+        for k, place in enumerate(driven):
+            moved[place] += noise[place] * draws[k] * size
         # What is uncertain and no state keeps its drawn value: a random walk of it within one track is small beside that.
         return DistanceLoop(system, extra, spread, _loop([system.x, ca.vertcat(distance, draws), p], [moved, out]))
     lower = ca.SX.sym("P", ca.Sparsity.lower(count))

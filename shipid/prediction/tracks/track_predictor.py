@@ -224,25 +224,26 @@ class TrackPredictor:
         known = self._known(model, kind_of(orders[0]), speed) | {
             n: v for n, v in situation.values.items() if n in named
         }
-        runs = [
-            ordered_run(model, self.pilot, situation, order, known, self.condition, self._source) for order in orders
-        ]
+        first = ordered_run(model, self.pilot, situation, orders[0], known, self.condition, self._source)
+        runs = [first, *(first.to_heading(order) for order in orders[1:])]
         distance = horizon * self.length / points
         substeps = self._substeps(distance, speed)
         if band == "linear":
             return [linear_track(run, distance, points, substeps) for run in runs]
         plain = make_distance_loop(model, (), "none", substeps)
         steps = np.full((points + 1, 1), distance)
-        tables = plain.loop.map(
-            [run.x0 for run in runs],
-            [steps] * len(runs),
-            [plain.coefficients(run.p, run.inputs, run.least) for run in runs],
+        tables = plain.loop.side_by_side(
+            np.stack([run.x0 for run in runs]),
+            steps,
+            np.stack([plain.coefficients(run.p, run.inputs, run.least) for run in runs]),
             threads=1 if len(runs) == 1 else None,
         )
-        tracks = [run.track(out) for run, (_, out) in zip(runs, tables)]
+        tracks = [run.track(out) for run, out in zip(runs, tables)]
         if band == "none":
             return tracks
-        return [sampled_track(run, track, distance, substeps, samples, seed) for run, track in zip(runs, tracks)]
+        # Drawn tracks are compared with one that is integrated as they are, so that its error is not in the band.
+        coarse = max(1, substeps // 2)
+        return [sampled_track(run, track, distance, coarse, samples, seed) for run, track in zip(runs, tracks)]
 
     def _known(self, model: Model, kind: str, speed: float) -> dict[str, float]:
         key = (kind, speed)
@@ -256,6 +257,10 @@ class TrackPredictor:
                 if not {"K", "tau", "gamma"} <= set(self.values):
                     known |= first_order_coefficients(self.pilot, speed, self.condition)
                 known["L"] = self.pilot.length
+                # What acts on her besides, the wind, has coefficients of its own in her set.
+                ship = self.pilot.ships[self.condition]
+                found = {n: ship.find(model, n) for n in (*model.parameters, *model.constants) if n not in known}
+                known |= {n: v.at(speed, model[n].unit, f"ship {ship.name}") for n, v in found.items() if v is not None}
             lost = [n for n in self.values if n not in (*model.parameters, *model.constants)]
             if lost:
                 raise UnknownNameError(f"coefficient of model {model.name} called", lost[0], model.parameters)

@@ -59,6 +59,19 @@ class TrackRun:
     length: float
     source: str
 
+    def to_heading(self, order: Order) -> TrackRun:
+        """Return the same run to another heading; nothing else of it depends on that.
+
+        Parameters
+        ----------
+        order : Order
+            A heading, under the same rudder limit.
+        """
+        assert order.heading is not None
+        inputs = self.inputs.copy()
+        inputs[self.model.inputs.index("psi_order")] = unwrapped(order.heading, self.situation.values["psi"])
+        return replace(self, order=order, inputs=inputs)
+
     def track(self, out: np.ndarray) -> PredictedTrack:
         """Return the track out of the rows of the loop, as far as the ship sails it.
 

@@ -46,6 +46,7 @@ export function createSimulation(model, send) {
   const list = el("div");
   const section = el("section", {}, el("h2", {}, "Simulation"), el("div", { class: "pace" }, paces, pause), ...weather.map(({ box }) => box), list);
   const sliders = new Map();
+  const offered = new Set();
   let pace = null;
 
   function sliderOf(item) {
@@ -67,7 +68,9 @@ export function createSimulation(model, send) {
     show({ simulation }) {
       section.hidden = !simulation;
       if (!simulation) return;
-      const factors = simulation.clock_factors ?? [];
+      // The factor the bridge was opened with stays a choice after another was chosen.
+      for (const factor of [...(simulation.clock_factors ?? []), simulation.clock_factor]) if (known(factor)) offered.add(factor);
+      const factors = [...offered].sort((a, b) => a - b);
       if (pace?.signature !== factors.join()) {
         pace = { signature: factors.join(), ...segments(paces, factors.map((value) => ({ value, text: `×${value}` })), (value) => order({ clock_factor: value })) };
       }

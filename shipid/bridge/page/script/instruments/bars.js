@@ -6,6 +6,8 @@ import { qualify, standing } from "./readouts.js";
 
 const [WIDTH, TOP, HEIGHT] = [336, 6, 16];
 const SCALES = [10, 15, 20, 30, 45, 60, 90, 120, 180, 300, 600];
+/** The least end of the scale of the rate of turn, in degrees a minute. */
+const SLOW = 30;
 const MIDDLE = WIDTH / 2;
 const ROOM = MIDDLE - 14;
 
@@ -81,8 +83,8 @@ export function createBars(model) {
   return ({ own = {}, settings }) => {
     const limits = settings?.limits ?? {};
     const r = known(own.r) ? own.r / DEG * 60 : null;
-    const allowed = Math.max(...(limits.rate ?? [0]).map((v) => Math.abs(v) / DEG * 60), 15);
-    turning.setScale(Math.max(turning.scale(), scaleFor(Math.max(allowed, Math.abs(r ?? 0)))));
+    // The scale grows with the fastest turn so far: what the ship could do at most would leave the pointer near zero.
+    turning.setScale(Math.max(turning.scale(), scaleFor(Math.max(SLOW, Math.abs(r ?? 0)))));
     turning.show(r, null);
     put(rate, sided(r, 1, "°/min"));
     mark(rate, "class", sideClass(r));

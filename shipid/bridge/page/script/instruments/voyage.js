@@ -1,7 +1,7 @@
 // What the navigator keeps in mind: the next course, what the turn will miss, current and wind, the recording.
 
 import { el, put } from "../dom.js";
-import { direction, distance, known, knots, plain, KNOT } from "../figures.js";
+import { direction, distance, known, knots, perMinute, plain, KNOT } from "../figures.js";
 
 function current(flow) {
   if (!flow || !known(flow.speed)) return null;
@@ -41,15 +41,16 @@ export function createVoyage() {
     if (text !== null) put(value, text);
   }
 
-  return ({ route, flow = {}, recording: record }) => {
+  return ({ route, flow = {}, recording: record, experiment }) => {
     row("Leg", route ? leg(route) : null);
-    row("Next course", known(route?.wheel_over?.course) ? direction(route.wheel_over.course) : null);
+    row("Next heading", known(route?.wheel_over?.course) ? direction(route.wheel_over.course) : null);
     row("Overshoot of the plan", known(route?.overshoot) ? distance(route.overshoot) : null);
     row("Current, estimated", current(flow.current) ?? "not known");
     const measured = flow.wind?.measured ? "Wind, measured" : "Wind, estimated";
     const other = flow.wind?.measured ? "Wind, estimated" : "Wind, measured";
     row(measured, wind(flow.wind) ?? "not known");
     row(other, null);
+    row("Spread of the rate of turn", known(experiment?.spread) ? `${perMinute(experiment.spread)}°/min` : null);
     row("Recording", record ? recording(record) : null);
   };
 }

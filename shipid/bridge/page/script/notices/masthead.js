@@ -1,7 +1,7 @@
 // The head of the page: source, clock, experiment, palette.
 
 import { put, segments } from "../dom.js";
-import { clock, DASH, known, perMinute, plain } from "../figures.js";
+import { clock, DASH, known, plain } from "../figures.js";
 
 const SOURCES = { simulate: "simulator", replay: "replay", nmea: "NMEA 0183", signalk: "Signal K" };
 const PALETTES = ["day", "dusk", "night"];
@@ -23,10 +23,9 @@ export function createMasthead() {
   };
 }
 
-function line({ scenario, condition, leg, of, rms, done, spread }) {
+function line({ scenario, condition, leg, of, rms, done }) {
   const parts = [`Track ${scenario}`, `condition ${condition}`, done ? "finished" : `leg ${leg} of ${of}`];
   if (known(rms)) parts.push(`RMS ${plain(rms, 0)} m`);
-  if (known(spread)) parts.push(`spread of the rate of turn ${perMinute(spread)}°/min`);
   return parts.join(" · ");
 }
 

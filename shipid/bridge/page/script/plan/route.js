@@ -4,6 +4,8 @@ import { clock } from "../figures.js";
 import { trace } from "./projection.js";
 
 const MITRE = 4;
+/** Half the length of the wheel-over line in m where the route states no limits: a tenth of a mile. */
+const SIDE = 185.2;
 
 function unit(a, b) {
   const [dx, dy] = [b.x - a.x, b.y - a.y];
@@ -81,7 +83,7 @@ export function wheelOverLine(route) {
   const along = from && to ? unit(from, to) : null;
   const { wheel_over: wheel } = route;
   if (!along || !wheel || !Number.isFinite(wheel.x) || !Number.isFinite(wheel.y)) return null;
-  const ends = [-(to.xtd_port ?? 300), to.xtd_starboard ?? 300];
+  const ends = [-(to.xtd_port ?? SIDE), to.xtd_starboard ?? SIDE];
   return ends.map((side) => ({ x: wheel.x - along.y * side, y: wheel.y + along.x * side }));
 }
 

@@ -6,7 +6,7 @@ import math
 from typing import Literal, get_args
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.tracking.motion import Mode, Motion
+from shipid.encounter.tracking.filters.motion import Mode, Motion
 from shipid.foundation.errors import UnknownNameError
 from shipid.parameters.catalogue import find_model
 from shipid.parameters.parameter_set import ParameterSet

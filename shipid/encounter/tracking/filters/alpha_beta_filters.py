@@ -6,8 +6,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shipid.encounter.tracking.alpha_beta import FuzzySettings, advance, chosen_memory, gains, rule_shares
-from shipid.encounter.tracking.target_filters import Expected, expected_of
+from shipid.encounter.tracking.filters.alpha_beta import FuzzySettings, advance, chosen_memory, gains, rule_shares
+from shipid.encounter.tracking.filters.target_filters import Expected, expected_of
+from shipid.foundation.aliases import Plain
 
 #: Density of the acceleration noise that widens the gate between two scans, m/s^1.5: the filters themselves know none.
 _MANOEUVRE = 0.3
@@ -76,7 +77,7 @@ class AlphaBetaFilters:
     def x(self) -> np.ndarray:
         """The chosen estimate, shape (n, 1, 4)."""
         memory = np.rint(chosen_memory(self.mode_shares, self.settings)).astype(int)
-        return self.bank[np.arange(len(self)), memory - 2][:, None]
+        return np.asarray(self.bank[np.arange(len(self)), memory - 2][:, None])
 
     def select(self, rows: np.ndarray) -> AlphaBetaFilters:
         """Return some of the targets.
@@ -95,7 +96,7 @@ class AlphaBetaFilters:
         Parameters
         ----------
         z, R, delay, speed
-            As for `shipid.encounter.tracking.target_filters.TargetFilters.begin`.
+            As for `shipid.encounter.tracking.filters.target_filters.TargetFilters.begin`.
         """
         k, m = len(z), self.settings.memories.size
         bank = np.zeros((k, m, 4))
@@ -109,8 +110,9 @@ class AlphaBetaFilters:
         shares[:, -1] = 1.0
         new = (bank, spread, np.zeros(k, int), np.zeros(k), np.zeros(k), shares)
         old = (self.bank, self.spread, self.count, self.since, self.usual, self.mode_shares)
-        both = (np.concatenate(pair) for pair in zip(old, new))
-        return AlphaBetaFilters(self.settings, *both, labels=self.labels)
+        names = ("bank", "spread", "count", "since", "usual", "mode_shares")
+        both: dict[str, Plain] = {name: np.concatenate(pair) for name, *pair in zip(names, old, new)}
+        return replace(self, **both)
 
     def predict(self, interval: float) -> AlphaBetaFilters:
         """Return the banks after an interval.
@@ -133,7 +135,7 @@ class AlphaBetaFilters:
         Parameters
         ----------
         z, R, delay
-            As for `shipid.encounter.tracking.target_filters.TargetFilters.expect`.
+            As for `shipid.encounter.tracking.filters.target_filters.TargetFilters.expect`.
         """
         return expected_of(self.x, self.spread[:, None], z, R, delay)
 
@@ -189,4 +191,4 @@ def _line_spread(R: np.ndarray, k: np.ndarray, tau: np.ndarray) -> np.ndarray:
     crossed = 6 / (tau * n * (n + 1))
     velocity = 12 / (tau**2 * (n - 1) * n * (n + 1))
     blocks = np.stack([np.stack([alpha, crossed], -1), np.stack([crossed, velocity], -1)], -2)
-    return np.einsum("nab,nij->naibj", blocks, R).reshape(-1, 4, 4)
+    return np.asarray(np.einsum("nab,nij->naibj", blocks, R).reshape(-1, 4, 4))

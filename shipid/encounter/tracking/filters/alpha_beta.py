@@ -121,7 +121,7 @@ def rule_shares(residual: np.ndarray, sigma: np.ndarray, settings: FuzzySettings
     # Where no rule fires, the shortest memory is the safe one.
     none = np.zeros_like(shares)
     none[:, 0] = 1.0
-    return np.where(total > 0, shares / np.where(total > 0, total, 1.0), none)
+    return np.asarray(np.where(total > 0, shares / np.where(total > 0, total, 1.0), none))
 
 
 def chosen_memory(shares: np.ndarray, settings: FuzzySettings) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from dataclasses import dataclass
 
 import casadi as ca
@@ -82,7 +83,7 @@ class Motion:
         if self.structure == "fixed":
             return
         bounds = sorted((m.low, m.high, m.label) for m in self.modes)
-        for (_, high, one), (low, _, other) in zip(bounds, bounds[1:]):
+        for (_, high, one), (low, _, other) in itertools.pairwise(bounds):
             if high > low:
                 raise EncounterRequestError(
                     f"the bounds of the modes '{one}' and '{other}' overlap: a turn would belong to both."

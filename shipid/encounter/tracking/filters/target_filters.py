@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.encounter.tracking.motion import STATES, Motion
+from shipid.encounter.tracking.filters.motion import STATES, Motion
 
 _SIZE = len(STATES)
 #: A mode is never held impossible: it could not come back.
@@ -56,7 +56,7 @@ class TargetFilters:
     motion : Motion
         The modes.
     x : ndarray, shape (n, modes, 5)
-        By mode, in the order of `shipid.encounter.tracking.motion.STATES`.
+        By mode, in the order of `shipid.encounter.tracking.filters.motion.STATES`.
     P : ndarray, shape (n, modes, 5, 5)
         Covariances.
     mu : ndarray, shape (n, modes)
@@ -84,7 +84,7 @@ class TargetFilters:
         return cls(motion, np.zeros((0, m, _SIZE)), np.zeros((0, m, _SIZE, _SIZE)), np.zeros((0, m)), np.zeros((0, m)))
 
     def __len__(self) -> int:
-        return self.x.shape[0]
+        return int(self.x.shape[0])
 
     def select(self, rows: np.ndarray) -> TargetFilters:
         """Return some of the targets.
@@ -114,10 +114,10 @@ class TargetFilters:
         x = np.zeros((k, len(modes), _SIZE))
         x[:, :, :2], x[:, :, 2] = z[:, None], _HARDLY
         P = np.zeros((k, len(modes), _SIZE, _SIZE))
-        I = np.eye(2)
-        P[:, :, :2, :2] = (R + (delay * speed)[:, None, None] ** 2 * I)[:, None]
-        P[:, :, 2:4, 2:4] = speed**2 * I
-        P[:, :, :2, 2:4] = P[:, :, 2:4, :2] = (delay[:, None, None] * speed**2 * I)[:, None]
+        eye = np.eye(2)
+        P[:, :, :2, :2] = (R + (delay * speed)[:, None, None] ** 2 * eye)[:, None]
+        P[:, :, 2:4, 2:4] = speed**2 * eye
+        P[:, :, :2, 2:4] = P[:, :, 2:4, :2] = (delay[:, None, None] * speed**2 * eye)[:, None]
         P[:, :, 4, 4] = np.array([m.more**2 for m in modes])
         new = (x, P, np.tile(self.motion.first_probabilities, (k, 1)), np.tile([m.turn for m in modes], (k, 1)))
         old = (self.x, self.P, self.mu, self.turn)
@@ -200,10 +200,10 @@ class TargetFilters:
             x=self.x + move,
             P=0.5 * (P + P.swapaxes(-1, -2)),
             mu=mu / mu.sum(axis=1, keepdims=True),
-        )._adapted()
+        ).adapted()
 
-    def _adapted(self) -> TargetFilters:
-        """The filters with their turns adjusted, where the structure says so."""
+    def adapted(self) -> TargetFilters:
+        """Return the filters with their turns adjusted, where the structure says so."""
         modes = self.motion.modes
         low, high = (np.array([getattr(m, end) for m in modes]) for end in ("low", "high"))
         if self.motion.structure == "variable":
@@ -281,17 +281,19 @@ _UNLIKELY, _LIKELY = 0.05, 0.92
 def _grid(turn: np.ndarray, mu: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """The next grid of three modes left, centre, right (Semerdjiev, Mihaylova and Li, 2000, adaptive grid).
 
-    The centre is the mean turn. An unlikely side comes half as close, a likely one goes twice as far, within the bounds.
+    The centre is the mean turn. While the centre is the most likely, an unlikely side comes half as close; a side that is nearly
+    sure goes twice as far. Neighbours stay between half the sharpest turn and the whole of it apart.
     """
     left, centre, right = 0, 1, 2
     mean = np.clip((mu * turn).sum(axis=1), low[left], high[right])
-    least = (high[right] - low[left]) / 8
+    most = high[right]
+    most_likely = mu.argmax(axis=1)
     near = {side: np.abs(turn[:, side] - turn[:, centre]) for side in (left, right)}
     found = turn.copy()
     for side, sign in ((left, -1.0), (right, 1.0)):
-        most_likely = mu.argmax(axis=1)
-        away = np.where(mu[:, side] < _UNLIKELY, 0.5 * near[side], near[side])
+        quiet = (most_likely == centre) & (mu[:, side] < _UNLIKELY)
+        away = np.where(quiet, 0.5 * near[side], near[side])
         away = np.where((most_likely == side) & (mu[:, side] > _LIKELY), 2.0 * near[side], away)
-        found[:, side] = mean + sign * np.maximum(away, least)
+        found[:, side] = mean + sign * np.clip(away, 0.5 * most, most)
     found[:, centre] = mean
-    return np.clip(found, low[left], high[right])
+    return np.asarray(np.clip(found, low[left], high[right]))

@@ -1,0 +1,85 @@
+"""What is known of a ship at an instant of a trial."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.identification.problem.prior import STRUCTURE_ANGLE
+from shipid.parameters.correlation import Joint
+from shipid.parameters.draws import draw_coefficients
+from shipid.parameters.parameter_set import Value
+from shipid.parameters.validity import range_of
+from shipid.prediction.sailing.sail import sail
+from shipid.prediction.situations.own_ship_filter import own_ship_model
+from shipid.prediction.situations.ship_spread import with_coefficients
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.situations.trial_situation import situation_in
+
+SHIP = shipid.find_ship("esso-osaka-3m")
+COEFFICIENTS = {"a": 1.2, "b1": 0.6, "b3": 2.2, "gamma": 0.46, "w1": -0.002, "w2": -0.0015}
+#: A yaw acceleration that no wind explains, in rad/s^2: 4 degrees of rudder.
+PUSH = 1.2 * np.deg2rad(4.0) * (0.35 / 3.0) ** 2
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    """The ship as a fit of a model writes it: coefficients with their spread and correlation under that model's name."""
+    values = {n: Value(n, v, "1", "assumed", std=0.05 * abs(v)) for n, v in COEFFICIENTS.items()}
+    names = tuple(COEFFICIENTS)
+    joint = Joint(names, tuple(tuple(map(float, row)) for row in np.eye(len(names))), (0.2, 0.5))
+    return dataclasses.replace(
+        SHIP, sections={**SHIP.sections, "cubic-wind": values}, joint={**SHIP.joint, "cubic-wind": joint}
+    )
+
+
+@pytest.fixture(scope="module")
+def pilot(fitted):
+    return shipid.design_autopilot("cubic-wind", fitted)
+
+
+@pytest.fixture(scope="module")
+def trial(pilot):
+    """A 3 m model changes her course, in wind with gusts and under a push that nobody measures."""
+    made = sail(
+        pilot, [(20.0, "20 deg"), (60.0, "-20 deg")], speed=0.35, duration=110.0, sampling=0.5,
+        noise={"psi": "0.2 deg", "r": "0.05 deg/s", "u": "0.01 m/s", "x": "0.02 m", "y": "0.02 m"},
+        inputs={"r_residual": PUSH, "wind_speed": 1.0, "wind_direction": np.pi / 2},
+    )  # fmt: skip
+    gusts = 1.0 + 0.6 * np.sin(0.9 * made.table["t"])
+    return dataclasses.replace(made, table=made.table.assign(wind_speed=gusts, wind_direction=np.pi / 2))
+
+
+def test_what_the_wind_does_not_explain_is_found_under_a_model_that_reads_the_wind(pilot, trial):
+    found, _ = situation_in(pilot.model, pilot.ship, trial)
+    assert found.values["r_residual"] == pytest.approx(PUSH, abs=4 * found.std_of("r_residual"))
+    assert found.std_of("r_residual") < 0.5 * PUSH
+    # The mean wind goes on, not the gust of the last sample.
+    assert found.values["wind_speed"] == pytest.approx(1.0, abs=0.12)
+    assert abs(trial.table["wind_speed"].iloc[-1] - 1.0) > 0.4
+    assert found.values["wind_direction"] == pytest.approx(np.pi / 2)
+
+
+def test_a_model_that_is_extended_is_still_the_ship_that_was_fitted(fitted):
+    """The filter's model has the current and more joined to it: coefficients, spread and range are those of the fitted model."""
+    model = own_ship_model("cubic-wind")
+    assert model.name != "cubic-wind" and {"r_residual", "current_north"} <= set(model.states)
+    assert fitted.values(model)["a"] == 1.2
+    drawn = draw_coefficients(model, fitted, 2000)
+    assert drawn.names == draw_coefficients(shipid.find_model("cubic-wind"), fitted, 10).names
+    assert drawn.source.startswith("the covariance of")
+    assert range_of(fitted, model)[0] == "cubic-wind"
+
+
+def test_an_identified_model_is_not_the_ship(pilot, fitted):
+    """Its heading is off as by its structure; a ship whose set states no spread gets nothing of that."""
+    known = Situation({"psi": 0.0, "u": 0.35}, noise={"psi": 1e-3})
+    found = with_coefficients(known, pilot)
+    assert set(COEFFICIENTS) == set(found.uncertain)
+    assert found.noise["psi"] == pytest.approx(np.hypot(1e-3, STRUCTURE_ANGLE * np.sqrt(3 * 0.35 / 3.0)), rel=1e-3)
+    assured = shipid.design_autopilot("de-keizer", "soesterberg")
+    same = Situation({"psi": 0.0, "u": 9.5})
+    assert with_coefficients(same, assured) is same
