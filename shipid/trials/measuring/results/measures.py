@@ -13,6 +13,8 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 
+#: From here on four digits are too few.
+_LARGE = 1e3
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -147,7 +149,8 @@ class Measures:
             # Three digits, as a course is spoken: 359.98 deg is 000 deg.
             return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
-            return f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
+            # A moment of a clock that counts from long ago keeps its hundredths.
+            return f"{value:.2f}{tail}" if abs(value) >= _LARGE else f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
         numbers = [
             f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)

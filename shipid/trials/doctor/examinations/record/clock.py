@@ -12,6 +12,10 @@ from shipid.trials.filling import GAP
 
 _WRONG_RATES = "Rates and accelerations taken between such stamps are wrong, and time constants with them."
 
+#: Rows may be written several times; a clock that stands still for a larger share of a log has stopped.
+_DOUBLED = 0.9
+#: A clock that starts again more often than that is no sequence of runs.
+_MOST_RUNS = 20
 #: The later half of a clock that is printed coarsely makes so many steps at least.
 _LEAST_STEPS = 3
 
@@ -51,14 +55,20 @@ def _unsorted(p: WorkingCopy) -> None:
     names = [n for n in ("psi", "x", "y", "r", "u") if p.has(n)]
     rough, smooth = (sum(_roughness(p[n][way]) for n in names) for way in (slice(None), order))
     safe = not names or smooth <= 1.02 * rough
-    # Sorted or not, the log goes on being examined in the order of its stamps.
     p.add(
         "clock-unsorted", "t", 0.99, f"the clock runs backwards at {len(back)} of {len(p) - 1} steps",
         f"A model cannot be run backwards. {_WRONG_RATES}",
         "Sort the rows by time." if safe else "The log starts again: cut it where the clock jumps back.",
         at=np.unique(np.concatenate([back, back + 1])), fix={"action": "sort"} if safe else None,
     )  # fmt: skip
-    p.keep(order)
+    if safe or len(back) > _MOST_RUNS:
+        p.keep(order)
+        return
+    # Two runs mixed by their stamps are no run: the longest one goes on being examined.
+    ends = np.concatenate(([0], back + 1, [len(p)]))
+    longest = int(np.argmax(np.diff(ends)))
+    rows = np.arange(len(p))
+    p.keep((rows >= ends[longest]) & (rows < ends[longest + 1]), "rows of other runs: the clock starts again there")
 
 
 def _roughness(values: np.ndarray) -> float:
@@ -72,7 +82,7 @@ def _doubled_rows(p: WorkingCopy) -> None:
     same = np.diff(p.t) == 0
     for values in p.values.values():
         same &= (np.diff(values) == 0) | (np.isnan(values[1:]) & np.isnan(values[:-1]))
-    if not same.any() or len(p.values) < 2 or same.mean() > 0.5:
+    if not same.any() or len(p.values) < 2 or same.mean() > _DOUBLED:
         return
     index = np.flatnonzero(same) + 1
     p.add(

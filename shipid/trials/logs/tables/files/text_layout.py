@@ -91,7 +91,10 @@ def fields(line: str, separator: str) -> list[str]:
         return [part.strip("'") for part in line.split()]
     # csv takes the line apart at quotes; white space counts as one blank.
     text = re.sub(r"\s+", " ", line.strip()) if separator == r"\s+" else line
-    found = next(csv.reader([text], delimiter=" " if separator == r"\s+" else separator, skipinitialspace=True), [])
+    try:
+        found = next(csv.reader([text], delimiter=" " if separator == r"\s+" else separator, skipinitialspace=True), [])
+    except csv.Error:  # a field longer than csv takes: this is not the separator, or no line of a table
+        found = [text]
     return [part.strip().strip("'") for part in found]
 
 

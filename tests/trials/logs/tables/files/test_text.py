@@ -185,3 +185,12 @@ def test_a_hole_between_blanks_is_refused(log, table):
     ):
         read_trial(log(text))
     assert np.isnan(read_trial(log(table.replace(",", "  ").rstrip()[:-3]))["delta"][-1])
+
+
+def test_a_line_that_is_one_field_of_a_hundred_thousand_signs_by_another_separator(tmp_path):
+    """120 000 columns with commas are one field with semicolons; csv refuses that one with an error of its own."""
+    path = tmp_path / "wide.csv"
+    names = ",".join(["t [s]", "psi [deg]", *(f"c{k}" for k in range(120_000))])
+    path.write_text(names + "\n" + "\n".join(f"{k},0" + "," * 120_000 for k in range(3)) + "\n")
+    with pytest.raises(e.TrialError):
+        read_trial(path)
