@@ -155,6 +155,8 @@ def _file(path: str | Path) -> Path:
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "is not there"
         raise MissingFileError(f"'{file}' {what}. Name a log of plots.")
+    if not file.stat().st_size:
+        raise EmptyFileError(f"'{file}' is empty (0 bytes). Check that the log was written and copied completely.")
     return file
 
 

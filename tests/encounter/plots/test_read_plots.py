@@ -219,6 +219,9 @@ def test_what_cannot_be_read(tmp_path):
     log = table(tmp_path / "p.csv", "t [s],x [m],y [m]", T, NORTH, EAST)
     with pytest.raises(MissingFileError, match="is not there"):
         read_detections(tmp_path / "gone.csv")
+    (tmp_path / "empty.csv").touch()
+    with pytest.raises(EmptyFileError, match="0 bytes"):
+        read_detections(tmp_path / "empty.csv")
     with pytest.raises(MissingFileError, match="is a folder"):
         read_detections(tmp_path)
     with pytest.raises(UnknownColumnError, match="no positions of targets"):
