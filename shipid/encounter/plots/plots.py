@@ -12,6 +12,8 @@ from shipid.foundation.notices import Notice
 
 #: A plot nearer than this to its sensor is its own echo, m.
 _OWN_ECHO = 1.0
+#: An antenna that turns clockwise sees a plot so little before the one before, rad, in this share of all at most.
+_BACKWARD, _SELDOM = 0.5, 0.05
 
 
 @dataclass(frozen=True)
@@ -272,7 +274,7 @@ def _turns(t: np.ndarray, away: np.ndarray) -> np.ndarray | None:
     if t.size < 20 or np.mean(np.diff(t) > 0) < 0.7:
         return None
     steps = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
-    if not 0.05 < steps.mean() < 2 * np.pi / 2.5 or np.mean(steps > np.pi) > 1 / 3:
+    if np.mean(steps > 2 * np.pi - _BACKWARD) > _SELDOM or not 0.05 < steps.mean() < 2 * np.pi / 2.5:
         return None
     # A little past the first plot, so that a target that is seen just before it does not begin a turn of her own.
     return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi) + 1e-3

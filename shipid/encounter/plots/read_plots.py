@@ -30,6 +30,8 @@ from shipid.trials.logs.record import LenientRecord
 from shipid.trials.logs.tables.reading import read_table
 from shipid.trials.logs.tables.table import record_of
 
+#: How far before and after own ship's path she is taken to lie where it begins and ends, s.
+_BEYOND = 5.0
 #: What a column may be called.
 _NAMES = {
     "range": ("range", "distance", "rng", "dist"),
@@ -155,6 +157,8 @@ def _file(path: str | Path) -> Path:
     if not file.is_file():
         what = "is a folder" if file.is_dir() else "is not there"
         raise MissingFileError(f"'{file}' {what}. Name a log of plots.")
+    if not file.stat().st_size:
+        raise EmptyFileError(f"'{file}' is empty (0 bytes). Check that the log was written and copied completely.")
     return file
 
 
@@ -254,6 +258,10 @@ def _placed(
     frame = "the first position" if origin is not None else "the origin of the log"
     if "range" in columns and "bearing" in columns:
         range_ = np.where(columns["range"] >= 0, columns["range"], np.nan)
+        if own is not None:
+            # Where own ship was not is not where her path ends: such a plot has no position.
+            known = own.covers(raw.t - _BEYOND) | own.covers(raw.t + _BEYOND) | own.covers(raw.t)
+            range_ = np.where(known, range_, np.nan)
         x = here[:, 0] + range_ * np.cos(columns["bearing"])
         y = here[:, 1] + range_ * np.sin(columns["bearing"])
         return x, y, here, "own ship" if own is None else frame

@@ -50,7 +50,7 @@ class ShipScore:
 
 
 @dataclass(frozen=True, eq=False)
-class Score:
+class TrackingScore:
     """How the tracks of a log compare with the truth.
 
     Attributes
@@ -119,7 +119,7 @@ def score_tracks(
     truth: Sequence[ShipPath],
     own: ShipPath | None = None,
     near: float | None = None,
-) -> Score:
+) -> TrackingScore:
     """Compare tracks with the truth, at the scans of the sensor that reaches farthest.
 
     Parameters
@@ -137,7 +137,7 @@ def score_tracks(
 
     Returns
     -------
-    Score
+    TrackingScore
     """
     judge = judging_sensor(plots)
     scans = [s for s in plots if s.sensor == judge]
@@ -161,7 +161,7 @@ def score_tracks(
         if np.hypot(*state[2:]) > _MOVING and not _ship_near(state, float(t), others)
     }
     minutes = (plots.span[1] - plots.span[0]) / 60
-    return Score(ships, len(false), minutes, limit)
+    return TrackingScore(ships, len(false), minutes, limit)
 
 
 def judging_sensor(plots: Plots) -> int:

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.encounter.closest_approach import ClosestApproach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.ship_path import ShipPath
-from shipid.encounter.tracking.scoring import Score
+from shipid.encounter.tracking.scoring import TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
@@ -51,7 +51,7 @@ class Tracking:
         Whether positions and velocities are relative to own ship.
     truth : tuple of ShipPath
         The true tracks, where they are known.
-    score : Score or None
+    score : TrackingScore or None
         How the tracks compare with them.
     warnings : tuple of Notice
         What limits the result.
@@ -66,7 +66,7 @@ class Tracking:
     own: ShipPath | None = None
     relative: bool = False
     truth: tuple[ShipPath, ...] = ()
-    score: Score | None = None
+    score: TrackingScore | None = None
     warnings: tuple[Notice, ...] = ()
 
     def to_frame(self) -> pd.DataFrame:

@@ -73,6 +73,13 @@ def test_own_ship_from_a_file_of_her_own(tmp_path):
     assert one.approach is not None and one.approach.relative_speed == pytest.approx(math.hypot(9, 3), abs=0.5)
 
 
+def test_plots_beyond_own_ships_path_have_no_position(tmp_path):
+    own = table(tmp_path / "own.csv", "t [s],x [m],y [m]", T[:20], 5 * T[:20], 0 * T[:20])
+    log = table(tmp_path / "p.csv", "t [s],range [m],bearing [deg]", T, 1000 + 0 * T, 10 + 0 * T)
+    found = read_detections(log, own=own).plots
+    assert found.span[1] <= T[19] + 5.0 and "plots-missing" in [n.kind for n in found.notes if hasattr(n, "kind")]
+
+
 def test_degrees_and_the_truth(tmp_path):
     lat, lon = 50 + np.rad2deg(NORTH / 6_390_000), 1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50)))
     log = table(tmp_path / "p.csv", "t [s],lat [deg],lon [deg]", T, lat, lon)
@@ -219,6 +226,9 @@ def test_what_cannot_be_read(tmp_path):
     log = table(tmp_path / "p.csv", "t [s],x [m],y [m]", T, NORTH, EAST)
     with pytest.raises(MissingFileError, match="is not there"):
         read_detections(tmp_path / "gone.csv")
+    (tmp_path / "empty.csv").touch()
+    with pytest.raises(EmptyFileError, match="0 bytes"):
+        read_detections(tmp_path / "empty.csv")
     with pytest.raises(MissingFileError, match="is a folder"):
         read_detections(tmp_path)
     with pytest.raises(UnknownColumnError, match="no positions of targets"):

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.tracking.filters.motion import Mode, Motion
+from shipid.encounter.tracking.filters.motion import Motion, TargetMode
 from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.filters.trackers import NAMES, motion_of
 from shipid.foundation.errors import UnknownNameError
 from shipid.parameters.catalogue import find_model, find_ship
 
 MODEL = find_model("target-turn")
-TWO = Motion(MODEL, (Mode("steady", acceleration=0.1), Mode("manoeuvring", acceleration=1.0, stays=20.0)))
+TWO = Motion(MODEL, (TargetMode("steady", acceleration=0.1), TargetMode("manoeuvring", acceleration=1.0, stays=20.0)))
 R = np.array([[[25.0, 4.0], [4.0, 16.0]]])
 
 
@@ -23,7 +23,7 @@ def begun(motion: Motion) -> TargetFilters:
 
 def test_a_turn_is_a_circle() -> None:
     """A quarter turn to starboard of a ship that sails north ends on an easterly course, one radius to the north and east."""
-    motion = Motion(MODEL, (Mode("starboard", turn=0.05),))
+    motion = Motion(MODEL, (TargetMode("starboard", turn=0.05),))
     speed, rate = 4.0, 0.05
     x = np.array([[[0.0, 0.0, speed, 0.0, 0.0]]])
     P = np.zeros((1, 1, 5, 5))
@@ -34,7 +34,7 @@ def test_a_turn_is_a_circle() -> None:
 
 
 def test_the_curvature_turns_whatever_the_speed() -> None:
-    motion = Motion(find_model("target-circle"), (Mode("starboard", turn=0.01),))
+    motion = Motion(find_model("target-circle"), (TargetMode("starboard", turn=0.01),))
     for speed in (2.0, 8.0):
         x = np.array([[[0.0, 0.0, speed, 0.0, 0.0]]])
         for _ in range(4):
@@ -43,7 +43,7 @@ def test_the_curvature_turns_whatever_the_speed() -> None:
 
 
 def test_the_covariance_is_carried_by_the_exact_jacobian() -> None:
-    motion = Motion(MODEL, (Mode("starboard", acceleration=1e-9),))
+    motion = Motion(MODEL, (TargetMode("starboard", acceleration=1e-9),))
     x = np.array([3.0, 4.0, 5.0, -2.0, 0.02])
     turn, interval, step = np.array([[0.03]]), 3.0, 1e-6
     moved = [
@@ -88,7 +88,7 @@ def test_the_multiple_model_recursion_equals_that_of_filterpy() -> None:
 
 def test_two_plots_are_a_mixture() -> None:
     """With one mode the update is the mean of what each plot alone gives, with the spread of the two."""
-    motion = Motion(MODEL, (Mode("steady"),))
+    motion = Motion(MODEL, (TargetMode("steady"),))
     filters, none = begun(motion).predict(2.0), np.zeros(2)
     z, both = np.array([[105.0, -45.0], [90.0, -52.0]]), np.repeat(R, 2, axis=0)
     expected = filters.expect(z, both, none)
@@ -102,7 +102,7 @@ def test_two_plots_are_a_mixture() -> None:
 
 
 def test_a_late_plot_shows_where_the_target_was() -> None:
-    motion = Motion(MODEL, (Mode("steady", acceleration=1e-6),))
+    motion = Motion(MODEL, (TargetMode("steady", acceleration=1e-6),))
     filters, late = begun(motion), np.array([2.0])
     for k in range(1, 40):
         filters = filters.predict(1.0)
@@ -144,11 +144,13 @@ def test_a_ship_says_how_sharply_targets_turn() -> None:
     ("make", "words"),
     [
         (lambda: Motion(MODEL, ()), "at least one mode"),
-        (lambda: Motion(find_model("de-keizer"), (Mode("a"),)), "no motion of a target"),
-        (lambda: Motion(MODEL, (Mode("a", acceleration=0.0),)), "positive acceleration noise"),
+        (lambda: Motion(find_model("de-keizer"), (TargetMode("a"),)), "no motion of a target"),
+        (lambda: Motion(MODEL, (TargetMode("a", acceleration=0.0),)), "positive acceleration noise"),
         (
             lambda: Motion(
-                MODEL, (Mode("port", low=-0.1, high=0.02), Mode("starboard", low=0.01, high=0.1)), "variable"
+                MODEL,
+                (TargetMode("port", low=-0.1, high=0.02), TargetMode("starboard", low=0.01, high=0.1)),
+                "variable",
             ),
             "'port' and 'starboard' overlap",
         ),

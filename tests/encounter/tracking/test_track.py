@@ -162,6 +162,16 @@ def test_an_antenna_that_turns_makes_scans_of_its_bearings():
     assert len(track(given).tracks) == 8
 
 
+@pytest.mark.parametrize("noise", [0.0, 5.0])
+def test_one_target_on_one_bearing_is_no_antenna_that_turns(noise):
+    """Her bearing goes to and fro by the noise, or by the last digit."""
+    chance, t = np.random.default_rng(1), np.arange(0, 60, 2.0)
+    range_ = 1000 - 4 * t + noise * chance.standard_normal(t.size)
+    angle = 0.5 + noise * 1e-3 * chance.standard_normal(t.size)
+    plots = make_plots(t, range_ * np.cos(angle), range_ * np.sin(angle))
+    assert len(plots.scans) == t.size and len(track(plots).tracks) == 1
+
+
 def test_the_score_counts_what_is_no_ship(scene):
     """A second target that the truth does not know is a false track."""
     known = scene(CROSSING, clutter=1.0)

@@ -21,7 +21,7 @@ STATES = ("x", "y", "vx", "vy", "more")
 
 
 @dataclass(frozen=True)
-class Mode:
+class TargetMode:
     """One way a target may move.
 
     Attributes
@@ -57,14 +57,14 @@ class Motion:
     ----------
     model : Model
         A declared model with the states x, y, vx, vy and more, and one input: the turn.
-    modes : tuple of Mode
+    modes : tuple of TargetMode
         The one that moves straight on comes first where a track begins.
     structure : {"fixed", "variable", "grid"}
         Whether the turns of the modes stay as they are, follow their own estimates, or follow the mode probabilities.
     """
 
     model: Model
-    modes: tuple[Mode, ...]
+    modes: tuple[TargetMode, ...]
     structure: str = "fixed"
 
     def __post_init__(self) -> None:

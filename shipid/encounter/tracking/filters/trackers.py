@@ -6,7 +6,7 @@ import math
 from typing import Literal, get_args
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.tracking.filters.motion import Mode, Motion
+from shipid.encounter.tracking.filters.motion import Motion, TargetMode
 from shipid.foundation.errors import UnknownNameError
 from shipid.parameters.catalogue import find_model
 from shipid.parameters.parameter_set import ParameterSet
@@ -55,8 +55,11 @@ def motion_of(name: str, ship: ParameterSet | None = None) -> Motion:
                 f"tracker {name} has no mode that turns, so that a ship does not help it. Leave the ship out, or take fs-aimm, "
                 "vs-aimm or agimm."
             )
-        modes = (Mode("steady", acceleration=_STEADY), Mode("manoeuvring", acceleration=_MANOEUVRE, stays=_LASTS))
-        return Motion(find_model("target-turn"), modes if name == "imm" else (Mode("steady", acceleration=0.22),))
+        modes = (
+            TargetMode("steady", acceleration=_STEADY),
+            TargetMode("manoeuvring", acceleration=_MANOEUVRE, stays=_LASTS),
+        )
+        return Motion(find_model("target-turn"), modes if name == "imm" else (TargetMode("steady", acceleration=0.22),))
     sharpest, model = _SHARPEST, "target-turn"
     if ship is not None:
         length = ship.particular("L", "m")
@@ -71,7 +74,7 @@ def motion_of(name: str, ship: ParameterSet | None = None) -> Motion:
     if structure == "grid":
         bounds = (-sharpest, -sharpest), (0.0, 0.0), (sharpest, sharpest)
     port, straight, starboard = (
-        Mode(label, at, _STEADY, *ends, more=wide, stays=lasts)
+        TargetMode(label, at, _STEADY, *ends, more=wide, stays=lasts)
         for label, at, ends, wide, lasts in (
             ("port", -turn, bounds[0], more, _LASTS),
             ("straight", 0.0, bounds[1], 0.0, 60.0),

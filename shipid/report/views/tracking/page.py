@@ -7,7 +7,7 @@ from markupsafe import Markup
 
 import shipid
 from shipid.declaration.vocabulary import to_display
-from shipid.encounter.tracking.scoring import HORIZONS, Score
+from shipid.encounter.tracking.scoring import HORIZONS, TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.encounter.tracking.tracking import Tracking
 from shipid.foundation.numbers import fixed
@@ -123,7 +123,7 @@ def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
     return chart(axes, "Time since the first plot [s]", "modes", "Mode probabilities")
 
 
-def _judged(score: Score) -> dict[str, object]:
+def _judged(score: TrackingScore) -> dict[str, object]:
     rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
     rows: list[Row] = []
     for ship in score.ships:
