@@ -28,7 +28,7 @@ class TargetTrack:
     P : ndarray, shape (N, 4, 4)
         Covariance.
     mu : ndarray, shape (N, modes)
-        Mode probabilities.
+        MotionMode probabilities.
     turn_rate : ndarray, shape (N,)
         rad/s, positive to starboard.
     existence : ndarray, shape (N,)

@@ -95,7 +95,7 @@ class Standing:
     P : ndarray, shape (n, 4, 4)
         Covariance.
     mu : ndarray, shape (n, modes)
-        Mode probabilities.
+        MotionMode probabilities.
     turn_rate : ndarray, shape (n,)
         rad/s.
     existence : ndarray, shape (n,)

@@ -117,7 +117,7 @@ class Motion:
 
     @property
     def first_probabilities(self) -> np.ndarray:
-        """Mode probabilities of a new track, shape (modes,): those of a target that was left alone for long."""
+        """MotionMode probabilities of a new track, shape (modes,): those of a target that was left alone for long."""
         found = np.full(len(self.modes), 1.0 / len(self.modes))
         step = self.switching(10.0)
         for _ in range(200):

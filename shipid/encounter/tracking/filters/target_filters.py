@@ -60,7 +60,7 @@ class TargetFilters:
     P : ndarray, shape (n, modes, 5, 5)
         Covariances.
     mu : ndarray, shape (n, modes)
-        Mode probabilities.
+        MotionMode probabilities.
     turn : ndarray, shape (n, modes)
         The turn of each mode.
     """
