@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 
 import numpy as np
 from _container import container_ship
@@ -16,6 +15,7 @@ from _container import container_ship
 import shipid
 from shipid import Component, derived, given, state
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.experiment.tracks import track_experiment
 from shipid.models import DeKeizer, PlanarMotion, Wind
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.track_pilot import TrackPilot
@@ -23,18 +23,15 @@ from shipid.prediction.following.wheel_over import TrackLeg, heading_on, wheel_o
 from shipid.prediction.sailing.simulated_ship import SimulatedShip
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.order import unwrapped
-from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 DEG, KNOT, MILE = np.pi / 180, 1852 / 3600, 1852.0
-CHANGES = {"C1": 15.0, "C2": 30.0, "C3": 45.0, "C4": 75.0, "C5": 105.0}
-TRACKS = {
-    "T1": "C4 C3 C2 C5 C1", "T2": "C1 C4 C5 C2 C3", "T3": "C3 C1 C5 C4 C2",
-    "T4": "C5 C2 C4 C1 C3", "T5": "C2 C1 C3 C4 C5", "T6": "C3 C5 C1 C2 C4",
-}  # fmt: skip
+EXPERIMENT = track_experiment()
+CHANGES = {n: round(float(np.rad2deg(c)), 6) for n, c in EXPERIMENT.changes.items()}
+TRACKS = {n: " ".join(changes) for n, changes in EXPERIMENT.tracks.items()}
 CONDITIONS = ("A", "B", "C", "D")
-SHIP, LEG, LIMIT, TICK = container_ship(), 2.25 * MILE, 10 * DEG, 2.0
-CURRENT, WIND = (2.5 * KNOT, 225 * DEG), (7.0, 135 * DEG)
+SHIP, LEG, LIMIT, TICK = container_ship(), EXPERIMENT.leg, EXPERIMENT.rudder_limit, EXPERIMENT.interval
+CURRENT, WIND = EXPERIMENT.current, EXPERIMENT.wind
 #: How often a navigator looks at the leg in s, and how far ahead he aims, in ship lengths.
 LOOK, AIM = 60.0, 4.0
 
@@ -123,39 +120,19 @@ def sailing_ship() -> shipid.ParameterSet:
 
 def legs_of(track: str) -> list[TrackLeg]:
     """Return the legs of a track, the first to the north; the sides of the changes alternate, to starboard first."""
-    legs, course, x, y = [TrackLeg(0.0, 0.0, 0.0)], 0.0, 0.0, 0.0
-    for k, name in enumerate(TRACKS[track].split()):
-        x, y = x + LEG * np.cos(course), y + LEG * np.sin(course)
-        course += (-1) ** k * CHANGES[name] * DEG
-        legs.append(TrackLeg(float(x), float(y), float(course)))
-    return legs
+    return EXPERIMENT.legs(track)
 
 
 @functools.cache
-def still_water_turn(change: float, setting: Setting) -> tuple[float, PredictedTrack]:
+def still_water_turn(change: float, setting: Setting) -> tuple[float, np.ndarray]:
     """Return where the wheel goes over before the waypoint in still water, in m, and the turn of the ship herself."""
-    ship = steered(replace(setting, disturbed=False), 0.0, 0.0, 0.0)
-    rows = [ship.now, *(ship.advance(TICK, change, LIMIT) for _ in range(300))]
-    x, y = (np.array([r[n] for r in rows]) for n in ("x", "y"))
-    distance = x[-1] - y[-1] / np.tan(change)
-    return float(distance), np.stack([x, y], axis=1)
+    return EXPERIMENT.still_water_turn(change, steered(replace(setting, disturbed=False), 0.0, 0.0, 0.0))
 
 
 @functools.cache
 def reference(track: str, setting: Setting) -> np.ndarray:
     """Return the reference trajectory: legs joined by the ship's own still-water turn with 10 degrees of rudder, shape (N, 2)."""
-    legs = legs_of(track)
-    points = [np.zeros((1, 2))]
-    for before, after in pairwise(legs):
-        change = after.course - before.course
-        distance, turn = still_water_turn(abs(change), setting)
-        c, s = np.cos(before.course), np.sin(before.course)
-        x, y = turn[:, 0] - distance, np.sign(change) * turn[:, 1]
-        kept = np.hypot(x, y) < 0.5 * LEG
-        points.append(np.stack([after.x + c * x - s * y, after.y + s * x + c * y], axis=1)[kept])
-    last = legs[-1]
-    points.append(np.array([[last.x + LEG * np.cos(last.course), last.y + LEG * np.sin(last.course)]]))
-    return np.concatenate(points)
+    return EXPERIMENT.reference(track, lambda: steered(replace(setting, disturbed=False), 0.0, 0.0, 0.0)).line
 
 
 @dataclass

@@ -140,8 +140,7 @@ def measured(fit: shipid.Fit, zigzags: int, scale: float) -> dict[str, float]:
 def circle(fit: shipid.Fit) -> dict[str, float]:
     """Errors of the turning circle in percent, both read the same way from the track."""
     found = {}
-    for key, value in fit.assessment.manoeuvres[fit.validation[-1].trial.name].turn.items():
-        name = key.removesuffix("_m_s").removesuffix("_deg_s").removesuffix("_m")
+    for name, value in fit.assessment.manoeuvres[fit.validation[-1].trial.name].turn.items():
         known = value.measured and value.predicted
         found[name] = 100 * (value.predicted / value.measured - 1) if known else float("nan")
     return found

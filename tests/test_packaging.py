@@ -59,7 +59,7 @@ def files_of(folder: str, *suffixes: str) -> set[str]:
 
 def test_contents(wheel):
     inside = set(zipfile.ZipFile(wheel).namelist())
-    code = files_of("shipid", ".py", ".html", ".css", ".csv", ".typed")
+    code = files_of("shipid", ".py", ".html", ".css", ".js", ".svg", ".csv", ".toml", ".typed")
     assert {"shipid/py.typed", "shipid/cli/__init__.py"} <= code
     assert any(name.startswith("shipid/report/") and name.endswith(".html") for name in code)
     declarations = {f"shipid/{name}" for name in files_of("models", ".py", ".toml")}

@@ -180,12 +180,15 @@ def _recursively(
 ) -> ExitCode:
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
+    from shipid.identification.uncertainty.amplitudes import beyond_of_record
     from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         record = read(trial)
         tell(f"identifying by {method}")
         run = identify_recursively(model, record, ship=ship, method=method, measured=measured, **settings)
+    for notice in beyond_of_record(model, ship, record):
+        warn(notice)
     assert not isinstance(run, list), "one record gives one result"
     for sentence in run.warnings:
         say(sentence)

@@ -99,6 +99,8 @@ class _Printer:
         self.told: set[str] = set()
         self.channels: tuple[str, ...] = ()
         self.header = ""
+        self.model: Model | None = None
+        self.ship: ParameterSet | None = None
 
     def start(
         self,
@@ -111,10 +113,12 @@ class _Printer:
     ) -> OnlineFilter:
         """Start a filter for the channels there are, and give it the samples that have come."""
         from shipid.estimation.kalman import ExtendedKalmanFilter
+        from shipid.estimation.online.reached import Reached
         from shipid.estimation.settings.defaults import standard_sensors
         from shipid.generation.reduction import reduced
 
-        self.channels = log.names
+        self.channels, self.model, self.ship = log.names, model, ship
+        self.reached = Reached()
         sensors = standard_sensors(model, log.names) if measured is None else measured
         kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
         self.names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
@@ -143,6 +147,7 @@ class _Printer:
         if estimate.refused:
             say(f"{self.source}, line {sample.line}: refused, {estimate.refused}.")
             return
+        self.reached.add(sample.values)
         self.count += 1
         if self.count % _LOOK == 0:
             self.look(online)
@@ -164,8 +169,11 @@ class _Printer:
 
     def look(self, online: OnlineFilter) -> None:
         """Say what speaks against the filter so far, each thing once."""
-        for notice in online.tally.notices:
-            about = f"{notice.kind} {notice.known['sensor']}"
+        assert self.model is not None
+        for notice in (*online.tally.notices, *self.reached.beyond(self.model, self.ship)):
+            about = " ".join(
+                [notice.kind, *(str(notice.known[n]) for n in ("sensor", "quantity") if n in notice.known)]
+            )
             if about not in self.told:
                 self.told.add(about)
                 warn(notice)

@@ -7,7 +7,6 @@ import click
 from shipid.cli.frame.delivery import Delivery, delivered
 from shipid.cli.frame.options import TrialReader, reading
 from shipid.cli.frame.quantities import NumberWithUnit
-from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 
 _KINDS = ("zig-zag", "turning circle", "spiral", "pull-out")
@@ -45,14 +44,4 @@ def measure(
     if length is not None and not to_si(length, "m", "the ship length") > 0:
         raise UsageError(f"a ship length of {length} has no ratios to it: give one greater than zero.")
     measured = run_measure(read(trial), kind, execute=execute, length=length, manoeuvre=manoeuvre)
-    flat: dict[str, Plain] = {"kind": measured.kind, "trial": measured.trial, "execute": measured.execute}
-    words = ("read_from", "nominal", "first_side", "side", "track", "method")
-    flat |= {n: getattr(measured, n) for n in words if hasattr(measured, n)}
-    for name, value, unit, _ in measured.quantities():
-        key = name if unit == "1" else f"{name}_{unit.replace('/', '_')}"
-        flat[key] = list(value) if isinstance(value, tuple) else value
-        reason = measured.reason(name)
-        if reason is not None:
-            flat[f"{key}_reason"] = reason
-    flat |= {"reasons": dict(measured.reasons), "notes": list(measured.notes)}
-    return delivery.hand_over_parts(flat, repr(measured))
+    return delivery.hand_over(measured)

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
     from shipid.autopilot.design.autopilot import Autopilot
     from shipid.foundation.notices import Notice
+    from shipid.prediction.routes.route import Route
     from shipid.prediction.situations.situation import Situation
     from shipid.prediction.tracks.track_predictor import Band
+    from shipid.trials.trial import Trial
 
 _TRACK = "track.csv"
 #: Names that a state may give beside those of the model, with their units.
@@ -42,6 +44,8 @@ _STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m"
 @click.option(
     "--rate", type=NumberWithUnit("deg/s"), help="Rate of turn to hold, '20 deg/min'; with --heading, that of the turn."
 )
+@click.option("--route", metavar="FILE", help="The next turn of a route, RTZ or CSV, in place of an order.")
+@click.option("--chart", metavar="FILE", help="Drawn below the track: GeoJSON, or a cell of S-57 (extra chart).")
 @click.option(
     "--rudder-limit", type=NumberWithUnit("deg"), help="Largest rudder angle; the autopilot's own by default."
 )
@@ -61,6 +65,8 @@ def predict(
     heading: str | None,
     rudder: str | None,
     rate: str | None,
+    route: str | None,
+    chart: str | None,
     rudder_limit: str | None,
     horizon: float,
     current: str | None,
@@ -69,7 +75,7 @@ def predict(
     format_: str | None,
     delivery: Delivery,
 ) -> ExitCode:
-    """Predict where a ship goes under an order: her track with its band, stage by stage.
+    """Predict where a ship goes under an order, or at the next turn of a route: her track with its band, stage by stage.
 
     From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is. The track is in metres to
     the north and to the east, on the position of the trial or from zero.
@@ -77,29 +83,57 @@ def predict(
     \b
     shipid predict de-keizer --ship soesterberg --heading '60 deg'
     shipid predict de-keizer --ship ship.toml --from trial.csv@300 --rudder '20 deg' --out predicted
+    shipid predict de-keizer --ship ship.toml --from trial.csv@300 --route plan.rtz --chart harbour.000 --out predicted
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from dataclasses import replace
+
     from shipid.foundation.errors import UsageError
+    from shipid.foundation.notices import Notice
+    from shipid.prediction.charts.read_chart import read_chart
+    from shipid.prediction.predict_route import predict_route
     from shipid.prediction.predict_track import predict_track
+    from shipid.prediction.routes.read_route import read_route
     from shipid.report.write_report import write_report
 
-    if heading is None and rudder is None and rate is None:
-        raise UsageError("predict needs an order: --heading, --rudder or --rate. See shipid predict --help.")
+    orders = {"heading": heading, "rudder": rudder, "rate": rate}
+    if route is not None and any(orders.values()):
+        raise UsageError("--route says what to steer: leave out --heading, --rudder and --rate.")
+    if route is None and not any(orders.values()):
+        raise UsageError("predict needs an order: --heading, --rudder, --rate or --route. See shipid predict --help.")
+    plan = None if route is None else read_route(route)
     pilot = _pilot(model, ship, schedule)
     with delivery.progress() as tell:
-        situation, origin, told = _situation(pilot, model, begin, current, wind, format_, tell)
+        situation, origin, told, trial = _situation(pilot, begin, current, wind, format_, tell, on_route=plan is not None)
+        place = _origin(plan, trial)
+        # A chart that cannot be drawn is told before the work is done.
+        below = None if chart is None else read_chart(chart, _known(place))
         tell("predicting")
-        found = predict_track(
-            pilot,
-            situation,
-            heading=heading,
-            rudder=rudder,
-            rate=rate,
-            rudder_limit=rudder_limit,
-            horizon=horizon,
-            band=band,
-            origin=origin,
-            warnings=told,
-        )
+        if plan is not None:
+            found = predict_route(
+                pilot,
+                situation,
+                plan,
+                origin=place,
+                rudder_limit=rudder_limit,
+                horizon=horizon,
+                band=band,
+                source=origin,
+                warnings=told,
+            )
+        else:
+            found = predict_track(
+                pilot,
+                situation,
+                **orders,
+                rudder_limit=rudder_limit,
+                horizon=horizon,
+                band=band,
+                origin=origin,
+                warnings=told,
+            )
+        if below is not None:
+            notes = [n for n in below.notes if isinstance(n, Notice)]
+            found = replace(found, chart=below, warnings=(*found.warnings, *notes))
     return delivery.hand_over(
         found,
         {
@@ -125,16 +159,16 @@ def _pilot(model: str, ship: str, schedule: str | None) -> Autopilot:
 
 def _situation(
     pilot: Autopilot,
-    model: str,
     begin: str | None,
     current: str | None,
     wind: str | None,
     format_: str | None,
     tell: Callable[[str], object],
-) -> tuple[Situation, str, list[Notice]]:
+    *,
+    on_route: bool,
+) -> tuple[Situation | dict[str, float], str, list[Notice], Trial | None]:
     from shipid.cli.simulate import flow_of
     from shipid.foundation.errors import UsageError
-    from shipid.prediction.situations.situation import Situation
     from shipid.trials.manoeuvres.flows import flow_inputs
 
     flows = flow_inputs(flow_of(current, "current"), flow_of(wind, "wind"))
@@ -142,12 +176,38 @@ def _situation(
         if current is not None:
             raise UsageError("from a trial the current is estimated: leave --current out.")
         return _from_trial(pilot, begin, flows, format_, tell)
-    values = {"psi": 0.0, "u": pilot.own_speed, "r": 0.0, **flows}
-    origin = "a straight course"
+    # On a route without a state the ship begins at its first waypoint, on the heading that keeps the first leg.
+    values = {"u": pilot.own_speed, "r": 0.0, **flows} | ({} if on_route else {"psi": 0.0})
+    origin = "the first waypoint" if on_route else "a straight course"
     if begin is not None:
         values |= _state_of(begin, pilot)
         origin = "the state given"
-    return Situation(values), origin, []
+    return values, origin, [], None
+
+
+def _origin(route: Route | None, trial: Trial | None) -> tuple[float, float] | None:
+    """Where x and y are 0, in rad."""
+    from shipid.foundation.errors import UsageError
+
+    if trial is None:
+        return None if route is None else route.origin
+    if route is not None and route.geographic and trial.source.origin is None:
+        raise UsageError(
+            f"trial {trial.name} does not say where on the earth its x and y are 0, and the route has latitudes and longitudes: log "
+            "positions as latitude and longitude, or write the route in the trial's metres."
+        )
+    return trial.source.origin
+
+
+def _known(origin: tuple[float, float] | None) -> tuple[float, float]:
+    from shipid.foundation.errors import UsageError
+
+    if origin is None:
+        raise UsageError(
+            "a chart has latitudes and longitudes, and nothing says where x and y are 0: give a --route with latitudes and longitudes, or "
+            "begin from a trial whose positions are such."
+        )
+    return origin
 
 
 def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
@@ -167,7 +227,7 @@ def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
 
 def _from_trial(
     pilot: Autopilot, text: str, flows: dict[str, float], format_: str | None, tell: Callable[[str], object]
-) -> tuple[Situation, str, list[Notice]]:
+) -> tuple[Situation, str, list[Notice], Trial]:
     """What the filter of the ship's own model knows at an instant of a trial; nothing later is read."""
     from shipid.foundation.errors import UsageError
     from shipid.prediction.situations.trial_situation import situation_in
@@ -186,4 +246,4 @@ def _from_trial(
         raise UsageError(f"'{match.group(2)}' is no time in s, as in trial.csv@300.") from None
     tell("filtering")
     situation, told = situation_in(pilot.model, pilot.ship, trial, at, flows)
-    return situation, f"trial {trial.name} at {situation.t:.5g} s", told
+    return situation, f"trial {trial.name} at {situation.t:.5g} s", told, trial

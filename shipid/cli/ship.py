@@ -66,6 +66,7 @@ def ship(
     shipid ship zeefakkel
     shipid ship --new tender --length '24 m' --speed '12 kn' --source 'general arrangement, rev. B' -o tender.toml
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.declaration.units import Typed
     from shipid.foundation.errors import UsageError
     from shipid.foundation.replacing import write_text
     from shipid.parameters.catalogue import find_model, find_ship
@@ -88,7 +89,7 @@ def ship(
     if source is not None and not source.strip():
         raise UsageError("--source is empty. Say where the values come from; 'assumed' is a source.")
     path = output_file(output, overwrite) if output is not None else None
-    values = {_OPTIONS[name][0]: value for name, value in stated.items() if value is not None}
+    values = {_OPTIONS[name][0]: Typed(value) for name, value in stated.items() if value is not None}
     known = find_model(model) if model else None
     text = draft_parameter_set(str(new), values, source=source or "", title=title, model=known)
     if path is not None:

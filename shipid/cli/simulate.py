@@ -22,6 +22,7 @@ from shipid.cli.frame.options import (
 from shipid.cli.frame.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
+    from shipid.prediction.sailing.voyage import Voyage
     from shipid.trials.trial import Trial
 
 
@@ -39,6 +40,11 @@ if TYPE_CHECKING:
     metavar="[T:]H",
     help="With --autopilot: a heading to order, '60 deg', or at a time, '300 s:60 deg'; once or more.",
 )
+@click.option(
+    "--route",
+    metavar="FILE",
+    help="Sail a route, RTZ or CSV, under the track pilot; with the autopilot of --autopilot, or one designed by default.",
+)
 @speed_option("Speed before the manoeuvre")
 @click.option(
     "--noise", default="none", show_default=True, help=f"Of the sensors: none, standard, or a list, {LEVELS}."
@@ -51,13 +57,13 @@ if TYPE_CHECKING:
 )
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
-@click.option("--waves", metavar="W", help="With --autopilot: yaw by waves, '0.5 deg from 300 deg'.")
+@click.option("--waves", metavar="W", help="With --autopilot or --route: yaw by waves, '0.5 deg from 300 deg'.")
 @click.option(
     "--input",
     "inputs",
     multiple=True,
     metavar="NAME=VALUE",
-    help="With --autopilot: an input of the model that is held, with its unit.",
+    help="With --autopilot or --route: an input of the model that is held, with its unit.",
 )
 @values_option
 @click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
@@ -68,6 +74,7 @@ def simulate(
     manoeuvre: str | None,
     autopilot: str | None,
     courses: tuple[str, ...],
+    route: str | None,
     speed: str | None,
     noise: str,
     seed: int,
@@ -82,7 +89,7 @@ def simulate(
     output: str | None,
     overwrite: bool,
 ) -> None:
-    """Simulate a manoeuvre, or courses under an autopilot, and write it as a trial.
+    """Simulate a manoeuvre, courses under an autopilot or a route under the track pilot, and write it as a trial.
 
     \b
     zigzag:20/20        rudder and heading angle; zigzag:-20/20 begins to port
@@ -94,23 +101,32 @@ def simulate(
     \b
     shipid simulate de-keizer --ship soesterberg --manoeuvre zigzag:20/20 -o trial.csv
     shipid simulate de-keizer --ship soesterberg --autopilot schedule.toml --course '60 deg' -o voyage.csv
+    shipid simulate de-keizer --ship soesterberg --route plan.rtz --current '2 kn to 30 deg' -o voyage.csv
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.foundation.notices import Notice
     from shipid.trials.logs.writing import write_trial
 
-    _check(manoeuvre, autopilot, courses, waves, inputs)
+    _check(manoeuvre, autopilot, courses, route, waves, inputs)
     place = None if output is None else output_file(output, overwrite)
     settings = {
         "speed": speed, "noise": noise, "seed": seed, "duration": duration, "sampling": sampling, "heading": heading,
         "current": flow_of(current, "current"), "wind": flow_of(wind, "wind"), "values": values,
     }  # fmt: skip
-    if autopilot is None:
-        trial = _manoeuvre(model, ship, str(manoeuvre), settings)
+    summary = ""
+    if manoeuvre is not None:
+        trial = _manoeuvre(model, ship, manoeuvre, settings)
+    elif route is not None:
+        del settings["heading"]
+        voyage = _route(model, ship, autopilot, route, waves, inputs, settings)
+        trial, summary = voyage.trial, repr(voyage)
     else:
+        assert autopilot is not None
         trial = _voyage(model, ship, autopilot, courses, waves, inputs, settings)
     for note in trial.source.notes:
         if isinstance(note, Notice):
             warn(note)
+    if summary:
+        say(summary)
     if place is None:
         _print(trial)
         return
@@ -119,22 +135,32 @@ def simulate(
     except OSError:
         _print(trial)
         raise
-    say(f"{place}: {len(trial)} samples. {trial.source.comment}")
+    said = trial.source.comment.replace("\n", ". ")
+    say(f"{place}: {len(trial)} samples. {said}")
 
 
 def _check(
     manoeuvre: str | None,
     autopilot: str | None,
     courses: tuple[str, ...],
+    route: str | None,
     waves: str | None,
     inputs: tuple[str, ...],
 ) -> None:
     from shipid.foundation.errors import UsageError
 
+    if route is not None:
+        if manoeuvre is not None or courses:
+            raise UsageError("--route is a voyage of its own: leave out --manoeuvre and --course.")
+        if click.get_current_context().get_parameter_source("heading") is click.core.ParameterSource.COMMANDLINE:
+            raise UsageError("a route begins on its first leg: leave out --heading.")
+        return
     if (manoeuvre is None) == (autopilot is None):
-        raise UsageError("simulate needs a --manoeuvre, or an --autopilot with a --course. See shipid simulate --help.")
+        raise UsageError(
+            "simulate needs a --manoeuvre, or an --autopilot with a --course, or a --route. See shipid simulate --help."
+        )
     if autopilot is not None and not courses:
-        raise UsageError("--autopilot needs a --course to sail, as in --course '60 deg'.")
+        raise UsageError("--autopilot needs a --course to sail, as in --course '60 deg', or a --route.")
     if autopilot is None and (courses or waves or inputs):
         raise UsageError("--course, --waves and --input belong to --autopilot: leave them out of a manoeuvre.")
 
@@ -173,6 +199,35 @@ def _voyage(
     )
 
 
+def _route(
+    model: str,
+    ship: str,
+    autopilot: str | None,
+    route: str,
+    waves: str | None,
+    inputs: tuple[str, ...],
+    settings: dict[str, Any],
+) -> Voyage:
+    from shipid.autopilot.design.design_autopilot import design_autopilot
+    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.prediction.routes.read_route import read_route
+    from shipid.prediction.sailing.sail_route import sail_route
+
+    plan = read_route(route)
+    sailing, known = find_model(model), find_ship(ship)
+    pilot = design_autopilot(sailing, known) if autopilot is None else read_schedule(autopilot, model)
+    return sail_route(
+        pilot,
+        plan,
+        model=sailing,
+        ship=known,
+        waves=flow_of(waves, "waves", "rad"),
+        inputs=assignments(inputs),
+        **settings,
+    )
+
+
 def _order_of(text: str) -> tuple[str, str]:
     from shipid.foundation.errors import UsageError
 
@@ -183,7 +238,8 @@ def _order_of(text: str) -> tuple[str, str]:
 
 
 def _print(trial: Trial) -> None:
-    click.echo(f"# {trial.source.comment}")
+    for line in trial.source.comment.splitlines():
+        click.echo(f"# {line}")
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
 
 
@@ -206,7 +262,7 @@ def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, floa
     """
     import math
 
-    from shipid.declaration.units import to_si
+    from shipid.declaration.units import Typed, to_si
     from shipid.foundation.errors import UsageError
 
     if text is None:
@@ -216,6 +272,8 @@ def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, floa
         raise UsageError(
             f"the {what} '{text}' does not say where it flows: write '3 kn to 30 deg' or '10 m/s from 270 deg'."
         )
-    direction = to_si(match.group(3), "rad", f"direction of the {what}")
+    direction = to_si(Typed(match.group(3)), "rad", f"direction of the {what}")
     turned = math.pi if match.group(2) == "from" else 0.0
-    return to_si(match.group(1), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"), direction + turned
+    return to_si(
+        Typed(match.group(1)), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"
+    ), direction + turned

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -145,10 +146,10 @@ class Criteria:
             "standard": WORDING,
             "model": self.model,
             "ship": self.ship,
-            "L_m": self.length,
-            "V_m_s": self.speed,
-            "L_over_V_s": self.length / self.speed,
-            "rudder_deg": round(to_display(self.rudder, "delta"), 6),
+            "length": quantity(self.length, "m"),
+            "speed": quantity(self.speed, "m/s"),
+            "unit_time": quantity(self.length / self.speed, "s"),
+            "rudder": quantity(round(to_display(self.rudder, "delta"), 6), "deg"),
             "criteria": {
                 row.key: {
                     "meaning": row.meaning,
@@ -195,9 +196,9 @@ class Criteria:
         if self.spiral is not None:
             s = self.spiral
             lines.append(
-                "  straight course: stable, no spiral loop" if s["half_width_deg"] == 0 and s["stable"]
+                "  straight course: stable, no spiral loop" if s["half_width"]["value"] == 0 and s["stable"]
                 else f"  straight course: {'stable' if s['stable'] else 'unstable'}; spiral loop of "
-                f"{s['half_width_deg']:.3g} deg half width; width {s['loop_width_deg']:.3g} deg, {s['limit_text']}, "
+                f"{s['half_width']['value']:.3g} deg half width; width {s['loop_width']['value']:.3g} deg, {s['limit_text']}, "
                 f"{'within' if s['within'] else 'BEYOND'}"
             )  # fmt: skip
         lines += [f"  not covered: {what}" for what in NOT_COVERED]

@@ -31,6 +31,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import quantity
 from shipid.identification.fit import Fit
 from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
@@ -210,11 +211,13 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: flo
     band = band_of(point.half_width, [None if d is None else d.half_width for d in drawn])
     return {
         "stable": point.stable,
-        "half_width_deg": point.half_width * deg,
-        "half_width_interval_95_deg": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
-        "loop_width_deg": point.loop_width * deg,
-        "loop_height_deg_s": None if point.loop_height is None else point.loop_height * deg,
-        "limit_deg": limit,
+        "half_width": {
+            **quantity(point.half_width * deg, "deg"),
+            "interval_95": None if band is None else [max(0.0, band[0] * deg), band[1] * deg],
+        },
+        "loop_width": quantity(point.loop_width * deg, "deg"),
+        "loop_height": quantity(None if point.loop_height is None else point.loop_height * deg, "deg/s"),
+        "limit": quantity(limit, "deg"),
         "limit_text": f"recommended limit {limit:.3g} deg at L/V {unit_time:.3g} s",
         "within": bool(point.loop_width * deg <= limit),
     }

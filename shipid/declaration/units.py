@@ -11,7 +11,7 @@ import functools
 import re
 
 from shipid.foundation.aliases import PintUnit
-from shipid.foundation.errors import UnitError
+from shipid.foundation.errors import TypedUnitError, UnitError
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -26,6 +26,12 @@ _OUTSIZED = re.compile(
     r"|\)\s*\*\*.*\)\s*\*\*"
 )
 _SUPERSCRIPT_RUN = re.compile(r"[⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+
+
+class Typed(str):
+    """A value that was typed as an argument of a command: what is wrong with it is wrong with the call, not with a file."""
+
+    __slots__ = ()
 
 
 @functools.cache
@@ -240,7 +246,18 @@ def to_si(value: str | float | tuple[float, str], wanted: str, what: str = "the 
     ------
     UnitError
         If a bare number stands where a unit is needed, or the unit does not fit.
+    TypedUnitError
+        The same, where the value is `Typed`.
     """
+    try:
+        return _to_si(value, wanted, what)
+    except UnitError as error:
+        if isinstance(value, Typed):
+            raise TypedUnitError(str(error)) from None
+        raise
+
+
+def _to_si(value: str | float | tuple[float, str], wanted: str, what: str) -> float:
     given: str | None
     if isinstance(value, tuple):
         number, given = float(value[0]), value[1]

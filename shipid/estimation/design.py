@@ -18,6 +18,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import shown
 from shipid.estimation.recursion.backward import make_backward_step
 from shipid.estimation.recursion.equations import Equations, make_equations
 from shipid.estimation.recursion.gate import Gate
@@ -140,7 +141,10 @@ class FilterDesign:
 
     def __repr__(self) -> str:
         kind = "Kalman filter" if self.linear else "extended Kalman filter"
-        sensors = ", ".join(f"{n} ({level:.3g} {self.model[n].unit})" for n, level in zip(self.measured, self.r))
+        sensors = ", ".join(
+            f"{n} ({shown(level, self.model[n].quantity.measures or n, self.model[n].unit, digits=3)})"
+            for n, level in zip(self.measured, self.r)
+        )
         driven = ", ".join(f"{s.name}{' (default)' if s.assumed else ''}" for s in self.sources) or "nothing"
         return (
             f"<{kind} of {self.base.name!r}, ship {self.ship.name}: states {', '.join(self.model.states)}; sensors {sensors}; "

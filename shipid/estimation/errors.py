@@ -14,6 +14,18 @@ class NotMeasurableError(UsageError):
     """A measured name that the model does not have, or the record does not hold."""
 
 
+class TransitionError(UsageError):
+    """Transition or mode probabilities that do not fit the modes, or do not sum to one."""
+
+
+class ModeError(UsageError):
+    """Modes of a multiple-model filter that do not fit each other."""
+
+
+class CovarianceError(UsageError):
+    """A covariance that is not symmetric and positive."""
+
+
 class SensorRateError(UsageError):
     """A sensor that is to be read more often than the record is sampled."""
 

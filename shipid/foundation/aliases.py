@@ -12,3 +12,5 @@ CasadiFunction: TypeAlias = Any
 PintUnit: TypeAlias = Any
 #: What JSON or TOML holds: text, numbers, truth values, lists and tables of them.
 Plain: TypeAlias = Any
+#: A client of dask.distributed, which ships no types for its calls.
+DaskClient: TypeAlias = Any

@@ -29,6 +29,12 @@ class UnitError(ShipidError):
     """A value or an equation whose unit does not fit."""
 
 
+class TypedUnitError(UnitError, UsageError):
+    """A value among the arguments of a command whose unit is missing or does not fit."""
+
+    exit_code = ExitCode.USAGE
+
+
 class DeclarationError(ShipidError):
     """A component or a model that is not well formed."""
 

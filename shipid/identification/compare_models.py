@@ -12,7 +12,9 @@ import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError, UsageError
+from shipid.foundation.notices import Notice
 from shipid.foundation.statistics import plain
 from shipid.identification.fit import Fit
 from shipid.identification.identify import identify
@@ -22,6 +24,7 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.ranking import MEASURES, Rank, Ranking, tied_models
 from shipid.parameters.catalogue import model_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
 
 _COUNTED = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway")
@@ -73,19 +76,31 @@ def compare_models(
     whole = [model_of(m) for m in models]
     folds = _folds(trials)
     ranks = []
+    # Once for each trial and quantity: every model is fitted to the same trials.
+    beyond: dict[tuple[Plain, Plain], Notice] = {}
     for model in whole:
         compared, trouble = [], ""
         for left_out, rest in folds:
             tell(f"{model.name}: predicting {left_out.name}")
             fit, trouble = _attempt(model, rest, [left_out], ship, starts, seed)
             compared.append(fit.validation if fit else None)
+            _note_beyond(beyond, fit)
         kept: Fit | None = None
         if validate:
             tell(f"{model.name}: fitting all trials")
             kept, trouble = _attempt(model, trials, validate, ship, starts, seed)
+            _note_beyond(beyond, kept)
         ranks.append(_rank(model, compared, kept, trouble))
     ranks.sort(key=lambda r: (r.score is None, r.score or 0.0))
-    return Ranking(tuple(ranks), tuple(left_out.name for left_out, _ in folds), tied_models(ranks))
+    names = tuple(left_out.name for left_out, _ in folds)
+    return Ranking(tuple(ranks), names, tied_models(ranks), tuple(beyond.values()))
+
+
+def _note_beyond(found: dict[tuple[Plain, Plain], Notice], fit: Fit | None) -> None:
+    """Keep what a fit says of trials that go beyond those it was fitted to."""
+    for notice in () if fit is None else fit.warnings:
+        if notice.kind == BEYOND:
+            found.setdefault((notice.known["subject"], notice.known["quantity"]), notice)
 
 
 def _folds(trials: Sequence[Trial]) -> list[tuple[Trial, list[Trial]]]:

@@ -12,6 +12,7 @@ from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines
@@ -231,8 +232,8 @@ class Fit:
             },
             "manoeuvre": {
                 c.trial.name: {
-                    "overshoots_deg": in_degrees(c.overshoots),
-                    "predicted_overshoots_deg": in_degrees(c.predicted_overshoots),
+                    "overshoots": quantity(in_degrees(c.overshoots), "deg"),
+                    "predicted_overshoots": quantity(in_degrees(c.predicted_overshoots), "deg"),
                     **(bands[c.trial.name].to_dict() if c.trial.name in bands else {}),
                     "not_sailed": None if c.departure is None else str(c.departure),
                 }

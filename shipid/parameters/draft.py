@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import split, to_si
-from shipid.foundation.errors import ParameterSetError
+from shipid.foundation.errors import UsageError
 from shipid.parameters.parameter_set import PARTICULARS
 
 
@@ -70,13 +70,13 @@ def draft_parameter_set(
 
     Raises
     ------
-    ParameterSetError
+    UsageError
         If the name is empty, or a value is not greater than zero.
     UnitError
         If a value has no unit, or one that does not fit.
     """
     if not name.strip() or not name.isprintable():
-        raise ParameterSetError("a ship needs a name of one or more printable characters, as in 'my-ship'.")
+        raise UsageError("a ship needs a name of one or more printable characters, as in 'my-ship'.")
     lines = [
         "# Every number has its source: a drawing, a report, a trial. 'assumed' is a source, an empty one is refused.",
         f"name = {json.dumps(name.strip())}",
@@ -92,7 +92,7 @@ def draft_parameter_set(
             continue
         what = f"'{known.name}' ({known.meaning})"
         if not to_si(text, known.unit, what) > 0:
-            raise ParameterSetError(f"{what} is {text}, and has to be greater than zero, as in '{known.example}'.")
+            raise UsageError(f"{what} is {text}, and has to be greater than zero, as in '{known.example}'.")
         number, unit = split(text)
         lines.append(f"{_entry(known.name, repr(number), unit, source)}  # {known.meaning}")
     if model is not None:

@@ -63,19 +63,26 @@ def beyond(
     Returns
     -------
     list of Notice
-        One for each quantity that is beyond its range by more than a tenth; one that says that the range is not known, where
+        One for each quantity that is beyond its range by more than a tenth; one that says which range is not known, where
         the set does not state it; none for a model that takes no coefficient from the ship.
     """
     if all(ship.find(model, n) is None for n in (*model.parameters, *model.derived)):
         return []  # it takes no coefficient from the ship
     found = range_of(ship, model)
-    if found is None or (found[1].speeds is None and found[1].rudder is None):
-        words = (
-            f"The range of speeds and rudder angles that the coefficients of model {model.name} come from is not known"
-        )
-        return [Notice(f"{words}: ship {ship.name} does not state it.", UNKNOWN)]
-    section, known = found
+    known = None if found is None else found[1]
+    unstated = _unstated(known, rudder is not None)
     notices = []
+    if unstated:
+        notices.append(
+            Notice(
+                f"The range of {' and '.join(unstated)} that the coefficients of model {model.name} come from is not known: "
+                f"ship {ship.name} does not state it.",
+                UNKNOWN,
+            )
+        )
+    if found is None or known is None:
+        return notices
+    section = found[0]
 
     def say(what: str, value: float, limit: str, name: str, unit: str) -> None:
         notices.append(
@@ -112,6 +119,15 @@ def beyond(
             "rad",
         )
     return notices
+
+
+def _unstated(known: Joint | None, steers: bool) -> list[str]:
+    """What a set does not state of the range: a rudder angle matters where one is steered, or where nothing is stated."""
+    lacking = {
+        "speeds": known is None or known.speeds is None,
+        "rudder angles": known is None or known.rudder is None,
+    }
+    return [what for what, lacks in lacking.items() if lacks and (what == "speeds" or steers or lacking["speeds"])]
 
 
 def _faster(known: Joint, speeds: Sequence[float]) -> float:

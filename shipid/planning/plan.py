@@ -13,6 +13,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import columns_of, quantity
 from shipid.planning.selection import Criterion
 
 if TYPE_CHECKING:
@@ -47,9 +48,9 @@ class Leg:
         """Return plain values."""
         return {
             "manoeuvre": self.manoeuvre,
-            "speed_m_s": round(self.speed, 6),
-            "duration_s": round(self.duration, 3),
-            "start_s": round(self.start, 3),
+            "speed": quantity(round(self.speed, 6), "m/s"),
+            "duration": quantity(round(self.duration, 3), "s"),
+            "start": quantity(round(self.start, 3), "s"),
             "seed": self.seed,
         }
 
@@ -167,7 +168,7 @@ class Plan:
         """Return the manoeuvres as a pandas table."""
         import pandas as pd
 
-        return pd.DataFrame([leg.to_dict() for leg in self.legs])
+        return pd.DataFrame([columns_of(leg.to_dict()) for leg in self.legs])
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values for JSON, free of NaN.
@@ -178,8 +179,8 @@ class Plan:
         return {
             "model": self.model.name,
             "ship": self.ship,
-            "time_s": self.time,
-            "duration_s": self.duration,
+            "time": quantity(self.time, "s"),
+            "duration": quantity(self.duration, "s"),
             "criterion": self.criterion,
             "robust": "worst case" if self.worst_case else "average",
             "plan": [leg.to_dict() for leg in self.legs],
@@ -192,8 +193,8 @@ class Plan:
             },
             "parameters": {n: f.to_dict() for n, f in self.parameters.items()},
             "noise": {s: {"std": v, "unit": FIELDS[s].unit} for s, v in self.noise.items()},
-            "sampling_s": self.sampling,
-            "independent_s": self.independent,
+            "sampling": quantity(self.sampling, "s"),
+            "independent": quantity(self.independent, "s"),
             "draws": self.draws,
             "candidates": self.candidates,
             "warnings": plain_notices(self.warnings),

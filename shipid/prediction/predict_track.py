@@ -12,10 +12,12 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
 from shipid.parameters.validity import beyond
 from shipid.parts.wind import Wind
-from shipid.prediction.following.wheel_over import TrackLeg, wheel_over
+from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
 from shipid.prediction.prediction import Prediction
+from shipid.prediction.routes.route_turn import RouteTurn
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor
 from shipid.prediction.tracks.track_run import cruise_of
 
@@ -72,9 +74,7 @@ def predict_track(
         If the model reads an input that nothing states and that declares no default.
     """
     known = situation if isinstance(situation, Situation) else Situation(dict(situation))
-    parts: tuple[type[Component], ...] = (Wind,) if known.values.get("wind_speed") else ()
-    if parts and model == "own" and "r_disturbance" not in pilot.model.inputs:
-        parts = ()
+    parts = wind_parts(pilot, known)
     if model == "own" and band != "none":
         known = with_coefficients(known, pilot)
     predictor = TrackPredictor(pilot, model=model, values=values, parts=parts)
@@ -101,6 +101,62 @@ def predict_track(
         points=points,
         band=band,
     )
+    return prediction_of(pilot, known, track, horizon, band, origin, told, wheel_over=found)
+
+
+def wind_parts(pilot: Autopilot, known: Situation) -> tuple[type[Component], ...]:
+    """Return the wind as a component to join, where there is some and the ship's model reads it.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot with its ship.
+    known : Situation
+        What is known.
+    """
+    blows = known.values.get("wind_speed") and "r_disturbance" in pilot.model.inputs
+    return (Wind,) if blows else ()
+
+
+def prediction_of(
+    pilot: Autopilot,
+    known: Situation,
+    track: PredictedTrack,
+    horizon: float,
+    band: Band,
+    origin: str,
+    told: list[Notice],
+    *,
+    wheel_over: WheelOver | None = None,
+    turn: RouteTurn | None = None,
+) -> Prediction:
+    """Return a predicted track as a result, with what limits it.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot that steers the ship.
+    known : Situation
+        Where the track begins.
+    track : PredictedTrack
+        The track.
+    horizon : float
+        Its length in ship lengths, as it was asked for.
+    band : {"linear", "samples", "none"}
+        The band that was asked for.
+    origin : str
+        Where the situation comes from, in words.
+    told : list of Notice
+        What is known to limit it so far.
+    wheel_over : WheelOver, optional
+        Where the turn onto a planned leg begins.
+    turn : RouteTurn, optional
+        The next turn of a route.
+
+    Returns
+    -------
+    Prediction
+    """
     if track.ended:
         told.append(
             Notice(
@@ -118,4 +174,4 @@ def predict_track(
     units = {n: e.unit for n, e in pilot.model.entries.items()} | {
         n: FIELDS[n].unit for n in known.values if n in FIELDS
     }
-    return Prediction(pilot.ship.name, track.source, known, track, origin, units, found, tuple(told))
+    return Prediction(pilot.ship.name, track.source, known, track, origin, units, wheel_over, tuple(told), turn)

@@ -11,7 +11,9 @@ import numpy as np
 from shipid.declaration.vocabulary import shown, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.prediction.charts.chart import Chart
 from shipid.prediction.following.wheel_over import WheelOver
+from shipid.prediction.routes.route_turn import RouteTurn
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.order import unwrapped
 from shipid.prediction.tracks.predicted_track import PredictedTrack
@@ -73,6 +75,10 @@ class Prediction:
         Where the turn onto a planned leg begins, where one was given.
     warnings : tuple of Notice
         What limits it.
+    turn : RouteTurn or None
+        The next turn of a route, where one was given.
+    chart : Chart or None
+        What is drawn below the track.
     """
 
     ship: str
@@ -83,6 +89,8 @@ class Prediction:
     units: Mapping[str, str] = field(default_factory=dict)
     wheel_over: WheelOver | None = None
     warnings: Sequence[Notice] = ()
+    turn: RouteTurn | None = None
+    chart: Chart | None = None
 
     @property
     def stages(self) -> list[Stage]:
@@ -158,6 +166,8 @@ class Prediction:
                 for s in self.stages
             ],
             "wheel_over": None if self.wheel_over is None else self.wheel_over.to_dict(),
+            "route": None if self.turn is None else self.turn.to_dict(),
+            "chart": None if self.chart is None else self.chart.name,
             "prediction": self.track.to_dict(),
             "warnings": plain_notices(self.warnings),
         }
@@ -175,6 +185,8 @@ class Prediction:
             lines.append(f"  current {shown(float(np.hypot(north, east)), 'u', digits=3)} to {to:03.0f} deg")
         if self.wheel_over is not None:
             lines.append(f"  {_wheel_over_words(self.wheel_over)}")
+        if self.turn is not None:
+            lines += [f"  {line}" for line in self.turn.words]
         heads = ("", "t [s]", "ahead [m]", "aside [m]", "heading [deg]", "speed [m/s]", "95 % band [m]")
         rows = [heads] + [
             (

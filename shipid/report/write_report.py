@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
-from shipid.autopilot.design.autopilot import Autopilot
-from shipid.autopilot.judgement.compare_tunings import TuningComparison
-from shipid.autopilot.judgement.judgement import Judgement
 from shipid.foundation.errors import UsageError
 from shipid.foundation.replacing import check_place, write_text
 from shipid.report.page import Page
 
 if TYPE_CHECKING:
+    from shipid.autopilot.design.autopilot import Autopilot
+    from shipid.autopilot.judgement.compare_tunings import TuningComparison
+    from shipid.autopilot.judgement.judgement import Judgement
+    from shipid.campaign.fleet_result import FleetResult
+    from shipid.campaign.result import CampaignResult
     from shipid.criteria.criteria import Criteria
+    from shipid.criteria.measured.sheet import TrialSheet
+    from shipid.encounter.tracking.tracking import Tracking
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -29,7 +34,27 @@ if TYPE_CHECKING:
         | Judgement
         | TuningComparison
         | Prediction
+        | TrialSheet
+        | CampaignResult
+        | FleetResult
+        | Tracking
     )
+
+#: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
+_VIEWS = {
+    "Fit": "fit.page:fit_page",
+    "FilterRun": "filter.page:filter_page",
+    "Observability": "filter.page:observability_page",
+    "RecursiveIdentification": "filter.recursive:recursive_page",
+    "Autopilot": "tuning.page:design_page",
+    "Judgement": "tuning.page:tuning_page",
+    "TuningComparison": "tuning.comparison:comparison_page",
+    "Prediction": "prediction.page:prediction_page",
+    "TrialSheet": "sheet.page:sheet_page",
+    "CampaignResult": "campaign.page:campaign_page",
+    "FleetResult": "campaign.fleet:fleet_page",
+    "Tracking": "tracking.page:tracking_page",
+}
 
 
 def write_report(
@@ -43,7 +68,8 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison or Prediction
+    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
+TrialSheet, CampaignResult, FleetResult or Tracking
         What to report.
     path : str or Path
         The file to write.
@@ -89,43 +115,10 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
 
 
 def _page(result: Reported, criteria: Criteria | str | None) -> Page:
-    from shipid.estimation.records.observability import Observability
-    from shipid.estimation.records.run import FilterRun
-    from shipid.identification.fit import Fit
-    from shipid.identification.recursive.result import RecursiveIdentification
-    from shipid.prediction.prediction import Prediction
-
-    if isinstance(result, Fit):
-        from shipid.report.views.fit.page import fit_page
-
-        return fit_page(result, criteria)
-    if isinstance(result, FilterRun):
-        from shipid.report.views.filter.page import filter_page
-
-        return filter_page(result)
-    if isinstance(result, Observability):
-        from shipid.report.views.filter.page import filter_page
-
-        return filter_page(result.run, result)
-    if isinstance(result, RecursiveIdentification):
-        from shipid.report.views.filter.recursive import recursive_page
-
-        return recursive_page(result)
-    if isinstance(result, Autopilot):
-        from shipid.report.views.tuning.page import design_page
-
-        return design_page(result)
-    if isinstance(result, Judgement):
-        from shipid.report.views.tuning.page import tuning_page
-
-        return tuning_page(result)
-    if isinstance(result, TuningComparison):
-        from shipid.report.views.tuning.comparison import comparison_page
-
-        return comparison_page(result)
-    if isinstance(result, Prediction):
-        from shipid.report.views.prediction.page import prediction_page
-
-        return prediction_page(result)
-    known = "Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction"
-    raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {known}.")
+    kind = type(result).__name__
+    if kind not in _VIEWS:
+        raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")
+    room, function = _VIEWS[kind].split(":")
+    view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)
+    page: Page = view(result, criteria) if kind == "Fit" else view(result)
+    return page

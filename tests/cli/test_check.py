@@ -41,8 +41,12 @@ def test_json_of_a_fault(turned, capsys):
     assert set(found) >= {"kind", "channel", "where", "confidence", "effect", "repair"}
     assert 0.8 <= found["confidence"] <= 1 and found["fix"]["factor"] == -1
     stretch = next(m for m in told["manoeuvres"] if m["kind"] == "zigzag")
-    assert set(stretch) >= {"kind", "rudder_deg", "heading_deg", "from", "to", "regular"}
-    assert (stretch["rudder_deg"], stretch["heading_deg"], stretch["regular"]) == (20, 20, True)
+    assert set(stretch) >= {"kind", "rudder", "heading", "from", "to", "regular"}
+    assert (stretch["rudder"], stretch["heading"]["value"], stretch["regular"]) == (
+        {"value": 20, "unit": "deg"},
+        20,
+        True,
+    )
 
 
 def test_fix_round_trip(turned, tmp_path, capsys):

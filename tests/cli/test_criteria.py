@@ -17,7 +17,7 @@ def test_criteria_as_json(call):
     assert result["criteria"]["advance"]["limit"] == 4.5
     assert result["criteria"]["first_overshoot_10"]["limit"] == 10
     assert result["criteria"]["advance"]["starboard"]["value"] < 4.5
-    assert result["spiral"]["half_width_deg"] == 0
+    assert result["spiral"]["half_width"] == {"value": 0, "unit": "deg", "interval_95": None}
     assert any("45 m long" in w["message"] for w in result["warnings"])
 
 

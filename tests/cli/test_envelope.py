@@ -22,8 +22,10 @@ CALLS = {
     "format": ["{}"],
     "check": ["{}", "--ship", "zeefakkel"],
     "measure": ["{}", "--length", "45 m"],
+    "report": ["{}", "--length", "45 m"],
     "identify": ["{}@0:150", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1", "--validate", "{}@150:279"],
     "compare": ["{}", "--models", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
+    "campaign": ["{folder}", "--model", "nomoto", "--ship", "zeefakkel", "--starts", "1"],
     "criteria": ["norrbin", "--ship", "zeefakkel"],
     "filter": ["{}", "--model", "nomoto", "--ship", "zeefakkel"],
     "plan": ["--model", "nomoto", "--ship", "zeefakkel", "--time", "12min", "--draws", "0", "--repertoire", "zigzag"],
@@ -33,6 +35,9 @@ CALLS = {
 HEAD = ["schema_version", "command", "provenance", "warnings"]
 #: A key that names an interval in another way.
 OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
+
+#: A key that holds a unit.
+UNIT_IN_NAME = re.compile(r"_(deg|rad|m|s|kn|m_s|deg_s|rad_s)$")
 
 
 def parsed(text: str) -> dict:
@@ -65,12 +70,15 @@ def check_form(told: dict, command: str) -> None:
 def check_values(value: object, where: str) -> None:
     """Assert that values have units, and that intervals have one name and two ends."""
     if isinstance(value, dict):
-        if isinstance(value.get("value"), Real):
+        if isinstance(value.get("value"), Real | list):
             assert isinstance(value.get("unit"), str), f"{where}: a value without a unit"
         for key, one in value.items():
             assert key.endswith("interval_95") or not OTHER_INTERVAL.search(key), f"{where}: {key}"
+            assert not UNIT_IN_NAME.search(key), f"{where}: {key} has its unit in its name"
             if key.endswith("interval_95") and one is not None:
-                check_ends(one, f"{where}.{key}")
+                for ends in one if isinstance(value.get("value"), list) else [one]:
+                    if ends is not None:
+                        check_ends(ends, f"{where}.{key}")
             check_values(one, f"{where}.{key}")
     elif isinstance(value, list):
         for one in value:
@@ -84,12 +92,12 @@ def check_ends(ends: object, where: str) -> None:
 
 
 def test_every_command_is_here():
-    assert set(CALLS) == set(COMMANDS) - {"simulate"}  # which writes a trial
+    assert set(CALLS) == set(COMMANDS) - {"simulate", "bridge"}  # which write a trial, and serve a page
 
 
 @pytest.mark.parametrize("command", CALLS)
 def test_the_form_of_a_command(command, call, zigzag):
-    arguments = [a.replace("{}", str(zigzag)) for a in CALLS[command]]
+    arguments = [a.replace("{}", str(zigzag)).replace("{folder}", str(zigzag.parent)) for a in CALLS[command]]
     answer = call(command, *arguments, "--json")
     assert answer.code == ExitCode.DONE, answer
     told = parsed(answer.out)

@@ -30,6 +30,7 @@ def test_estimates_come_with_intervals_and_the_whiteness_of_the_innovations(call
     assert answer.code == 0
     assert "K  " in answer.out and "rate of turn per rudder angle" in answer.out
     assert "innovations of psi" in answer.out and "whiteness" in answer.out
+    assert "sensors psi (0.2 deg), r (0.02 deg/s)" in answer.out
 
 
 def test_json_names_parameters_and_innovations(call):
@@ -149,10 +150,10 @@ def test_a_stream_that_begins_before_its_rudder(call, lines, monkeypatch):
         (2, ["--measured", "psi=-1 deg"], ("psi", "greater than zero")),
         (2, ["--measured", "heading=1 deg"], ("heading", "Known")),
         (2, ["--measured", "v=1 m/s"], ("v",)),
-        (3, ["--measured", "psi=0.2"], ("bare number", "rad")),
+        (2, ["--measured", "psi=0.2"], ("bare number", "rad")),
         (2, ["--rates", "psi=0.1 s"], ("psi", "sampled every 1 s")),
         (2, ["--rates", "u=2 s"], ("u", "not measured")),
-        (3, ["--noise", "r=0.1 m"], ("rad/s", "density")),
+        (2, ["--noise", "r=0.1 m"], ("rad/s", "density")),
         (2, ["--noise", "q=1 m"], ("q", "Known")),
         (2, ["--initial", "r=0 deg/s"], ("r", "greater than zero")),
         (2, ["--estimate", "zeta"], ("zeta",)),
@@ -267,7 +268,7 @@ def test_samples_beyond_the_gate_are_told_while_they_arrive(call, lines, monkeyp
     assert answer.code == 5
     assert answer.said.count("samples of psi so far") + answer.said.count("innovations of psi so far") >= 1
     rows = [json.loads(line) for line in answer.out.splitlines()]
-    assert not rows[10]["warnings"] and rows[-1]["warnings"][0]["serious"]
+    assert not rows[10]["warnings"] and any(w["serious"] for w in rows[-1]["warnings"])
 
 
 def test_a_wild_first_sample_that_arrives_is_no_first_estimate(call, lines, monkeypatch):

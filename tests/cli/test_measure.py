@@ -44,16 +44,19 @@ def test_table_says_which_execute_was_taken(call, log):
     assert "reversal" in answer.out and "overshoot deg" in answer.out
     moved = call("measure", log(drop=["delta_order [deg]"]), "--execute", "moved", "--json")
     ordered = json.loads(call("measure", log(drop=["delta_order [deg]"]), "--json").out)
-    assert ordered["overshoots_moved_deg"][0] == pytest.approx(json.loads(moved.out)["overshoots_deg"][0], abs=1e-3)
-    assert ordered["overshoots_deg"][0] > json.loads(moved.out)["overshoots_deg"][0] + 0.3
+    assert ordered["overshoots_moved"]["value"][0] == pytest.approx(
+        json.loads(moved.out)["overshoots"]["value"][0], abs=1e-3
+    )
+    assert ordered["overshoots"]["value"][0] > json.loads(moved.out)["overshoots"]["value"][0] + 0.3
 
 
 def test_null_in_json_has_a_reason_beside_it(call, log):
     answer = call("measure", log(missing=("psi [deg]", 80, 130)), "--json")
     result = json.loads(answer.out)
     assert answer.code == 0
-    assert result["overshoots_deg"][0] is None and result["overshoots_deg"][1] is not None
-    assert result["overshoots_deg_reason"] == "gap 80 to 130 s in the heading"
+    overshoots = result["overshoots"]
+    assert overshoots["value"][0] is None and overshoots["value"][1] is not None and overshoots["unit"] == "deg"
+    assert overshoots["reason"] == "gap 80 to 130 s in the heading"
     assert result["reasons"]["overshoots[1]"] == "gap 80 to 130 s in the heading"
     assert "not known: gap 80 to 130 s in the heading" in call("measure", log(missing=("psi [deg]", 80, 130))).out
 
@@ -67,5 +70,5 @@ def test_several_manoeuvres_are_listed_and_one_is_measured(call, log):
     assert len(lines) == 2 and lines[0].strip().startswith("1: zig-zag 20/20")
     second = json.loads(call("measure", path, "--manoeuvre", "2", "--json").out)
     alone = json.loads(call("measure", log(), "--json").out)
-    np.testing.assert_allclose(second["overshoots_deg"][:3], alone["overshoots_deg"][:3], atol=0.1)
+    np.testing.assert_allclose(second["overshoots"]["value"][:3], alone["overshoots"]["value"][:3], atol=0.1)
     assert call("measure", log(repeat=2), "--manoeuvre", "3").code == 2

@@ -24,13 +24,13 @@ def test_json(call):
     assert answer.code == 0, answer
     found = json.loads(answer.out)
     for leg in found["plan"]:
-        assert set(leg) == {"manoeuvre", "speed_m_s", "duration_s", "start_s", "seed"}
+        assert set(leg) == {"manoeuvre", "speed", "duration", "start", "seed"}
         parse_manoeuvre(leg["manoeuvre"])
     assert found["gain_over_standard"]["det"] > 1
     assert set(found["gain_over_standard"]) == {"det", "a", "b1", "b3"}
     assert found["determinant"]["ratio"] > found["determinant"]["per_parameter"]
     last = found["plan"][-1]
-    assert last["start_s"] + last["duration_s"] <= found["time_s"] == 720
+    assert last["start"]["value"] + last["duration"]["value"] <= found["time"]["value"] == 720
 
 
 def test_text(call):
@@ -47,10 +47,10 @@ def test_a_planned_manoeuvre_can_be_simulated(call):
     leg = json.loads(call(*QUICK, "--time", "5min", "--json").out)["plan"][0]
     answer = call(
         *("simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", leg["manoeuvre"], "--seed", leg["seed"]),
-        *("--speed", f"{leg['speed_m_s']} m/s", "--duration", f"{leg['duration_s']} s"),
+        *("--speed", f"{leg['speed']['value']} m/s", "--duration", f"{leg['duration']['value']} s"),
     )
     assert answer.code == 0 and float(answer.out.splitlines()[-1].split(",")[0]) == pytest.approx(
-        leg["duration_s"], abs=0.3
+        leg["duration"]["value"], abs=0.3
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import click
 import pytest
@@ -78,3 +79,44 @@ def test_each_speed_of_a_list_has_a_unit(refused):
 
 def test_another_dimension_is_refused(refused):
     refused(2, ["measure", "trial.csv", "--length", "45 kg"], "--length needs the unit m, and kg does not fit it.")
+
+
+TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
+OWN = ["nomoto", "--ship", "soesterberg"]
+FILTER = ["filter", TRIAL, "--model", *OWN]
+
+
+@pytest.mark.parametrize("value", ["3", "3 kg", "much"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        [*FILTER, "--measured", "psi={}"],
+        [*FILTER, "--noise", "r={}"],
+        [*FILTER, "--initial", "K={}"],
+        [*FILTER, "--start", "K={}"],
+        [*FILTER, "--rates", "psi={}"],
+        [*FILTER, "--input", "current_north={}"],
+        ["identify", TRIAL, "--model", *OWN, "--fix", "K={}"],
+        ["identify", TRIAL, "--model", *OWN, "--noise", "r=0.1 deg/s,psi={}"],
+        [*SAIL, "--set", "K={}"],
+        [*SAIL, "--noise", "psi={}"],
+        [*SAIL, "--current", "{} to 30 deg"],
+        [*SAIL, "--current", "1 m/s to {}"],
+        ["plan", "--model", *SHIP, "--time", "20 min", "--set", "K={}"],
+        ["plan", "--model", *SHIP, "--time", "20 min", "--noise", "psi={}"],
+        [*PREDICT, "--heading", "30 deg", "--from", "psi={}"],
+        [*PREDICT, "--heading", "30 deg", "--wind", "{} from 30 deg"],
+        ["ship", "--new", "mine", "--length", "{}"],
+    ],
+    ids=lambda command: " ".join(str(word) for word in command[-2:]),
+)
+def test_a_value_in_a_list_is_refused_as_one_by_itself(refused, command, value):
+    """One exit code for a unit that is missing or does not fit, wherever on the command line it stands."""
+    refused(2, [str(word).format(value) for word in command], value.split()[-1])
+
+
+def test_a_bare_number_in_a_file_is_bad_data(refused, tmp_path):
+    ship = tmp_path / "ship.toml"
+    text = (TRIAL.parents[2] / "models" / "ships" / "gunnerus.toml").read_text()
+    ship.write_text(text.replace('value = 0.238, unit = "1/s"', 'value = 0.238, unit = "kg"'))
+    refused(3, ["criteria", "nomoto", "--ship", ship], "kg does not fit")

@@ -48,8 +48,8 @@ def check_shape(result) -> None:
         assert all(set(s) >= {"rmse", "rmse_refitted_bias", "unit"} for s in signals.values())
     assert list(result["manoeuvre"]) == [*result["fit"], *result["validation"]]
     for one in result["manoeuvre"].values():
-        assert set(one) >= {"overshoots_deg", "predicted_overshoots_deg"}
-        assert len(one["overshoots_deg"]) == len(one["predicted_overshoots_deg"])
+        assert set(one) >= {"overshoots", "predicted_overshoots"}
+        assert len(one["overshoots"]["value"]) == len(one["predicted_overshoots"]["value"])
     assert set(result["diagnostics"]) >= {"condition_number", "unidentifiable"}
     fitted = {n for n, e in result["parameters"].items() if not e.get("follows")}
     unsure = {n for n in fitted if not result["parameters"][n]["identifiable"]}
@@ -85,7 +85,7 @@ def test_shape_of_the_result(call, zigzag, second, fitted, tmp_path):
     assert result["fit"]["zigzag"]["r"]["unit"] == "rad/s"
     # 0.2 deg on the compass, within three standard errors of a standard deviation over 1396 samples
     assert result["fit"]["zigzag"]["psi"]["rmse"] == pytest.approx(np.radians(0.2), rel=3 / np.sqrt(2 * 1396))
-    assert len(result["manoeuvre"]["zigzag"]["overshoots_deg"]) >= 4
+    assert len(result["manoeuvre"]["zigzag"]["overshoots"]["value"]) >= 4
 
 
 def test_trials_of_the_same_name_stand_apart(call, zigzag, second, fitted):
@@ -205,8 +205,8 @@ def whole_way(call, folder, model, ship, tolerance):
     off = np.degrees(clean["psi"][:shared] - again["psi"][:shared])
     assert np.sqrt(np.mean(off**2)) < tolerance
     # The overshoots of the simulated record are those that identify compares with.
-    found = [o for o in measured["overshoots_deg"] if o is not None]
-    assert result["manoeuvre"]["trial"]["overshoots_deg"] == pytest.approx(found, abs=1e-3)
+    found = [o for o in measured["overshoots"]["value"] if o is not None]
+    assert result["manoeuvre"]["trial"]["overshoots"]["value"] == pytest.approx(found, abs=1e-3)
     return result
 
 

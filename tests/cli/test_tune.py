@@ -25,7 +25,7 @@ def tuned(tmp_path_factory):
 def test_three_files(tuned):
     result = json.loads((tuned / "result.json").read_text())
     assert {"speeds", "gains", "poles", "margins", "robust", "steps", "weakest", "warnings"} <= set(result)
-    assert result["speeds"] == [7.0, 9.5] and set(result["gains"]) == {"Kp", "Kd"}
+    assert result["speeds"] == {"value": [7.0, 9.5], "unit": "m/s"} and set(result["gains"]) == {"Kp", "Kd"}
     assert len(result["margins"]["disk"]) == 2 and {"disk_worst", "samples"} <= set(result["robust"])
     schedule = tomllib.loads((tuned / "schedule.toml").read_text())
     assert schedule["schedule"]["u"]["value"] == [7.0, 9.5]
@@ -63,7 +63,7 @@ def test_on_board(call, refused, tmp_path):
     assert answer.code == 0 and "filter yaw-filter (compass 0.2 deg, gyro 0.02 deg/s), model reference" in answer.out
     result = json.loads((tmp_path / "out" / "result.json").read_text())["on_board"]
     assert result["adaptation"] == "reference" and len(result["runs"]) == 4
-    assert {"overshoot_deg", "settling_s", "rms_rudder_deg", "reversals"} <= set(result["runs"][0]["changes"][0])
+    assert {"overshoot", "settling", "rms_rudder", "reversals"} <= set(result["runs"][0]["changes"][0])
     assert "On board" in (tmp_path / "out" / "report.html").read_text()
     refused(2, [*ship, "--adapt", "gains"], "give the filter by --on-board")
     refused(2, [*ship, "--on-board", "yaw-filter", "--adapt", "all"], "no adaptation 'all'")

@@ -43,8 +43,8 @@ def test_the_width_of_a_loop_stands_beside_its_limit():
         ship = replace(own, sections={**own.sections, "norrbin": section})
         result = manoeuvring_criteria("norrbin", ship=ship, speed=speed, draws=0)
         spiral = json.loads(json.dumps(result.to_dict()))["spiral"]
-        assert spiral["loop_width_deg"] == pytest.approx(6.16, abs=0.01)
-        assert spiral["limit_deg"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
+        assert spiral["loop_width"]["value"] == pytest.approx(6.16, abs=0.01)
+        assert spiral["limit"]["value"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
         assert f"{'within' if within else 'BEYOND'}\n" in repr(result).partition("straight course")[2]
 
 

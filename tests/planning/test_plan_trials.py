@@ -204,7 +204,7 @@ def test_a_plan(plan):
     text = repr(plan)
     for word in ("norrbin", "zeefakkel", "psi, r", "determinant", plan.legs[0].manoeuvre, "b3"):
         assert word in text
-    assert list(plan.to_frame()["start_s"]) == [leg.start for leg in plan.legs]
+    assert list(plan.to_frame()["start [s]"]) == [leg.start for leg in plan.legs]
 
 
 @pytest.mark.parametrize(
@@ -227,7 +227,7 @@ def test_the_seed_decides(plan):
 
 def test_plain_values(plan):
     plain = json.loads(json.dumps(plan.to_dict(), allow_nan=False))
-    assert plain["plan"][0]["start_s"] == 0 and plain["plan"][0]["manoeuvre"] == plan.legs[0].manoeuvre
+    assert plain["plan"][0]["start"]["value"] == 0 and plain["plan"][0]["manoeuvre"] == plan.legs[0].manoeuvre
     assert set(plain["gain_over_standard"]) == {"det", "a", "b1", "b3"}
     assert plain["gain_over_standard"]["b3"] == pytest.approx(
         plain["parameters"]["b3"]["standard_std"] / plain["parameters"]["b3"]["std"]

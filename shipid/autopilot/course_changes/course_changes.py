@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import with_units
 from shipid.foundation.statistics import plain
 
 
@@ -50,7 +51,7 @@ class CourseChange:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
-        return asdict(self)
+        return with_units(asdict(self), speed="m/s")
 
 
 @dataclass(frozen=True, eq=False)

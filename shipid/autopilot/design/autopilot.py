@@ -15,6 +15,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import quantity
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:
@@ -146,10 +147,10 @@ class Autopilot:
             "design": self.design,
             "mode": self.mode,
             "request": {n: {"value": v, "unit": REQUEST_UNITS[n]} for n, v in self.request.items()},
-            "service_speed": self.service_speed,
-            "rudder_limit_deg": to_display(self.rudder_limit, "delta"),
+            "service_speed": quantity(self.service_speed, "m/s"),
+            "rudder_limit": quantity(to_display(self.rudder_limit, "delta"), "deg"),
             "actuator": self.actuator.__name__,
-            "speeds": self.speeds.tolist(),
+            "speeds": quantity(self.speeds.tolist(), "m/s"),
             "gains": self._gains(0),
             "poles": self._poles(0),
         }

@@ -14,6 +14,7 @@ from shipid.autopilot.judgement.margins import Margins
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import columns_of, quantity, with_units
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -80,13 +81,13 @@ class Robustness:
             "samples": self.samples,
             "source": self.source,
             "disk_5_percent": self.disk_low,
-            "speed_worst": self.speed_worst,
+            "speed_worst": quantity(self.speed_worst, "m/s"),
             "unstable": self.unstable,
             "disk_by_speed": list(self.disk_by_speed),
-            "change_deg": self.sample_change_deg,
-            "overshoot_deg": list(self.overshoot_deg),
-            "settling_s": list(self.settling_s),
-            "variants": {n: dict(v) for n, v in self.variants.items()},
+            "change": quantity(self.sample_change_deg, "deg"),
+            "overshoot": quantity(list(self.overshoot_deg), "deg"),
+            "settling": quantity(list(self.settling_s), "s"),
+            "variants": {n: with_units(v) for n, v in self.variants.items()},
         }
 
 
@@ -243,9 +244,7 @@ class Judgement:
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values for JSON: lists under ``gains``, ``poles`` and ``margins`` run along ``speeds``; no NaN."""
         first = self.pilot.to_dict()
-        found = {
-            n: first[n] for n in ("model", "ship", "design", "mode", "request", "service_speed", "rudder_limit_deg")
-        }
+        found = {n: first[n] for n in ("model", "ship", "design", "mode", "request", "service_speed", "rudder_limit")}
         found |= {
             "speeds": first["speeds"],
             "gains": first["gains"],
@@ -254,7 +253,7 @@ class Judgement:
             "between": [m.to_dict() for m in self.between[0]],
             "robust": self.robust[0].to_dict(),
             "steps": [s.to_dict() for s in self.steps],
-            "weather": {**self.weather, "runs": [s.to_dict() for s in self.in_weather]},
+            "weather": {**with_units(self.weather), "runs": [s.to_dict() for s in self.in_weather]},
             "weakest": self.weakest.to_dict(),
             "limits": dict(LIMITS),
         }
@@ -276,11 +275,11 @@ class Judgement:
         import pandas as pd
 
         rows = [
-            {"condition": name, **m.to_dict()}
+            {"condition": name, **columns_of(m.to_dict())}
             for name, margins in zip(self.pilot.conditions, self.margins)
             for m in margins
         ]
-        return pd.DataFrame(rows).set_index(["condition", "speed"])
+        return pd.DataFrame(rows).set_index(["condition", "speed [m/s]"])
 
     def __repr__(self) -> str:
         lines = [repr(self.pilot), self.weakest.sentence]
@@ -300,8 +299,8 @@ def _point(what: str, where: str, value: float, limit: float, unit: str = "") ->
     return Weakest(what, where, float(value), limit, unit, float(value) / limit)
 
 
-def _listed(margins: tuple[Margins, ...]) -> dict[str, list[float | None]]:
+def _listed(margins: tuple[Margins, ...]) -> dict[str, Plain]:
     names = {"gain": "gain", "gain_low": "gain_low", "gain_high": "gain_high", "phase_deg": "phase_deg",
              "delay_s": "delay_s", "disk": "disk", "bandwidth_rad_s": "bandwidth", "sensitivity_peak": "sensitivity",
              "complementary_peak": "complementary"}  # fmt: skip
-    return {key: [getattr(m, name) for m in margins] for key, name in names.items()}
+    return with_units({key: [getattr(m, name) for m in margins] for key, name in names.items()})

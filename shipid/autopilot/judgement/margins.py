@@ -14,6 +14,7 @@ import numpy as np
 from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.plant import Plant
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import with_units
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ class Margins:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
-        return asdict(self)
+        return with_units(asdict(self), speed="m/s", bandwidth="rad/s")
 
 
 def loop_polynomials(plant: Plant, gains: dict[str, np.ndarray] | Gains) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import columns_of, quantity
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -50,7 +51,7 @@ class OnBoardRun:
         return {
             "feedback": self.feedback,
             "weather": self.weather,
-            "heading_error_rms_deg": self.error_deg,
+            "heading_error_rms": quantity(self.error_deg, "deg"),
             "changes": [c.to_dict() for c in self.changes],
         }
 
@@ -89,7 +90,7 @@ class OnBoardRuns:
             "ship": self.ship,
             "filter": self.kalman,
             "sensors": dict(self.sensors),
-            "interval_s": self.interval,
+            "interval": quantity(self.interval, "s"),
             "adaptation": self.adaptation,
             "runs": [r.to_dict() for r in self.runs],
             "warnings": plain_notices(self.warnings),
@@ -99,8 +100,8 @@ class OnBoardRuns:
         """Return a pandas table with a row for each course change."""
         import pandas as pd
 
-        rows = [{"feedback": r.feedback, **c.to_dict()} for r in self.runs for c in r.changes]
-        return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change_deg"])
+        rows = [{"feedback": r.feedback, **columns_of(c.to_dict())} for r in self.runs for c in r.changes]
+        return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change [deg]"])
 
     def __repr__(self) -> str:
         sensors = ", ".join(f"{n} {level}" for n, level in self.sensors.items())

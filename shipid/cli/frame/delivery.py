@@ -165,7 +165,9 @@ class Delivery:
         return envelope(data | {"warnings": [*data.get("warnings", []), *plain_notices(warned())]}, self.inputs)
 
 
-def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -> Decorator:
+def delivered(
+    *files: str, instead: Mapping[str, Sequence[str]] | None = None, replaced_by: str | None = None
+) -> Decorator:
     """Return a decorator that gives a command the options of its result; the command gets a `Delivery` as `delivery`.
 
     Parameters
@@ -174,6 +176,8 @@ def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -
         What the command writes into a folder; without any, the only option is ``--json``.
     instead : mapping of str to sequence of str, optional
         By the name of an option: what the command writes where that option is given.
+    replaced_by : str, optional
+        An option that lets files be replaced as ``--overwrite`` does.
 
     Raises
     ------
@@ -200,6 +204,7 @@ def delivered(*files: str, instead: Mapping[str, Sequence[str]] | None = None) -
             expected = next((f for option, f in (instead or {}).items() if values.get(option)), files)
             if open_report and out is None:
                 raise click.UsageError("--open opens the report of --out DIR, which is not given.")
+            overwrite = overwrite or bool(replaced_by and values.get(replaced_by))
             folder = _result_folder(out, expected, overwrite)
             delivery = Delivery(as_json, folder, tuple(expected), open_report, overwrite)
             return function(*arguments, delivery=delivery, **values)

@@ -58,6 +58,7 @@ def assignments(texts: Sequence[str]) -> dict[str, str]:
     UsageError
         If one has another form, or a name stands twice.
     """
+    from shipid.declaration.units import Typed
     from shipid.foundation.errors import UsageError
 
     result: dict[str, str] = {}
@@ -67,7 +68,7 @@ def assignments(texts: Sequence[str]) -> dict[str, str]:
             raise UsageError(f"'{text}' does not say NAME=VALUE with a unit, as in n3='0.4 s^2/deg^2'.")
         if name in result:
             raise UsageError(f"'{name}' is given twice, {result[name]} and {value}; choose one.")
-        result[name] = value
+        result[name] = Typed(value)
     return result
 
 
@@ -111,6 +112,7 @@ def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.
 
 model_argument = click.argument("model")
 model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL)
+optional_model_option = click.option("--model", metavar="MODEL", help=_MODEL)
 trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
 format_option = click.option(
     "--format", "format_", metavar="FILE", help="Trial format file (TOML), for headers without units."

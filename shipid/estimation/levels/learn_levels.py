@@ -14,7 +14,8 @@ import numpy as np
 
 from shipid.estimation.design import FilterDesign, FilterSettings
 from shipid.estimation.levels.ascent import Summit, climb
-from shipid.estimation.levels.record_levels import Judged, RecordLevels
+from shipid.estimation.levels.bias_standings import bias_standings
+from shipid.estimation.levels.record_levels import BiasStanding, Judged, RecordLevels
 from shipid.estimation.levels.unknowns import Unknowns
 from shipid.estimation.records.arrangement import FilterRecord
 
@@ -60,9 +61,17 @@ def learn_levels(
     good = bool(np.isfinite(found.value))
     levels = problem.levels(found.at if good else problem.middle)
     biases = problem.bias(found.at) if good and learnt else {}
-    coefficients = {}
-    if good and problem.still:
+    coefficients: dict[str, Judged] = {}
+    standings: dict[str, BiasStanding] = {}
+    if good and (problem.still or biases):
         white, correlated = problem.deviations(found)
+        count = len(problem.still)
+        informed = bool((np.maximum(white, correlated)[:count] < _INFORMED * problem.prior[:count]).any()) or not count
+        if biases:
+            sizes = problem.bias_sizes
+            known = np.maximum(white, correlated)[count:] * sizes
+            standings = bias_standings(design.model, biases, known, sizes, steered=problem.steered, informed=informed)
+    if good and problem.still:
         simulated = _simulated(problem, found)
         for i, name in enumerate(problem.still):
             ratio = float(correlated[i] / white[i]) if white[i] > 0 else 1.0
@@ -77,7 +86,7 @@ def learn_levels(
     sensors = {n: levels[f"sensor:{n}"] for n in design.measured}
     noise = {s.name: levels[f"noise:{s.name}"] for s in design.sources}
     return RecordLevels(
-        sensors, noise, learnt, biases, coefficients, found.converged, found.evaluations, problem.units()
+        sensors, noise, learnt, biases, coefficients, found.converged, found.evaluations, problem.units(), standings
     )
 
 

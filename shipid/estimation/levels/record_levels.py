@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from shipid.declaration.units import factor, pretty
+from shipid.estimation.standing import DETERMINED, Standing
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.statistics import interval_95
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,23 @@ class Judged:
 
 
 @dataclass(frozen=True)
+class BiasStanding:
+    """What a record says of the constant bias of an input.
+
+    Attributes
+    ----------
+    std : float
+        Its standard deviation, SI.
+    standing, why : str
+        See `shipid.estimation.standing`.
+    """
+
+    std: float
+    standing: Standing
+    why: str
+
+
+@dataclass(frozen=True)
 class RecordLevels:
     """Noise levels of a filter, SI, and where each comes from.
 
@@ -52,6 +71,8 @@ class RecordLevels:
         ``sensor:NAME`` and ``noise:NAME`` that come from the record; the others were given or declared.
     biases : mapping of str to float
         Constant bias of each input that may have one, SI: it is added to what the record holds.
+    bias_standings : mapping of str to BiasStanding
+        How well each bias is known.
     coefficients : mapping of str to Judged
         The estimated coefficients that are constants.
     converged : bool
@@ -70,6 +91,7 @@ class RecordLevels:
     converged: bool
     evaluations: int
     units: Mapping[str, tuple[str, str]] = field(default_factory=dict)
+    bias_standings: Mapping[str, BiasStanding] = field(default_factory=dict)
 
     @property
     def simulated(self) -> dict[str, tuple[float, float]]:
@@ -99,7 +121,7 @@ class RecordLevels:
                 for key, (unit, _) in self.units.items()
                 if not key.startswith("bias:")
             },
-            "biases": {n: {"value": v, "unit": self.units[f"bias:{n}"][0]} for n, v in self.biases.items()},
+            "biases": {n: self._bias_to_dict(n, v) for n, v in self.biases.items()},
             "output_error": {
                 n: {"value": v, "std": s, "unit": self.coefficients[n].unit} for n, (v, s) in self.simulated.items()
             },
@@ -110,7 +132,7 @@ class RecordLevels:
         """What comes from the record, a line each."""
         said = [f"noise from the record: {self}"] if self.learnt else []
         if self.biases:
-            biases = (self._shown(f"bias:{n}", v) for n, v in self.biases.items())
+            biases = (self._bias_text(n, v) for n, v in self.biases.items())
             said.append(f"added to inputs, from the record: {', '.join(biases)}")
         if self.simulated:
             values = (
@@ -119,6 +141,23 @@ class RecordLevels:
             )
             said.append(f"output error on the same record: {', '.join(values)}")
         return tuple(said)
+
+    def _bias_to_dict(self, name: str, value: float) -> dict[str, Plain]:
+        known = self.bias_standings.get(name)
+        told: dict[str, Plain] = {"value": value, "unit": self.units[f"bias:{name}"][0]}
+        if known is not None:
+            ends = list(interval_95(value, known.std))
+            told |= {"std": known.std, "interval_95": ends, "standing": known.standing, "why": known.why}
+        return told
+
+    def _bias_text(self, name: str, value: float) -> str:
+        known = self.bias_standings.get(name)
+        if known is None:
+            return self._shown(f"bias:{name}", value)
+        unit, shown = self.units[f"bias:{name}"]
+        size = factor(unit, shown)
+        text = f"{name} {uncertain_text(value * size, known.std * size)} {pretty(shown)}"
+        return text if known.standing == DETERMINED else f"{text} ({known.standing}: {known.why.rstrip('.')})"
 
     def _shown(self, key: str, value: float) -> str:
         unit, shown = self.units[key]

@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import display_unit
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
 from shipid.estimation.levels.ascent import Summit
+from shipid.estimation.levels.bias_standings import is_steered
 from shipid.estimation.levels.cleaned import cleaned, pieces, resolution
 from shipid.estimation.levels.long_run import long_run_deviations
 from shipid.estimation.levels.pieces import Piece
@@ -57,6 +58,10 @@ class Unknowns:
         ``sensor:NAME`` and ``noise:NAME``.
     biases : tuple of str
         Inputs with a bias.
+    bias_sizes : ndarray, shape (biases,)
+        Prior standard deviations of the biases, SI.
+    steered : bool
+        Whether the rudder moves.
     declared : bool
         Whether the model itself is declared with noise on its states.
     middle, prior : ndarray, shape (unknowns,)
@@ -84,7 +89,8 @@ class Unknowns:
         self._size = np.where(self._logs, 1.0, np.where(own > 0, own, 1.0))
         sizes = {n: s for n, s in _biases(self._fixed, settings, columns).items() if f"bias:{n}" not in kept}
         self._moved = _moved(design, record, columns)
-        self.biases, self._bias_size = tuple(sizes), np.array(list(sizes.values()))
+        self.steered = is_steered(columns)
+        self.biases, self.bias_sizes = tuple(sizes), np.array(list(sizes.values()))
         positive = np.where(self._logs, np.abs(self._origin), 1.0)
         self.middle = np.concatenate(
             [np.log(positive), np.log(np.concatenate([design.r, design.q])), np.zeros(len(sizes))]
@@ -212,7 +218,7 @@ class Unknowns:
 
     def _own_bias(self, z: np.ndarray) -> dict[str, float]:
         """What is added to the inputs of the record without its wild samples."""
-        return dict(zip(self.biases, (z[self._parts[3]] * self._bias_size).tolist()))
+        return dict(zip(self.biases, (z[self._parts[3]] * self.bias_sizes).tolist()))
 
     def units(self) -> dict[str, tuple[str, str]]:
         """Return the unit of each level, and the one it is shown in, by key."""
@@ -304,7 +310,7 @@ class Unknowns:
         return scores, information
 
     def deviations(self, summit: Summit) -> tuple[np.ndarray, np.ndarray]:
-        """Return standard deviations of the coefficients: by the information, and under the innovations as they are.
+        """Return standard deviations of coefficients and biases: by the information, and under the innovations as they are.
 
         Parameters
         ----------
@@ -313,8 +319,9 @@ class Unknowns:
 
         Returns
         -------
-        white, correlated : ndarray, shape (coefficients,)
-            In the unknowns; the second is larger where the innovations are correlated (Huber 1967; White 1982).
+        white, correlated : ndarray, shape (coefficients + biases,)
+            In the unknowns; the second is larger where the innovations are correlated (Huber 1967; White 1982). Biases that were
+            not sought have zero.
         """
         levels = slice(self._parts[1].start, self._parts[2].stop)
         seen = summit.free.copy()
@@ -322,8 +329,11 @@ class Unknowns:
         index = np.flatnonzero(seen)
         inverse = np.linalg.pinv(summit.information[np.ix_(index, index)])
         scores, _ = self._scores(summit.at, seen)
-        count = len(self.still)
-        return np.sqrt(np.diag(inverse))[:count], long_run_deviations(scores[:, index], inverse)[:count]
+        white, correlated = np.zeros(summit.at.size), np.zeros(summit.at.size)
+        white[index] = np.sqrt(np.diag(inverse))
+        correlated[index] = long_run_deviations(scores[:, index], inverse)
+        still, _, _, biases = self._parts
+        return np.r_[white[still], white[biases]], np.r_[correlated[still], correlated[biases]]
 
 
 def _biases(design: FilterDesign, settings: FilterSettings, columns: Mapping[str, np.ndarray]) -> dict[str, float]:

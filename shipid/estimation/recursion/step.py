@@ -42,7 +42,7 @@ def make_filter_step(equations: Equations, settings: StepSettings, full: bool = 
         _parts(v, p) for v, p in ((carried, layout.carried), (control, layout.control), (constants, layout.constants))
     )
     # Prediction and update are functions of symbols of their own, so that their expressions stay small.
-    x_ahead, packed_ahead = _prediction(equations, layout, form)(
+    x_ahead, packed_ahead = make_prediction(equations, layout, form)(
         ca.vertcat(old["x"], old["w"]), old["P"], old["u"], new["u"], new["T"], fixed["p"], fixed["q"], new["scale"]
     )
     after, packed_after, e, spread, fate, ll, inflation, *memory = _update(equations, layout, form, settings)(
@@ -83,8 +83,23 @@ def _parts(vector: Expression, places: Places) -> dict[str, Expression]:
     return {name: part(vector, place) for name, place in places.items()}
 
 
-def _prediction(equations: Equations, layout: StepLayout, form: ModuleType) -> CasadiFunction:
-    """Return the prediction to a sample, as a function of the estimate after the sample before."""
+def make_prediction(equations: Equations, layout: StepLayout, form: ModuleType) -> CasadiFunction:
+    """Return the prediction to a sample, as a function of the estimate after the sample before.
+
+    Parameters
+    ----------
+    equations : Equations
+        The model.
+    layout : StepLayout
+        Where everything stands.
+    form : module
+        The functions of the covariance's form.
+
+    Returns
+    -------
+    casadi.Function
+        ``(joint, packed, u0, u1, T, p, levels, scale) -> (joint, packed)``.
+    """
     packed, root = form.symbol(layout.joint)
     ahead, root_ahead = equations.advanced, form.predicted(equations, root)
     if equations.sampled:

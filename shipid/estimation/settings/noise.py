@@ -121,7 +121,7 @@ def _positive(value: Amount, units: Sequence[str], what: str, least: float = _SM
     if len(units) == 1:
         raise refused
     choices = " or ".join(f"{u.replace('**', '^')} ({w})" for u, w in zip(units, ("for one sample", "a density")))
-    raise UnitError(f"{refused} A noise level here is in {choices}.")
+    raise type(refused)(f"{refused} A noise level here is in {choices}.")
 
 
 def declared_noise(base: Model, model: Model, estimated: Collection[str]) -> dict[str, Amount]:

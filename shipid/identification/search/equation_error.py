@@ -190,6 +190,9 @@ def _simulated(result: EquationErrorResult, box: Box) -> list[np.ndarray] | None
     for i, (block, data) in enumerate(zip(regression.blocks, problem.trials)):
         bias, x0 = regression.bias(result.theta, i), initial_state(problem.model, data.start)
         x, _ = record(x0, block.inputs, block.intervals, p, bias)
+        if not x.shape[1]:
+            out.append(x)  # a stretch that is shorter than a window
+            continue
         size = np.maximum(np.abs(block.states).max(axis=1), 1e-6)
         needed = [problem.model.states.index(n) for n in problem.initial if data.shows(n)]
         if not (np.abs(x[needed]) < 100 * size[needed, None]).all():

@@ -277,14 +277,12 @@ def _block(problem: Problem, equations: tuple[str, ...], data: TrialData, unit_t
     # Windows count samples: where the clock is irregular the trial is laid on a regular one, in straight lines.
     at = kept.t if kept.regular else np.arange(0.0, data.t[-1] + 0.5 * step, step)
     inputs = kept.inputs if kept.regular else np.array([np.interp(at, data.t, row) for row in data.inputs])
+    states = problem.model.states
     half = int(np.clip(np.ceil(_HALF * unit_time / step), _LEAST, max(_LEAST, (at.size - 1) // 8)))
     if at.size < 2 * half + 1:
-        nothing = np.zeros((len(equations), 0))
-        return RegressionBlock(
-            np.zeros((0, 0)), inputs, np.zeros(0), nothing, make_window(half, step), np.zeros(0, bool)
-        )
+        nothing, none = np.zeros((len(equations), 0)), np.zeros((len(states), 0))
+        return RegressionBlock(none, inputs[:, :0], np.zeros(0), nothing, make_window(half, step), np.zeros(0, bool))
     window = make_window(half, step)
-    states = problem.model.states
     names = [n for n in dict.fromkeys((*states, *equations)) if data.shows(n)]
     column = {n: kept.column(n, at) for n in names}
     known = np.array([True if kept.regular else data.known(n, at) for n in names]).all(axis=0)

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from scipy.special import stdtrit
 
-from shipid.declaration.model import Entry, reads_of
+from shipid.declaration.model import Entry, Model, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
 from shipid.estimation.estimate import Estimate, estimate_of
 from shipid.estimation.standing import UNKNOWN, Standing, standing_of
@@ -74,6 +74,18 @@ def estimates_of(
     return result | _published(problem, q, covariance, scale)
 
 
+def published_names(model: Model) -> list[str]:
+    """Return the coefficients of the literature that follow from the declared ones of a model.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    read = set().union(*(reads_of(model, model[p]) for p in model.parameters if model[p].equation is not None), set())
+    return [n for n in model.derived if n in read]
+
+
 def unseen_words(values: Mapping[str, float], stated: Mapping[str, tuple[float, float | None]]) -> dict[str, str]:
     """Return what is done with coefficients about which the trials hold no information, in words, by name.
 
@@ -132,8 +144,7 @@ def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None,
 def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: Scale) -> dict[str, Estimate]:
     """Coefficients of the literature that follow from fitted ones, with the standard deviation by first order."""
     model = problem.model
-    read = set().union(*(reads_of(model, model[p]) for p in model.parameters if model[p].equation is not None), set())
-    wanted = [n for n in model.derived if n in read]
+    wanted = published_names(model)
     if not wanted:
         return {}
     system = generate(model)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import LjungBox, ljung_box, plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import autocorrelation_time
@@ -57,7 +58,10 @@ class Residuals:
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, None for what is not finite."""
         values = {f.name: getattr(self, f.name) for f in fields(self)}
-        return {n: v if isinstance(v, int) else plain(v) for n, v in values.items()} | {"white": self.white}
+        found = {n: v if isinstance(v, int) else plain(v) for n, v in values.items()}
+        seconds = quantity(found.pop("autocorrelation_time_s"), "s")
+        samples = found.pop("autocorrelation_time")
+        return found | {"autocorrelation_time": {**seconds, "samples": samples}, "white": self.white}
 
 
 def residuals_of(identified: Identified) -> dict[str, Residuals]:

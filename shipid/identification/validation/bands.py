@@ -178,14 +178,14 @@ def _circle(identified: Identified, runs: _Runs, measured: TurningCircle) -> dic
         found = measured_circle(Trial(trial.name, pd.DataFrame({**kept, **signals})), None, measured.execute)
         if found is None:
             return {}
-        return {k: getattr(found, name) for k, (name, _) in TURN.items() if speed or name != "steady_speed"}
+        return {name: getattr(found, name) for name in TURN if speed or name != "steady_speed"}
 
     point, drawn = _over(identified, runs, read)
     result = {}
-    for key, (name, factor) in TURN.items():
-        own, foreseen = getattr(measured, name), point.get(key)
-        band = band_of(foreseen, [d.get(key) for d in drawn])
-        result[key] = PredictedQuantity(
+    for name, (_, factor) in TURN.items():
+        own, foreseen = getattr(measured, name), point.get(name)
+        band = band_of(foreseen, [d.get(name) for d in drawn])
+        result[name] = PredictedQuantity(
             None if own is None else own * factor,
             None if foreseen is None else foreseen * factor,
             None if band is None else (band[0] * factor, band[1] * factor),

@@ -8,22 +8,23 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 
-#: Key of a turning circle's quantity, its name in `TurningCircle`, and the factor from SI.
+#: Quantities of a turning circle by their names in `TurningCircle`: the unit they are handed over in, and the factor to it from SI.
 TURN = {
-    "advance_m": ("advance", 1.0),
-    "transfer_m": ("transfer", 1.0),
-    "tactical_diameter_m": ("tactical_diameter", 1.0),
-    "steady_rate_deg_s": ("steady_rate", float(np.rad2deg(1.0))),
-    "steady_speed_m_s": ("steady_speed", 1.0),
+    "advance": ("m", 1.0),
+    "transfer": ("m", 1.0),
+    "tactical_diameter": ("m", 1.0),
+    "steady_rate": ("deg/s", float(np.rad2deg(1.0))),
+    "steady_speed": ("m/s", 1.0),
 }
 Band = tuple[float, float] | None
 
 
 @dataclass(frozen=True)
 class PredictedQuantity:
-    """A quantity of a turning circle, in the unit of its key.
+    """A quantity of a turning circle, in the unit of `TURN`.
 
     Attributes
     ----------
@@ -74,13 +75,18 @@ class PredictedManoeuvre:
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values: angles in degrees, None where something was not reached."""
         return {
-            "overshoots_deg": in_degrees(self.overshoots),
-            "predicted_overshoots_deg": in_degrees(self.open_loop),
-            "predicted_overshoots_closed_loop_deg": in_degrees(self.closed_loop),
-            "interval_95_deg": [None if b is None else in_degrees(b) for b in self.band95],
-            "closed_loop_interval_95_deg": [None if b is None else in_degrees(b) for b in self.closed_loop_band95],
-            **{key: value.to_dict() for key, value in self.turn.items()},
+            "overshoots": quantity(in_degrees(self.overshoots), "deg"),
+            "predicted_overshoots": _with_bands(self.open_loop, self.band95),
+            "predicted_overshoots_closed_loop": _with_bands(self.closed_loop, self.closed_loop_band95),
+            **{key: value.to_dict() | {"unit": TURN[key][0]} for key, value in self.turn.items()},
         }
+
+
+def _with_bands(angles: tuple[float | None, ...], bands: tuple[Band, ...]) -> dict[str, Plain]:
+    return {
+        **quantity(in_degrees(angles), "deg"),
+        "interval_95": [None if b is None else in_degrees(b) for b in bands],
+    }
 
 
 def in_degrees(angles: tuple[float | None, ...]) -> list[float | None]:

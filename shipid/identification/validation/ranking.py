@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -100,11 +101,14 @@ class Ranking:
         What was left out, in turn.
     tied : tuple of str
         Models whose score is within one standard error of the smallest, the error being that of the difference.
+    warnings : tuple of Notice
+        Where a trial that was predicted goes beyond those that were fitted.
     """
 
     ranks: tuple[Rank, ...]
     folds: tuple[str, ...]
     tied: tuple[str, ...]
+    warnings: tuple[Notice, ...] = ()
 
     @property
     def best(self) -> str | None:
@@ -126,6 +130,7 @@ class Ranking:
             "folds": list(self.folds),
             "units": units,
             "ranking": [r.to_dict() for r in self.ranks],
+            "warnings": plain_notices(self.warnings),
         }
 
     def to_frame(self) -> pd.DataFrame:
@@ -158,6 +163,7 @@ class Ranking:
             lines.append(
                 f"  to take: {self.best}, the one of these with the fewest coefficients that only trials determine"
             )
+        lines += [f"  beyond: {notice}" for notice in self.warnings]
         return "\n".join(lines)
 
 

@@ -11,13 +11,12 @@ import numpy as np
 import shipid
 from shipid.autopilot.course_changes.run_course_changes import PACE, stiffest
 from shipid.autopilot.course_changes.turn_order import RADIUS, TurnOrder
-from shipid.autopilot.course_changes.weather import CALM, Weather, standard_weather
+from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
 from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
-from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
@@ -26,6 +25,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
+from shipid.prediction.sailing.surroundings import stated_inputs, with_waves
 from shipid.prediction.tracks.order import unwrapped
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
 from shipid.trials.manoeuvres.noise import measured, parse_noise
@@ -139,7 +139,7 @@ def sail(
         "u": u0,
         "cruise": u0,
         **flow_inputs(current, wind),
-        **_stated(whole, inputs),
+        **stated_inputs(whole, inputs),
     }
     acting["psi_order"] = np.select([t >= w for w, _ in reversed(orders)], [h for _, h in reversed(orders)], course)
     lost = [n for n in values or {} if n not in (*whole.parameters, *whole.constants)]
@@ -151,7 +151,7 @@ def sail(
     if rudder_limit is not None:
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
     if waves is not None:
-        known, acting = _with_waves(waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
+        known, acting = with_waves(waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
     recorded = {n: n for n in RECORDED if n in whole}
     if waves is not None:
         recorded |= {"psi": "psi_seen", "r": "r_seen"}
@@ -228,31 +228,3 @@ def _orders(
         before = unwrapped(number(wanted, "rad", "a course"), before)
         found.append((at, before))
     return found
-
-
-def _stated(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str, float]:
-    found = {}
-    for name, value in (inputs or {}).items():
-        if name not in model.inputs:
-            raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
-        found[name] = to_si(value, model[name].unit, f"input '{name}'") if isinstance(value, str) else float(value)
-    return found
-
-
-def _with_waves(
-    waves: Flow,
-    known: dict[str, float],
-    acting: dict[str, float | np.ndarray],
-    length: float,
-    speed: float,
-    step: float,
-    count: int,
-    seed: int,
-) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
-    """Waves of a size at the frequency of the standard weather."""
-    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
-    damping = float(known.get("wave_damping", Weather.damping))
-    sea = replace(standard_weather(length, speed), wave_heading=size, damping=damping)
-    known = known | {"wave_frequency": sea.wave_frequency, "wave_damping": damping}
-    noise = sea.noise(count, np.array([step]), seed)[:, 0]
-    return known, acting | {"wave_noise": noise, "wave_direction": direction}

@@ -8,6 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.report.figures.hull import outline
 from shipid.report.figures.svg import MUTED, WIDTH, legend, svg
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
 _COLOUR = "#2f7fc4"
 #: Time between two ticks in s: the first that gives no more than a dozen.
 _TICKS = (30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
-#: Outline of a ship, in lengths: stem, shoulders, stern; her breadth is a seventh of her length.
-_HULL = np.array([[0.5, 0.0], [0.25, 0.07], [-0.5, 0.07], [-0.5, -0.07], [0.25, -0.07], [0.5, 0.0]])
 
 
 def track_figure(track: PredictedTrack, key: str) -> Markup:
@@ -46,11 +45,10 @@ def track_figure(track: PredictedTrack, key: str) -> Markup:
         at = track.at_time(np.arange(every, track.t[-1], every))
         ax.plot(at["y"], at["x"], "o", color=_COLOUR, markersize=3, label=f"every {_words(every)}")
         for k in (0, track.s.size - 1):
-            c, s = np.cos(track.psi[k]), np.sin(track.psi[k])
-            hull = track.length * _HULL
+            x, y = outline(track.length, track.psi[k])
             ax.plot(
-                track.y[k] + s * hull[:, 0] + c * hull[:, 1],
-                track.x[k] + c * hull[:, 0] - s * hull[:, 1],
+                track.y[k] + y,
+                track.x[k] + x,
                 color=MUTED,
                 linewidth=0.9,
                 label="ship" if k == 0 else "_",

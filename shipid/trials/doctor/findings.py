@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 
 SURE = 0.8
 """Findings of at least this confidence count; one below it is worth checking by hand."""
@@ -176,11 +177,11 @@ class Stretch:
         """Return the stretch as plain values."""
         return {
             "kind": self.kind,
-            "rudder_deg": self.rudder_deg,
-            "heading_deg": self.heading_deg,
+            "rudder": quantity(self.rudder_deg, "deg"),
+            "heading": quantity(self.heading_deg, "deg"),
             "side": self.side,
-            "from": round(self.start, 3),
-            "to": round(self.end, 3),
+            "from": quantity(round(self.start, 3), "s"),
+            "to": quantity(round(self.end, 3), "s"),
             "regular": self.regular,
         }
 

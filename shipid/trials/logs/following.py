@@ -42,12 +42,44 @@ def with_following(values: dict[str, np.ndarray]) -> Followed:
     -------
     Followed
     """
+    speeds = with_speeds(values)
+    wind = with_true_wind(speeds.values)
+    return Followed(wind.values, (*speeds.notes, *wind.notes))
+
+
+def with_speeds(values: dict[str, np.ndarray]) -> Followed:
+    """Add the forward and sway speed that follow from the drift angle.
+
+    Parameters
+    ----------
+    values : dict of str to ndarray, shape (n,)
+        As for `with_following`.
+
+    Returns
+    -------
+    Followed
+    """
     found, notes = dict(values), []
     for name, column, note in _speeds(values):
         found[name] = column
         notes.append(note)
-    wind, said = _true_wind(found)
-    return Followed(found | wind, (*notes, *said))
+    return Followed(found, tuple(notes))
+
+
+def with_true_wind(values: dict[str, np.ndarray]) -> Followed:
+    """Add the true wind that follows from the relative one.
+
+    Parameters
+    ----------
+    values : dict of str to ndarray, shape (n,)
+        As for `with_following`.
+
+    Returns
+    -------
+    Followed
+    """
+    wind, said = _true_wind(values)
+    return Followed(values | wind, said)
 
 
 def _speeds(values: dict[str, np.ndarray]) -> list[tuple[str, np.ndarray, str]]:

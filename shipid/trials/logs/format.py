@@ -15,6 +15,8 @@ unit and sign, and what has to be put right::
 In a file of several tables ``[table]`` names the one that is meant: ``sheet = "Run 2"`` in a workbook, ``struct`` in a MATLAB
 file, ``group`` in an HDF5 file.
 
+``[trial]`` states the conditions of the trial for its record: loading, depth, wind, who (`shipid.trials.conditions`).
+
 A clock that is a date or a time of day is found out by itself; ``[clock]`` says what is not (`shipid.trials.logs.clocks.settings`).
 """
 
@@ -30,6 +32,7 @@ from shipid.declaration.tables import Table, is_finite, read_table
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.trials.columns import example_unit
+from shipid.trials.conditions import Conditions, conditions_of
 from shipid.trials.errors import FormatFileError
 from shipid.trials.logs.clocks.settings import KEYS, ClockFormat, clock_format
 
@@ -38,7 +41,7 @@ DECIMALS = {"point": ".", "comma": ","}
 
 _TOP = (
     "title", "source", "ship", "separator", "header_lines", "encoding", "comment", "decimal",
-    "columns", "clock", "windows", "repairs", "table",
+    "columns", "clock", "windows", "repairs", "table", "trial",
 )  # fmt: skip
 #: Codecs of Python that no text file is written in.
 _NO_ENCODINGS = ("punycode", "idna", "unicode_escape", "raw_unicode_escape", "undefined")
@@ -127,6 +130,8 @@ class TrialFormat:
         Whether empty rows at the end are dropped.
     table : str or None
         The sheet, struct or group that holds the log, in a file of several.
+    conditions : Conditions
+        What is stated of the trial beside its log.
     ship, source, title : str or None
         Parameter set of the ship; where the data come from; what the campaign is.
     """
@@ -144,6 +149,7 @@ class TrialFormat:
     glitch_threshold: float | None = None
     drop_trailing: bool = False
     table: str | None = None
+    conditions: Conditions = field(default_factory=Conditions)
     ship: str | None = None
     source: str | None = None
     title: str | None = None
@@ -283,6 +289,7 @@ def common_entries(table: Table) -> dict[str, Plain]:
         "encoding": encoding,
         "comment": comment,
         "windows": {key: _window(windows, key) for key in windows},
+        "conditions": conditions_of(table.table("trial")),
         **{key: table.value(key, str) for key in ("ship", "source", "title")},
     }
 

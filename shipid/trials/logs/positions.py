@@ -113,4 +113,5 @@ def with_positions(record: LenientRecord) -> LenientRecord:
     if lost := int((there & ~sound).sum()):
         notes.append(f"x, y: {lost} fixes that are no place of this voyage (0, 0, or beyond the poles) are missing.")
     stated = {**record.stated, "x": "m", "y": "m"}
-    return replace(record, values={**values, "x": x, "y": y}, stated=stated, notes=tuple(notes))
+    source = replace(record.source, origin=origin)
+    return replace(record, values={**values, "x": x, "y": y}, stated=stated, notes=tuple(notes), source=source)

@@ -19,6 +19,7 @@ from shipid.trials.logs.record import LenientRecord, Span, inside
 from shipid.trials.logs.strict import sound_table
 from shipid.trials.logs.tables.reading import read_table
 from shipid.trials.logs.tables.table import record_of
+from shipid.trials.source import origin_in
 from shipid.trials.trial import Trial
 
 
@@ -108,6 +109,8 @@ def read_record(
         format=fmt.name if fmt else None,
         simulated="simulated" in (comments[0].lower() if comments else ""),
         comment="\n".join(comments),
+        origin=origin_in("\n".join(comments)),
+        conditions=fmt.conditions if fmt else record.source.conditions,
     )
     asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
     title = record.name if asked is None else f"{record.name}@{asked}"

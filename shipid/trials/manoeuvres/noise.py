@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from shipid.declaration.units import to_si
+from shipid.declaration.units import Typed, to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.parts.sensors import SMALLEST_LEVEL, standard_noise
@@ -45,7 +45,7 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
             raise UsageError(
                 f"the noise '{text}' is neither none nor standard nor a list such as psi=0.2 deg,r=0.02 deg/s."
             )
-        pairs = {n.strip(): v for n, _, v in parts}
+        pairs = {n.strip(): Typed(v) for n, _, v in parts}
     else:
         pairs = text
     for name in pairs:

@@ -157,13 +157,15 @@ def judgement(uncertain_pilot):
 def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     found = json.loads(json.dumps(judgement.to_dict(), allow_nan=False))
     count = len(uncertain_pilot.speeds)
-    assert found["speeds"] == uncertain_pilot.speeds.tolist()
+    assert found["speeds"]["value"] == uncertain_pilot.speeds.tolist()
     assert set(found["gains"]) == {"Kp", "Kd"}
-    for name in ("gain", "phase_deg", "delay_s", "disk"):
+    for name in ("gain", "disk"):
         assert len(found["margins"][name]) == count
+    for name, unit in (("phase", "deg"), ("delay", "s"), ("bandwidth", "rad/s")):
+        assert len(found["margins"][name]["value"]) == count and found["margins"][name]["unit"] == unit
     assert len(found["poles"]) == count and len(found["poles"][0][0]) == 2
     assert found["robust"]["samples"] == 50 and found["robust"]["disk_worst"] > 0
-    assert {"speed", "change_deg", "overshoot_deg", "settling_s"} <= set(found["steps"][0])
+    assert {"speed", "change", "overshoot", "settling"} <= set(found["steps"][0])
     assert {"what", "where", "value"} <= set(found["weakest"])
     assert any("outside the identified range" in w["message"] for w in found["warnings"])
     assert judgement.to_frame().shape[0] == count

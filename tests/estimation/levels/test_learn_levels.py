@@ -77,10 +77,27 @@ def test_the_bias_of_the_rudder_is_found_and_taken_out() -> None:
     record["delta"] -= np.deg2rad(1.5)
     run, levels = filter_by_record(kalman_of(), record)
     assert levels.biases["delta"] == pytest.approx(np.deg2rad(1.5), abs=np.deg2rad(0.1))
+    known = levels.bias_standings["delta"]
+    assert known.standing == "determined" and abs(levels.biases["delta"] - np.deg2rad(1.5)) < 3 * known.std
+    told = levels.to_dict()["biases"]["delta"]
+    assert told["interval_95"][0] < told["value"] < told["interval_95"][1] and told["standing"] == "determined"
     assert run.parameters["K"].value == pytest.approx(TRUTH["K"], rel=0.01)
     # Nothing is added where every level was given.
     full = kalman_of(noise={"r": "0.001 deg/s^1.5"})
     assert not full.learn_levels(record, ("sensor:psi", "sensor:r", "noise:r")).biases
+
+
+@pytest.mark.parametrize("turning", [0.0, 0.1])
+def test_a_rudder_that_does_not_move_has_no_bias_that_is_known(turning: float) -> None:
+    """A straight course, and one that bends: whatever turns the ship, it need not be the rudder."""
+    rng, t = np.random.default_rng(5), np.arange(0, 300.0)
+    r = np.deg2rad(turning) + rng.normal(0, np.deg2rad(0.02), t.size)
+    psi = np.deg2rad(turning) * t + rng.normal(0, np.deg2rad(0.1), t.size)
+    record = {"t": t, "delta": rng.normal(0, np.deg2rad(0.05), t.size), "psi": psi, "r": r}
+    _, levels = filter_by_record(kalman_of(), record)
+    known = levels.bias_standings["delta"]
+    assert known.standing == "not determined" and "the rudder does not move" in known.why
+    assert "not determined: the rudder does not move" in " ".join(levels.words)
 
 
 def test_what_was_given_is_kept_and_told_where_it_does_not_fit() -> None:

@@ -15,7 +15,7 @@ from shipid.identification.validation.closed_loop import helmsman_of
 from shipid.report.write_report import render
 from shipid.trials.measuring.measure import measure
 
-KEYS = ("advance_m", "transfer_m", "tactical_diameter_m", "steady_rate_deg_s", "steady_speed_m_s")
+KEYS = ("advance", "transfer", "tactical_diameter", "steady_rate", "steady_speed")
 
 
 @pytest.fixture(scope="module")
@@ -32,14 +32,14 @@ def fit(sail):
 def test_the_result_has_every_key_and_no_nan(fit):
     result = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["manoeuvre"]
     zigzag, turn = (result[f"de-keizer-{m}"] for m in ("zigzag-10-10", "turn-20"))
-    swings = len(zigzag["overshoots_deg"])
+    swings = len(zigzag["overshoots"]["value"])
     assert swings >= 4
-    for key in ("predicted_overshoots_deg", "predicted_overshoots_closed_loop_deg", "interval_95_deg"):
-        assert len(zigzag[key]) == swings
+    for key in ("predicted_overshoots", "predicted_overshoots_closed_loop"):
+        assert len(zigzag[key]["value"]) == len(zigzag[key]["interval_95"]) == swings and zigzag[key]["unit"] == "deg"
     for key in KEYS:
-        assert set(turn[key]) == {"measured", "predicted", "interval_95"}
+        assert set(turn[key]) == {"measured", "predicted", "interval_95", "unit"}
         assert turn[key]["interval_95"][0] < turn[key]["predicted"] < turn[key]["interval_95"][1]
-    assert turn["overshoots_deg"] == [] and "advance_m" not in zigzag
+    assert turn["overshoots"]["value"] == [] and "advance" not in zigzag
 
 
 def test_the_prediction_in_the_band_is_the_one_of_the_fit(fit):
@@ -87,7 +87,7 @@ def test_bands_can_be_left_out(sail):
     fit = shipid.identify("nomoto", [sail("nomoto", "zeefakkel")], ship="zeefakkel", starts=1)
     for unasked in (fit, shipid.assess(fit, bands=False)):
         result = unasked.to_dict()["manoeuvre"]
-        assert set(next(iter(result.values()))) == {"overshoots_deg", "predicted_overshoots_deg", "not_sailed"}
+        assert set(next(iter(result.values()))) == {"overshoots", "predicted_overshoots", "not_sailed"}
     assert shipid.assess(fit, bands=False).assessment.manoeuvres is None
 
 
@@ -116,8 +116,8 @@ def test_a_model_that_runs_away_has_no_band(sail):
     )
     fit = fit.validate([sail("norrbin", "zeefakkel", "turn:35", seed=2)])
     turn = shipid.assess(fit).to_dict()["manoeuvre"]["norrbin-turn-35"]
-    assert turn["advance_m"]["measured"] is not None
-    assert turn["advance_m"]["predicted"] is None and turn["advance_m"]["interval_95"] is None
+    assert turn["advance"]["measured"] is not None
+    assert turn["advance"]["predicted"] is None and turn["advance"]["interval_95"] is None
     json.dumps(turn, allow_nan=False)
 
 

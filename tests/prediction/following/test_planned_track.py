@@ -1,12 +1,15 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shipid.foundation.errors import UsageError
-from shipid.prediction.following.planned_track import distance_from, planned_track
+from shipid.prediction.following.planned_track import PlannedTrack, distance_from, planned_track
+from shipid.prediction.following.wheel_over import TrackLeg
 
 
 def test_a_turn_is_an_arc_that_touches_both_legs():
@@ -50,11 +53,35 @@ def test_the_line_around_a_waypoint():
     [
         ([(0, 0)], 1.0, "two waypoints at least"),
         ([(0, 0), (np.nan, 1)], 1.0, "two waypoints at least"),
-        ([(0, 0), (1, 1), (1, 1)], 0.0, "2 and 3 are one place"),
+        ([(0, 0), (1, 1), (1, 1)], 0.0, "waypoint 2 and waypoint 3 are one place"),
         ([(0, 0), (1000, 0), (1000, 1000)], 1500.0, "take smaller radii"),
-        ([(0, 0), (1000, 0), (1000, 1000), (0, 1000)], 600.0, "leg 2 take"),
+        ([(0, 0), (1000, 0), (1000, 1000), (0, 1000)], 600.0, "from waypoint 2 to waypoint 3 take"),
+        ([(0, 0), (1000, 0), (0, 10)], 1.0, "from waypoint 2 turns back by 179 deg"),
     ],
 )
 def test_tracks_that_cannot_be_sailed(points, radius, says):
     with pytest.raises(UsageError, match=says):
         planned_track(points, radius)
+
+
+def test_off_the_track_to_starboard_and_beyond_its_limits():
+    plan = planned_track([(0, 0), (1000, 0), (1000, 1000), (-500, 1000), (-500, 500), (500, 500)], [100, 100, 100, 50])
+    plan = replace(plan, limits=np.array([[50, 20], [50, 20], [np.inf, np.inf], [10, 10], [10, 10]]))
+    x, y = np.array([500, 500, 971, 1010, 900]), np.array([30, -30, 29, 500, 1005])
+    distance, leg = plan.off_track(x, y)
+    # The middle of the first arc is 100 (sqrt 2 - 1) m inside the corner.
+    assert distance == pytest.approx([30, -30, 100 - np.hypot(71, 71), -10, -5], abs=0.05)
+    assert leg[[0, 1, 3, 4]].tolist() == [0, 0, 1, 2]
+    assert plan.beyond_limits(distance, leg)[[0, 1, 3]] == pytest.approx([10, -20, -10 - 20], abs=0.05)
+    assert plan.beyond_limits(distance, leg)[4] == -np.inf
+    # Where the last leg crosses the first, the leg that is sailed decides.
+    near, on = plan.off_track(0.0, 490.0, leg=0)
+    assert near == pytest.approx(490) and on.tolist() == [0]
+    assert plan.off_track(0.0, 490.0)[0] == pytest.approx(-10, abs=0.05)
+
+
+def test_a_line_drawn_in_another_way_has_a_distance_too():
+    plan = PlannedTrack((TrackLeg(0.0, 0.0, 0.0),), np.array([[0.0, 0.0], [1000.0, 0.0]]))
+    distance, leg = plan.off_track(np.array([100.0, 200.0]), np.array([5.0, -5.0]))
+    assert distance.tolist() == [5.0, -5.0] and leg.tolist() == [-1, -1]
+    assert np.all(plan.beyond_limits(distance, leg) < 0)

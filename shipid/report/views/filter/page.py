@@ -33,6 +33,17 @@ SECTIONS: list[Callable[[FilterRun], Section | None]] = [
 ]
 
 
+def observability_page(seen: Observability) -> Page:
+    """Return the page of a filtered record with what it shows of the state.
+
+    Parameters
+    ----------
+    seen : Observability
+        With its run.
+    """
+    return filter_page(seen.run, seen)
+
+
 def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
     """Return what the page says of a filtered record.
 

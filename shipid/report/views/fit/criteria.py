@@ -68,13 +68,11 @@ def _spiral(found: Criteria) -> str:
     s = found.spiral
     if s is None:
         return "The model has no steady turn to draw a spiral from."
-    if s["half_width_deg"] == 0:
+    if s["half_width"]["value"] == 0:
         return "Spiral: no loop; the ship is stable on a straight course."
-    height, band = s["loop_height_deg_s"], _band(s["half_width_interval_95_deg"])
-    words = (
-        f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width_deg'], 2)} deg"
-    )
+    height, band = s["loop_height"]["value"], _band(s["half_width"]["interval_95"])
+    words = f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width']['value'], 2)} deg"
     words += f" (95 % band {band} deg)" if band else ""
     words += f", height {number(height, 3)} deg/s" if height is not None else ""
     verdict = "within" if s["within"] else "beyond"
-    return f"{words}; its width of {fixed(s['loop_width_deg'], 2)} deg is {verdict} the {s['limit_text']}."
+    return f"{words}; its width of {fixed(s['loop_width']['value'], 2)} deg is {verdict} the {s['limit_text']}."

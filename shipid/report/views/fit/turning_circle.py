@@ -5,7 +5,7 @@ from __future__ import annotations
 from shipid.declaration.units import pretty
 from shipid.foundation.numbers import fixed, number
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.predicted_manoeuvre import TURN, PredictedManoeuvre
+from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.report.page import Row
 
 _SHOWN = ("advance", "transfer", "tactical_diameter", "steady_diameter", "steady_rate", "steady_speed")
@@ -58,10 +58,10 @@ def turn_rows(
 def _band(name: str, manoeuvre: PredictedManoeuvre | None, length: float | None) -> str:
     """The band of one quantity, in ship lengths where its name says so."""
     base = name.removesuffix("_ratio")
-    found = [v for k, v in (manoeuvre.turn if manoeuvre else {}).items() if TURN[k][0] == base]
-    if not found or found[0].band95 is None:
+    found = manoeuvre.turn.get(base) if manoeuvre else None
+    if found is None or found.band95 is None:
         return ""
-    low, high = (b / length if name.endswith("_ratio") and length else b for b in found[0].band95)
+    low, high = (b / length if name.endswith("_ratio") and length else b for b in found.band95)
     return f"{number(low, 3)} to {number(high, 3)}"
 
 

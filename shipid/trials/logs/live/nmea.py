@@ -25,7 +25,7 @@ _PATIENCE = 200
 #: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
 _KINDS = {
     signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED)
-    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position")
+    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position", "wind")
 }
 
 
@@ -43,6 +43,8 @@ class LiveNmea:
         The log, for messages.
     tell : callable
         Takes what there is to say of a line.
+    origin : tuple of float, optional
+        Latitude and longitude in rad from which x and y count; the first fix by default.
 
     Attributes
     ----------
@@ -50,7 +52,9 @@ class LiveNmea:
         The channels that were heard so far, after ``t``.
     """
 
-    def __init__(self, fmt: NmeaFormat, where: str, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, fmt: NmeaFormat, where: str, tell: Callable[[str], None], origin: tuple[float, float] | None = None
+    ) -> None:
         self.names: tuple[str, ...] = ("t",)
         self._fmt, self._where, self._tell = fmt, where, tell
         self._stamp = stamp_reader(fmt.stamp)
@@ -61,7 +65,7 @@ class LiveNmea:
         self._stamped = False
         self._sample: dict[str, float] = {}
         self._line = self._sentences = self._lines = 0
-        self._place: tuple[float, float] | None = None
+        self._place = origin
         self._psi = nan
         self._variation = fmt.variation
 
@@ -219,7 +223,18 @@ class LiveNmea:
             return _there(SOG=fields["sog"] * KNOT, COG=fields["cog"] * _DEG)
         if signal == "position" and isfinite(fields["lat"]) and isfinite(fields["lon"]):
             return self._metres(fields["lat"] * _DEG, fields["lon"] * _DEG)
+        if signal == "wind":
+            return self._wind(fields)
         return {}
+
+    def _wind(self, fields: dict[str, float]) -> dict[str, float]:
+        """The relative wind, or the true one, whose angle counts from the bow: by the directions they blow to."""
+        return _there(
+            wind_speed_relative=fields["speed"] * KNOT,
+            wind_direction_relative=fields["angle"] * _DEG + pi,
+            wind_speed=fields["true_speed"] * KNOT if isfinite(self._psi) else nan,
+            wind_direction=fields["true_angle"] * _DEG + pi + self._psi,
+        )
 
     def _metres(self, lat: float, lon: float) -> dict[str, float]:
         """North and east of the first fix, of midship where the antenna is stated."""

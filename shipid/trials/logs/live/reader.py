@@ -7,6 +7,7 @@ from pathlib import Path
 
 from shipid.trials.errors import NotALiveLogError
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.live.following import LiveFollowing
 from shipid.trials.logs.live.nmea import LiveNmea
 from shipid.trials.logs.live.table import LiveSample, LiveTable
 from shipid.trials.logs.nmea.messages.canboat import is_message
@@ -44,11 +45,12 @@ class LiveLog:
         self._lines, self._where, self._tell = lines, where, tell
         self._format = chosen_format(format)
         self._reader: LiveTable | LiveNmea | None = None
+        self._following = LiveFollowing(where, tell)
 
     @property
     def names(self) -> tuple[str, ...]:
         """The channels that are known so far."""
-        return self._reader.names if self._reader is not None else ()
+        return (*self._reader.names, *self._following.names) if self._reader is not None else ()
 
     @property
     def units(self) -> dict[str, str]:
@@ -61,13 +63,16 @@ class LiveLog:
         return isinstance(self._reader, LiveTable)
 
     def __iter__(self) -> Iterator[LiveSample]:
-        """Yield the samples.
+        """Yield the samples, with the speeds and the true wind that follow from them.
 
         Raises
         ------
         TrialError
             If the header cannot be read as that of a log, or nothing comes before the log ends.
         """
+        yield from map(self._following.complete, self._samples())
+
+    def _samples(self) -> Iterator[LiveSample]:
         before: list[str] = []
         for number, line in enumerate(self._lines, start=1):
             if self._reader is not None:

@@ -70,7 +70,7 @@ SIGNALS: dict[str, tuple[str, ...]] = {
     "n_engine": ("127488",),
 }
 
-_TOP = ("title", "source", "ship", "encoding", "comment", "windows", "nmea")
+_TOP = ("title", "source", "ship", "encoding", "comment", "windows", "nmea", "trial")
 _NMEA = (
     "stamp", "date", "interval", "gap", "speed", "leave_out",
     "rudder", "order", "heading", "rate", "antenna", "sources",

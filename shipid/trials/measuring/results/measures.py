@@ -14,6 +14,10 @@ from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 
 
+#: Directions from 0 to 360 deg.
+_AROUND_COMPASS = ("course", "drift_direction")
+
+
 def quantity(unit: str, meaning: str) -> Plain:
     """Return a field of a dataclass that holds a measured quantity.
 
@@ -76,7 +80,7 @@ class Measures:
                 continue
             inside = entry.metadata["unit"]
             value = getattr(self, entry.name)
-            if entry.name == "course" and value is not None:
+            if entry.name in _AROUND_COMPASS and value is not None:
                 # Inside it is continuous with the heading of the trial.
                 value = value % (2 * pi)
             if isinstance(value, tuple):
@@ -95,7 +99,7 @@ class Measures:
             reason = self.reason(name)
             if reason is not None:
                 result[name]["reason"] = reason
-        return result | {"notes": list(self.notes)}
+        return result | {"reasons": dict(self.reasons), "notes": list(self.notes)}
 
     def reason(self, name: str) -> str | None:
         """Return why a quantity, or entries of it, are not known; None where nothing is missing.
@@ -140,6 +144,9 @@ class Measures:
         tail = "" if unit == "1" else " " + pretty(unit)
         if value is None:
             return f"not known: {self.reasons[name]}"
+        if name in _AROUND_COMPASS:
+            # Three digits, as a course is spoken: 359.98 deg is 000 deg.
+            return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
             return f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
         numbers = [

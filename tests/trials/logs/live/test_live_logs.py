@@ -229,3 +229,68 @@ def test_what_is_no_text(tmp_path):
     path.write_text("x" * 1_000_001)
     with pytest.raises(e.NotALiveLogError, match="has no end"):
         list(lines_of(str(path), 0.01))
+
+
+WIND = {
+    "wind_speed_relative [m/s]": 6 + np.sin(0.3 * SECONDS),
+    "wind_direction_relative [deg]": 100 + 20 * SECONDS % 200,
+}
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"U [m/s]": 8 + 0.1 * SECONDS, "beta [deg]": 5 * np.sin(0.1 * SECONDS)},
+        {"u [m/s]": 8 + 0.1 * SECONDS, "beta [deg]": 5 * np.sin(0.1 * SECONDS)},
+        {"u [m/s]": 8 + 0.1 * SECONDS, **WIND},
+        {"U [m/s]": 8 + 0.1 * SECONDS, "beta [deg]": 5 * np.sin(0.1 * SECONDS), **WIND},
+        {"SOG [m/s]": 8 + 0.1 * SECONDS, "COG [deg]": 10 + 5 * np.sin(0.2 * SECONDS), **WIND},
+        {"u [m/s]": 8 + 0.1 * SECONDS, "wind_speed [m/s]": 3 + 0 * SECONDS, "wind_direction [deg]": 40.0, **WIND},
+    ],
+    ids=["U, beta", "u, beta", "u, wind", "U, beta, wind", "SOG, COG, wind", "true wind recorded"],
+)
+def test_what_follows_from_other_columns_is_worked_out(columns, tmp_path):
+    text = frame(**{"t [s]": SECONDS}, **columns).to_csv(index=False)
+    path = tmp_path / "log.csv"
+    path.write_text(text)
+    trial, (samples, told) = read_trial(path), live(text)
+    found = pd.DataFrame(samples)
+    assert set(found) == set(trial.table)
+    for name in trial.table:
+        turns = 2 * np.pi if name.startswith("wind_direction") else np.inf
+        off = np.abs(found[name] - trial[name])
+        np.testing.assert_allclose(np.minimum(off % turns, turns - off % turns) if turns < 9 else off, 0, atol=1e-9)
+    worked_out = [line for line in told if "worked out" in line]
+    assert len(worked_out) == sum("worked out" in note for note in trial.source.notes)
+
+
+def test_a_relative_wind_is_turned_by_the_last_heading(tmp_path):
+    """The heading comes every second sample; without one for ten seconds there is no true wind."""
+    psi = np.where(SECONDS % 1, np.nan, 90.0)
+    psi[SECONDS > 10] = np.nan
+    table = frame(**{"t [s]": SECONDS}).assign(**{"psi [deg]": psi, "u [m/s]": 5.0, **WIND})
+    samples, _ = live(table.to_csv(index=False))
+    there = np.array(["wind_speed" in s for s in samples])
+    np.testing.assert_array_equal(there, SECONDS <= 20)
+
+
+def test_the_wind_of_sentences(tmp_path):
+    """The true wind of MWV,R is that of the whole log; MWV,T is turned by the heading."""
+    table = pd.DataFrame({"t": SECONDS, "psi": 0.3, "u": 5.0, "v": 0.0, "delta": 0.0})
+    table = table.assign(wind_speed_relative=7.0, wind_direction_relative=2.5)
+    text = "\r\n".join(nmea_lines(Trial("log", table))) + "\r\n"
+    (tmp_path / "log.nmea").write_text(text)
+    whole = read_trial(tmp_path / "log.nmea")
+    samples, _ = live(text)
+    last = {k: v for s in samples for k, v in s.items()}
+    assert last["wind_speed"] == pytest.approx(np.nanmedian(whole["wind_speed"]), abs=0.05)
+    assert np.cos(last["wind_direction"] - np.nanmedian(whole["wind_direction"])) == pytest.approx(1, abs=1e-3)
+    body = "WIMWV,90.0,T,10.0,N,A"
+    check = f"{np.bitwise_xor.reduce(np.frombuffer(body.encode(), np.uint8)):02X}"
+    true = [
+        line.replace(line[line.index("$WIMWV") :], f"${body}*{check}") if "$WIMWV" in line else line
+        for line in text.splitlines()
+    ]
+    last = {k: v for s in live("\r\n".join(true))[0] for k, v in s.items()}
+    assert last["wind_speed"] == pytest.approx(10 * 1852 / 3600)
+    assert np.cos(last["wind_direction"] - (np.pi * 1.5 + 0.3)) == pytest.approx(1, abs=1e-4)

@@ -12,6 +12,9 @@ from shipid.trials.filling import GAP
 
 _WRONG_RATES = "Rates and accelerations taken between such stamps are wrong, and time constants with them."
 
+#: The later half of a clock that is printed coarsely makes so many steps at least.
+_LEAST_STEPS = 3
+
 
 def examine_clock(p: WorkingCopy) -> None:
     """Examine the time stamps and put the working copy in order.
@@ -105,6 +108,8 @@ def _quantised(p: WorkingCopy) -> bool:
     slope, start = np.polyfit(k, t, 1)
     if slope <= 0 or np.mean(np.abs(d - slope) > 0.05 * slope) < 0.2:
         return False
+    if np.count_nonzero(d[n // 2 :]) < _LEAST_STEPS:
+        return False  # a clock that stopped has no steps whose length could be told
     q = printed_step(t)
     # Significant digits get lost as the clock grows: the stamps weigh by the steps around them.
     size = maximum_filter1d(np.concatenate((d, d[-1:])), min(n, 2 * int(q / slope) + 3) if q else 3)

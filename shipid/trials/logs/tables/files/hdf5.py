@@ -5,15 +5,13 @@ from __future__ import annotations
 import importlib.util
 import io
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.apart import NotStartedError, run_apart
 from shipid.foundation.errors import MissingExtraError
 from shipid.trials.errors import DamagedFileError, FileSizeError, ReaderNotStartedError
 from shipid.trials.logs.tables.files.arrays import Array, Node, Unreadable
@@ -22,8 +20,6 @@ from shipid.trials.logs.tables.opening import LARGEST
 #: Processor time and time by the clock [s] after which reading is given up: the largest file that is read takes 2 s.
 _SECONDS, _LONGEST = 8, 60
 _READER = Path(__file__).with_name("hdf5_apart.py")
-#: Its packages are found where those of this process are found; nothing else of the surroundings counts.
-_START = "import json, runpy, sys; sys.path[:] = json.loads(sys.argv.pop()); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
 
 
 def hdf5_arrays(data: bytes, file: Path) -> dict[str, Node]:
@@ -78,32 +74,12 @@ def hdf5_arrays(data: bytes, file: Path) -> dict[str, Node]:
 
 def _answer(data: bytes, file: Path) -> bytes:
     """What the reader says of a file; cut or empty where it crashed or took too long."""
-    command = [
-        sys.executable or "",
-        "-I",
-        "-c",
-        _START,
-        str(_READER),
-        str(LARGEST),
-        str(_SECONDS),
-        json.dumps(sys.path),
-    ]
-    # One thread for the library that otherwise begins with as many as there are cores.
-    surroundings = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     try:
-        ended = subprocess.run(
-            command, input=data, capture_output=True, timeout=_LONGEST, check=False, env=surroundings
-        )
-        if ended.stdout.startswith(b"\n"):
-            return ended.stdout[1:]
-        reason = f"exit code {ended.returncode}"
-    except subprocess.TimeoutExpired:
-        return b""
-    except OSError as error:
-        reason = error.strerror or str(error)
-    raise ReaderNotStartedError(
-        f"'{file}' was not read: the process that reads HDF5 could not be started ({reason}). Write the table as CSV."
-    )
+        return run_apart(_READER, [str(LARGEST), str(_SECONDS)], data, longest=_LONGEST)
+    except NotStartedError as error:
+        raise ReaderNotStartedError(
+            f"'{file}' was not read: the process that reads HDF5 could not be started ({error}). Write the table as CSV."
+        ) from None
 
 
 def _node(tree: Mapping[str, Plain], arrays: Sequence[np.ndarray]) -> Node:

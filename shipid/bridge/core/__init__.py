@@ -1,0 +1,1 @@
+"""What the bridge knows and works out, without a clock and without a network."""

@@ -1,0 +1,397 @@
+"""The core of the bridge: what a reading, a command and an answer of the predictor do to what the page shows.
+
+It has no clock of its own: whoever drives it says the time, so that a test and a browser see the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime, timedelta
+from typing import Protocol, runtime_checkable
+
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.core.console import Console, Limits, SteeringMode, SteeringOrder
+from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question, ShownTrack
+from shipid.bridge.core.route_watch import BridgeRoute, RouteWatch
+from shipid.bridge.core.scale_watch import ScaleWatch
+from shipid.bridge.core.source import SampleSource, SourceReading, Steered
+from shipid.bridge.core.targets import Targets
+from shipid.bridge.own_ship.own_ship import OwnShip
+from shipid.bridge.shown.alarms import AlarmKind, Alarms
+from shipid.bridge.shown.board import Board
+from shipid.bridge.shown.past_track import PastTrack
+from shipid.bridge.shown.plain_values import number
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UsageError
+from shipid.prediction.tracks.track_predictor import TrackPredictor
+
+#: The source is stale after so many seconds without a sample.
+STALE = 5.0
+#: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
+_SLOWEST, _FASTEST = 0.02, 0.8
+RUDDER_LIMIT = math.radians(10.0)
+
+
+@runtime_checkable
+class Recording(Protocol):
+    """What keeps the samples."""
+
+    def add(self, t: float, values: Mapping[str, float]) -> None:
+        """Keep a sample.
+
+        Parameters
+        ----------
+        t : float
+            In s.
+        values : mapping of str to float
+            SI.
+        """
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return file, samples and message."""
+
+
+class Score(Protocol):
+    """What judges a voyage: the tracking experiment."""
+
+    def add(self, t: float, values: Mapping[str, float]) -> None:
+        """Take where the ship is.
+
+        Parameters
+        ----------
+        t : float
+            In s.
+        values : mapping of str to float
+            ``x``, ``y`` and ``r``, SI.
+        """
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return what the page shows."""
+
+
+class BridgeCore:
+    """Own ship, console, route, alarms and predicted tracks.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot, with the model and the ship.
+    source : SampleSource
+        Where the samples come from.
+    route : BridgeRoute, optional
+        The planned track.
+    recording : Recording, optional
+        What keeps the samples.
+    score : Score, optional
+        What judges the voyage.
+    filter_interval, prediction_interval : float
+        Between two steps of the filters, and between two predictions, in s.
+    started : datetime, optional
+        The moment of t = 0; unknown by default.
+    predicts : bool
+        Whether tracks are predicted, and the wheel-over with them.
+    heading, rudder_limit : float
+        On the console at the beginning, in rad.
+
+    Attributes
+    ----------
+    board : Board
+        What the page shows.
+    past : PastTrack
+        Where the ship has been.
+    console : Console
+        What is tried and executed.
+    alarms : Alarms
+        The alarms.
+    forecaster : Forecaster
+        Answers the questions of `question`.
+    t : float
+        The time of the last step in s.
+    """
+
+    def __init__(
+        self,
+        pilot: Autopilot,
+        source: SampleSource,
+        *,
+        route: BridgeRoute | None = None,
+        recording: Recording | None = None,
+        score: Score | None = None,
+        filter_interval: float = 0.4,
+        prediction_interval: float = 2.0,
+        started: datetime | None = None,
+        predicts: bool = True,
+        heading: float = 0.0,
+        rudder_limit: float = RUDDER_LIMIT,
+    ) -> None:
+        self.pilot, self.source = pilot, source
+        self.filter_interval, self.prediction_interval = filter_interval, prediction_interval
+        self.board, self.past, self.alarms, self.targets = Board(), PastTrack(), Alarms(), Targets()
+        self.own_ship = OwnShip(pilot)
+        self.watch = None if route is None else RouteWatch(route)
+        self.forecaster = Forecaster(TrackPredictor(pilot), prediction_interval)
+        self.scale = ScaleWatch(TrackPredictor(pilot))
+        self.steered: Steered | None = source if isinstance(source, Steered) else None
+        self.recording, self.score, self._started = recording, score, started
+        self.console = self._console(route is not None, heading, rudder_limit)
+        self.t = 0.0
+        self.clock_factor: float | None = 1.0 if source.timed else None
+        self.paused = False
+        self._asked = -math.inf
+        self._trial_changed = self._lost_answer = False
+        self._tracks: dict[str, ShownTrack | None] = {"trial": None, "executed": None}
+        self._warned = 0
+        self._heading_known = self.steered is not None
+        self._told, self._predicts, self._touched = "", predicts, False
+        length, beam = pilot.length, pilot.ship.particular("B", "m")
+        self.board.put("ship", {"name": pilot.ship.name, "length": number(length), "beam": number(beam)})
+        self.publish()
+
+    def _console(self, routed: bool, heading: float, rudder_limit: float) -> Console:
+        pilot = self.pilot
+        largest = pilot.limits.get("delta_max", pilot.rudder_limit)
+        pace = pilot.pace(pilot.own_speed)
+        start = SteeringOrder("heading", heading % (2 * math.pi), min(rudder_limit, largest), 0.2 * pace, 0.0)
+        limits = Limits((math.radians(1.0), largest), (_SLOWEST * pace, _FASTEST * pace), (-largest, largest))
+        modes: tuple[SteeringMode, ...] = ("heading", "rudder", "rate")
+        return Console(start, limits, (*modes, "track") if routed else modes, executed=self.steered is not None)
+
+    # What happens with time.
+
+    def step(self, t: float) -> None:
+        """Take what the source has up to a time; the filter goes on also where that is nothing.
+
+        Parameters
+        ----------
+        t : float
+            In s on the bridge's clock, later than the step before.
+        """
+        reading = self.source.take(t)
+        self.t = t
+        self.own_ship.take(t, reading.values)
+        if reading.told:
+            self._told = reading.told[-1]
+        if self.recording is not None and reading.values:
+            self.recording.add(t, reading.values)
+        self._follow(reading)
+        self._watch_alarms()
+
+    def _follow(self, reading: SourceReading) -> None:
+        known = self.own_ship.situation
+        if known is None:
+            return
+        values = known.values
+        if not self._heading_known:
+            # The console begins at the ship's own heading, unless it was set meanwhile.
+            self._heading_known = True
+            if not self._touched:
+                self.console.change({"heading": values["psi"]})
+        self.past.add(self.t, values["x"], values["y"])
+        self.targets.take(reading.targets, values)
+        self.scale.update(self.t, values)
+        if self.watch is not None:
+            self.watch.update(values["x"], values["y"])
+        if self.score is not None:
+            # The voyage of a simulated ship is judged by where she is, not by where the filter takes her to be.
+            self.score.add(self.t, values if self.steered is None else self.steered.now)
+
+    def _watch_alarms(self) -> None:
+        own, t, alarms = self.own_ship, self.t, self.alarms
+        state = self.source.state
+        quiet = own.sensors.youngest
+        stale = state == "lost" or (state == "running" and (quiet if quiet is not None else t) > STALE)
+        alarms.set("stale", stale, t, "alarm", f"no data from the source ({self.source.kind})")
+        alarms.set("ended", state == "ended", t, "caution", f"the source has ended ({self.source.kind})")
+        lost = {} if stale or state == "ended" else own.sensors.lost
+        for name in {*lost, *(c.partition(":")[2] for c in alarms.conditions if c.startswith("lost:"))}:
+            kind: AlarmKind = "alarm" if name in ("psi", "x") else "warning"
+            alarms.set(f"lost:{name}", name in lost, t, kind, f"sensor lost: {lost.get(name, name)}")
+        health = own.health
+        alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.message}")
+        alarms.set("doubtful", health == "doubtful", t, "warning", "the filter rejects many samples")
+        stopped = None if self.recording is None else self.recording.to_dict()["message"]
+        alarms.set("recording", bool(stopped), t, "warning", str(stopped or ""))
+        if self.watch is not None:
+            watch = self.watch
+            off, side = watch.off_track or 0.0, "starboard" if (watch.off_track or 0.0) > 0 else "port"
+            alarms.set("off track", watch.is_off, t, "alarm", f"off track: {abs(off):.0f} m to {side}")
+            due, turn = watch.warns(t) and watch.next_leg is not None, watch.turn
+            if watch.leg != self._warned:
+                # The turn that was warned of is sailed.
+                self._warned = watch.leg
+                alarms.drop("wheel-over")
+            to = 0.0 if turn is None else math.degrees(turn.heading) % 360
+            alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to:05.1f}° within a minute")
+            alarms.set("route ended", watch.finished, t, "caution", "the end of the route is passed")
+
+    # What is predicted.
+
+    def question(self) -> Question | None:
+        """Return what is to be predicted now, or None where nothing is due."""
+        known = self.own_ship.situation
+        if known is None or not self._predicts:
+            return None
+        trial = None if self.console.trial == self.console.executed else self.console.trial
+        if self.t - self._asked >= self.prediction_interval - 1e-6:
+            self._asked = self.t
+            self._trial_changed = False
+            executed, watch = self.console.executed, self.watch
+            return Question(
+                self.t,
+                known,
+                self._as_headed(trial),
+                self._as_headed(executed),
+                None if watch is None else watch.next_leg,
+                self.console.trial.rudder_limit,
+                executed is not None and executed.mode == "track",
+            )
+        if self._trial_changed:
+            self._trial_changed = False
+            if trial is None:
+                self._tracks["trial"] = None
+                return None
+            return Question(self.t, known, self._as_headed(trial))
+        return None
+
+    def _as_headed(self, steering: SteeringOrder | None) -> SteeringOrder | None:
+        """A steering along the route, with the heading that it is about now."""
+        if steering is None or steering.mode != "track" or self.watch is None:
+            return steering
+        leg = self.watch.route.plan.legs[self.watch.leg]
+        return SteeringOrder("track", leg.course % (2 * math.pi), steering.rudder_limit, steering.rate, steering.rudder)
+
+    def take_answer(self, answer: PredictionAnswer) -> None:
+        """Take what was predicted; a trial that has changed meanwhile is predicted again.
+
+        Parameters
+        ----------
+        answer : PredictionAnswer
+            Of a question of `question`.
+        """
+        asked = answer.question
+        if asked.executed is not None:
+            self._tracks["executed"] = answer.executed
+        if self.console.trial == self.console.executed:
+            self._tracks["trial"] = None
+        elif answer.trial is not None:
+            self._tracks["trial"] = answer.trial
+        if self.watch is not None and asked.executed is not None:
+            track = None if answer.executed is None else answer.executed.track
+            self.watch.take(answer.wheel_over, track, asked.t)
+        executed = self.console.executed
+        if answer.order is not None and self.steered is not None and executed is not None and executed.mode == "track":
+            order = answer.order
+            self.steered.steer(
+                SteeringOrder("heading", order.heading, order.rudder_limit, executed.rate, executed.rudder)
+            )
+
+    # What a navigator does.
+
+    def command(self, message: Mapping[str, Plain]) -> None:
+        """Do what the page asks for.
+
+        Parameters
+        ----------
+        message : mapping
+            ``command``, and what belongs to it.
+
+        Raises
+        ------
+        UsageError
+            If there is no such command, or a value is none; nothing is changed then.
+        """
+        name = message.get("command")
+        rest = {k: v for k, v in message.items() if k != "command"}
+        commands: dict[str, Callable[[dict[str, Plain]], None]] = {
+            "trial": self._try,
+            "execute": self._execute,
+            "cancel": self._cancel,
+            "acknowledge": self._acknowledge,
+            "simulation": self._simulation,
+        }
+        if not isinstance(name, str) or name not in commands:
+            raise UsageError(f"there is no such command; there are {', '.join(commands)}.")
+        commands[name](rest)
+
+    def _try(self, rest: dict[str, Plain]) -> None:
+        self._touched = True
+        self._trial_changed |= self.console.change(rest)
+
+    def _cancel(self, rest: dict[str, Plain]) -> None:
+        self._trial_changed |= self.console.cancel()
+
+    def _execute(self, rest: dict[str, Plain]) -> None:
+        self.console.execute()
+        executed, known = self.console.executed, self.own_ship.situation
+        assert executed is not None
+        self._tracks = {"trial": None, "executed": self._tracks["trial"] or self._tracks["executed"]}
+        self._asked = -math.inf
+        if executed.mode == "track" and self.watch is not None:
+            self.forecaster.follow(self.watch.route.plan, executed.rudder_limit, self.watch.leg)
+        elif self.steered is not None:
+            self.steered.steer(executed)
+        if known is not None:
+            self.scale.begin(known, executed)
+
+    def _acknowledge(self, rest: dict[str, Plain]) -> None:
+        which = rest.get("id")
+        if isinstance(which, bool) or not isinstance(which, int):
+            raise UsageError("an alarm is acknowledged by its id.")
+        self.alarms.acknowledge(which)
+
+    def _simulation(self, rest: dict[str, Plain]) -> None:
+        if self.clock_factor is None:
+            raise UsageError(f"the source {self.source.kind} is not simulated.")
+        wanted = dict(rest)
+        factor, paused = wanted.pop("clock_factor", None), wanted.pop("paused", None)
+        if factor is not None and (
+            isinstance(factor, bool) or not isinstance(factor, (int, float)) or not 0.1 <= factor <= 1000
+        ):
+            raise UsageError("the clock factor is a number from 0.1 to 1000.")
+        if paused is not None and not isinstance(paused, bool):
+            raise UsageError("'paused' is true or false.")
+        if wanted:
+            if self.steered is None:
+                raise UsageError(f"the source {self.source.kind} is not simulated.")
+            self.steered.change(wanted)
+        self.clock_factor = self.clock_factor if factor is None else float(factor)
+        self.paused = self.paused if paused is None else paused
+
+    # What is shown.
+
+    def publish(self) -> None:
+        """Bring the board up to date."""
+        put, own, t = self.board.put, self.own_ship, self.t
+        state = "paused" if self.paused and self.source.state == "running" else self.source.state
+        put("time", {
+            "t": number(t, 9), "utc": self._utc(), "source": self.source.kind, "state": state, "clock_factor": number(self.clock_factor),
+        })  # fmt: skip
+        put("own", own.to_dict())
+        put("sensors", own.sensors.to_list())
+        put("settings", self.console.to_dict())
+        shown = {n: "null" if track is None else track.text for n, track in self._tracks.items()}
+        self.board.put_text("tracks", f'{{"trial":{shown["trial"]},"executed":{shown["executed"]}}}')
+        self.board.put_text("route", "null" if self.watch is None else self.watch.text(t))
+        put("flow", own.flow())
+        message = own.message or self._told or None
+        health = {"state": own.health, "message": message, "rejected": number(own.rejected, 3)}
+        put("adaptation", {"values": [*own.adaptation(), *self.scale.to_list()], "health": health})
+        put("alarms", self.alarms.to_list())
+        put("targets", self.targets.to_list(t))
+        simulation: dict[str, Plain] | None = None
+        if self.steered is not None:
+            simulation = {
+                **self.steered.to_dict(), "clock_factor": number(self.clock_factor), "paused": self.paused,
+                "clock_factors": [1, 2, 4, 8, 16, 32, 64],
+            }  # fmt: skip
+        put("simulation", simulation)
+        put("experiment", None if self.score is None else self.score.to_dict())
+        nothing = {"file": None, "samples": 0, "message": None}
+        put("recording", nothing if self.recording is None else self.recording.to_dict())
+
+    def _utc(self) -> str | None:
+        if self._started is None:
+            return None
+        moment = (self._started + timedelta(seconds=self.t)).astimezone(UTC)
+        return moment.strftime("%Y-%m-%dT%H:%M:%SZ")

@@ -1,0 +1,203 @@
+"""What is predicted: the tracks under the trial and under the executed orders, and where the wheel goes over.
+
+It is a function of a question: it runs in a thread, and nothing else touches the predictor meanwhile.
+"""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.bridge.core.console import SteeringOrder
+from shipid.bridge.shown.plain_values import number, strict_json
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import ShipidError
+from shipid.prediction.following.planned_track import PlannedTrack
+from shipid.prediction.following.track_pilot import TrackOrder, TrackPilot
+from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, TrackPredictor
+
+#: A track is sent with so many points at most.
+_SENT = 200
+
+
+@dataclass(frozen=True)
+class ShownTrack:
+    """A predicted track, or why there is none.
+
+    Attributes
+    ----------
+    track : PredictedTrack or None
+        The track.
+    message : str
+        Why there is none, or why it ends early.
+    """
+
+    track: PredictedTrack | None
+    message: str = ""
+
+    @functools.cached_property
+    def text(self) -> str:
+        """It as JSON, made once."""
+        return strict_json(self.to_dict())
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, SI, of at most 200 points."""
+        track, said = self.track, self.message or None
+        if track is None:
+            empty: dict[str, Plain] = {n: [] for n in ("x", "y", "psi", "s", "t")}
+            return empty | {"half_width": None, "message": said, "beyond": True}
+        kept = np.unique(np.linspace(0, track.s.size - 1, min(_SENT, track.s.size)).round().astype(int))
+        width = track.half_width
+        shown = {
+            n: [number(v, digits) for v in getattr(track, n)[kept].tolist()]
+            for n, digits in (("x", 8), ("y", 8), ("psi", 6), ("s", 6), ("t", 6))
+        }
+        half = None if width is None else [number(v, 4) for v in width[kept].tolist()]
+        return {**shown, "half_width": half, "message": said, "beyond": bool(track.ended)}
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be predicted.
+
+    Attributes
+    ----------
+    t : float
+        When it was asked, in s on the bridge's clock.
+    situation : Situation
+        What is known of the ship.
+    trial, executed : SteeringOrder or None
+        The orders whose tracks are wanted.
+    leg : TrackLeg or None
+        The next leg of the route, where its wheel-over is wanted.
+    rudder_limit : float
+        Of the turn onto that leg, in rad.
+    steer : bool
+        Whether the track pilot is asked what to order.
+    """
+
+    t: float
+    situation: Situation
+    trial: SteeringOrder | None = None
+    executed: SteeringOrder | None = None
+    leg: TrackLeg | None = None
+    rudder_limit: float = 0.1
+    steer: bool = False
+
+
+@dataclass(frozen=True)
+class PredictionAnswer:
+    """What was predicted.
+
+    Attributes
+    ----------
+    question : Question
+        What was asked.
+    trial, executed : ShownTrack or None
+        The tracks that were wanted.
+    wheel_over : WheelOver or None
+        Where the turn onto the next leg begins.
+    order : TrackOrder or None
+        What the track pilot orders.
+    """
+
+    question: Question
+    trial: ShownTrack | None = None
+    executed: ShownTrack | None = None
+    wheel_over: WheelOver | None = None
+    order: TrackOrder | None = None
+
+
+class Forecaster:
+    """Answers questions about the future.
+
+    Parameters
+    ----------
+    predictor : TrackPredictor
+        Predicts the tracks.
+    interval : float
+        Between two questions in s.
+    band : bool
+        Whether the tracks have their bands.
+    """
+
+    def __init__(self, predictor: TrackPredictor, interval: float, *, band: bool = True) -> None:
+        self.predictor, self.interval = predictor, interval
+        self._band = band
+        self._pilot: TrackPilot | None = None
+
+    def follow(self, plan: PlannedTrack, rudder_limit: float, leg: int) -> None:
+        """Begin to steer along a planned track.
+
+        Parameters
+        ----------
+        plan : PlannedTrack
+            The track.
+        rudder_limit : float
+            Of its turns in rad.
+        leg : int
+            The leg the ship is on.
+        """
+        self._pilot = TrackPilot(self.predictor, plan, rudder_limit=rudder_limit)
+        self._pilot.leg = leg
+
+    def answer(self, question: Question) -> PredictionAnswer:
+        """Return what is predicted.
+
+        Parameters
+        ----------
+        question : Question
+            What is to be predicted.
+
+        Returns
+        -------
+        PredictionAnswer
+            What cannot be predicted says why.
+        """
+        order = None
+        if question.steer and self._pilot is not None:
+            try:
+                order = self._pilot.steer(question.situation, self.interval)
+            except ShipidError:
+                order = None
+        turn = None
+        if question.leg is not None:
+            try:
+                turn = wheel_over(self.predictor, question.situation, question.leg, rudder_limit=question.rudder_limit)
+            except ShipidError:
+                turn = None
+        trial = self._forecast(question, question.trial, None)
+        executed = self._forecast(question, question.executed, order)
+        for track in (trial, executed):
+            if track is not None:
+                track.text  # noqa: B018 - written here, in the thread, and not where the page is brought up to date
+        return PredictionAnswer(question, trial, executed, turn, order)
+
+    def _forecast(
+        self, question: Question, steering: SteeringOrder | None, order: TrackOrder | None
+    ) -> ShownTrack | None:
+        if steering is None:
+            return None
+        wanted = steering.order()
+        if order is not None:
+            wanted = {"heading": order.heading, "rudder_limit": order.rudder_limit}
+        try:
+            track = self.predictor.predict(
+                question.situation,
+                **wanted,
+                horizon=HORIZON,
+                points=POINTS,
+                band="linear" if self._band else "none",
+            )
+        except ShipidError as error:
+            return ShownTrack(None, str(error))
+        except (ArithmeticError, ValueError, RuntimeError) as error:
+            return ShownTrack(None, f"nothing can be predicted: {type(error).__name__}.")
+        if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
+            return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
+        return ShownTrack(track, track.ended)

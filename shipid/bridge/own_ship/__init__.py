@@ -1,0 +1,1 @@
+"""The own ship: her sensors, and the filter of her model."""

@@ -1,0 +1,280 @@
+"""The own ship as the filter of her model knows her, sample by sample; a lost sensor does not stop it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.own_ship.sensors import Sensors
+from shipid.bridge.shown.plain_values import number
+from shipid.estimation.errors import FilterDivergedError
+from shipid.estimation.online.online_filter import OnlineEstimate, OnlineFilter
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UsageError
+from shipid.generation.simulator import UnstatedInputError
+from shipid.prediction.situations.filtered_situation import situation_now
+from shipid.prediction.situations.own_ship_filter import BRIDGE, own_ship_filter
+from shipid.prediction.situations.situation import Situation
+
+#: How the filter does.
+Health: TypeAlias = Literal["starting", "well", "doubtful", "diverged", "lost"]
+#: The coefficients that adapt, where the model has them.
+_ADAPTS = ("K", "tau")
+#: The share of rejected samples is that of so many seconds; above this the filter is doubtful, and for so long it starts.
+_RECENT, _DOUBTFUL, _STARTING = 60.0, 0.2, 20.0
+#: After it has diverged the filter says so for this long, in s.
+_AFTERMATH = 60.0
+#: The cruising speed follows the speed with this time constant in s while the ship goes straight, below this rate of turn.
+_CRUISE, _STRAIGHT = 300.0, np.deg2rad(0.03)
+#: Relative standard deviations up to which a coefficient is determined, and weakly determined.
+_DETERMINED, _WEAKLY = 0.1, 0.3
+#: Names of coefficients as they are printed.
+_GREEK = {"tau": "τ", "alpha": "α", "gamma": "γ", "beta": "β"}
+
+
+class OwnShip:
+    """The own ship's state and surroundings, estimated.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot, with the model and the ship.
+
+    Attributes
+    ----------
+    sensors : Sensors
+        What is heard of her.
+    message : str
+        What there is to say of the filter.
+
+    Raises
+    ------
+    UsageError
+        If the model has no position and heading.
+    """
+
+    def __init__(self, pilot: Autopilot) -> None:
+        model = pilot.model
+        if not {"x", "y", "psi"} <= set(model.states):
+            raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
+        shown = {n: level for n, level in BRIDGE.items() if n in (*model.states, *model.derived)}
+        adapts = [n for n in _ADAPTS if n in model.parameters]
+        self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts)
+        self._pilot = pilot
+        self.sensors = Sensors()
+        self.message = ""
+        self._online: OnlineFilter | None = None
+        self._first: dict[str, float] = {}
+        self._estimate: OnlineEstimate | None = None
+        self._situation: Situation | None = None
+        self._began = self._diverged = -math.inf
+        self._t = 0.0
+        self._rejected = 0.0
+        self._cruise: float | None = None
+
+    @property
+    def situation(self) -> Situation | None:
+        """What is known of her; None before the filter has begun, or where she makes no way ahead."""
+        return self._situation
+
+    def take(self, t: float, values: Mapping[str, float]) -> None:
+        """Take what was heard up to a time, also where that is nothing.
+
+        Parameters
+        ----------
+        t : float
+            In s on the bridge's clock, later than the time before.
+        values : mapping of str to float
+            By the names of a trial's columns, SI.
+        """
+        step, self._t = t - self._t, t
+        self.sensors.take(t, values)
+        sample = self._sample(values)
+        if self._online is None:
+            self._first |= sample
+            if not self._begin(t):
+                return
+        else:
+            self._update(t, sample)
+        self._look(step)
+
+    def _sample(self, values: Mapping[str, float]) -> dict[str, float]:
+        """What the filter takes of what was heard."""
+        sample = {n: float(v) for n, v in values.items() if math.isfinite(v)}
+        heard = self.sensors.value
+        if "delta_order" in sample and heard("delta") is None:
+            sample["delta"] = sample["delta_order"]
+        if "u" not in sample and "SOG" in sample and heard("u") is None:
+            sample["u"] = sample["SOG"]
+        if "u" in sample and not sample["u"] > 0 and self._online is None:
+            del sample["u"]
+        if self._cruise is not None:
+            sample["cruise"] = self._cruise
+        return sample
+
+    def _begin(self, t: float) -> bool:
+        """Begin the filter once all that it needs was heard; return whether it has begun."""
+        needed = {"psi": "heading", "u": "speed", "delta": "rudder angle"}
+        lacking = [label for name, label in needed.items() if name not in self._first]
+        if lacking:
+            self.message = f"waiting for the {' and the '.join(lacking)}"
+            return False
+        self._online = self._kalman.start()
+        self._cruise = self._first["u"]
+        try:
+            self._update(t, {**self._first, "cruise": self._cruise})
+        except UnstatedInputError as error:
+            self._online, self.message = None, str(error)
+            return False
+        self._began, self.message = t, ""
+        return True
+
+    def _update(self, t: float, sample: Mapping[str, float]) -> None:
+        assert self._online is not None
+        try:
+            estimate = self._online.update({"t": t, **sample})
+        except FilterDivergedError as error:
+            self._restart(t, str(error))
+            return
+        if not estimate.refused:
+            self._estimate = estimate
+            self._situation = self._known()
+
+    def _restart(self, t: float, why: str) -> None:
+        self._online, self._situation, self._estimate = None, None, None
+        self._first = {}
+        self._diverged, self.message = t, why
+
+    def _known(self) -> Situation | None:
+        assert self._online is not None
+        try:
+            return situation_now(self._online)
+        except UsageError as error:
+            self.message = str(error)
+            return None
+
+    def _look(self, step: float) -> None:
+        """Follow the cruising speed, and the share of samples that are beyond the gate."""
+        if self._estimate is None:
+            return
+        taken, rejected = len(self._estimate.taken), len(self._estimate.rejected)
+        if taken + rejected:
+            self._rejected += min(step / _RECENT, 1.0) * (rejected / (taken + rejected) - self._rejected)
+        known = self._situation
+        if known is None or self._cruise is None:
+            return
+        if "u" in self.sensors.lost or abs(known.values.get("r", 0.0)) > _STRAIGHT:
+            return
+        self._cruise += min(step / _CRUISE, 1.0) * (known.values["u"] - self._cruise)
+
+    @property
+    def rejected(self) -> float:
+        """Share of the recent samples that is beyond the gate."""
+        return self._rejected
+
+    @property
+    def health(self) -> Health:
+        """How the filter does."""
+        if self._t - self._diverged < _AFTERMATH:
+            return "diverged"
+        if self._online is None:
+            return "starting"
+        if "psi" in self.sensors.lost:
+            return "lost"
+        if self._t - self._began < _STARTING:
+            return "starting"
+        return "doubtful" if self._rejected > _DOUBTFUL or self._situation is None else "well"
+
+    def value(self, name: str) -> float | None:
+        """Return an estimate, SI; None where there is none.
+
+        Parameters
+        ----------
+        name : str
+            A quantity of the situation.
+        """
+        return None if self._situation is None else self._situation.values.get(name)
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return what the page shows as the own ship, SI."""
+        known, lost = self._situation, self.sensors.lost
+        found: dict[str, float | None] = dict.fromkeys(("x", "y", "psi", "r", "u", "v", "stw", "sog", "cog"))
+        if known is not None:
+            found |= {n: known.values.get(n) for n in ("x", "y", "psi", "r", "u", "v")}
+            north, east = known.ground_velocity
+            found["stw"] = math.hypot(known.values["u"], known.values.get("v", 0.0))
+            found["sog"], found["cog"] = math.hypot(north, east), math.atan2(east, north) % (2 * math.pi)
+        delta, order = self.sensors.fresh("delta"), self.sensors.fresh("delta_order")
+        places = {"x": "x", "y": "x", "psi": "psi", "r": "r", "u": "u", "stw": "u", "sog": "x", "cog": "x"}
+        estimated = [n for n, sensor in places.items() if sensor in lost]
+        return {
+            **{n: number(v, 7) for n, v in found.items()},
+            "delta": number(delta, 6),
+            "delta_order": number(order, 6),
+            "age": number(self.sensors.youngest, 4),
+            "estimated": [*estimated, "v"] if self.sensors.fresh("v") is None else estimated,
+        }
+
+    def flow(self) -> dict[str, Plain]:
+        """Return the current as it is estimated and the wind as it is measured, SI."""
+        known, current = self._situation, None
+        if known is not None and "current_north" in known.values:
+            north, east = known.current
+            sd = math.hypot(known.std_of("current_north"), known.std_of("current_east")) / math.sqrt(2)
+            current = {
+                "speed": number(math.hypot(north, east), 5),
+                "direction_to": number(math.atan2(east, north) % (2 * math.pi), 5),
+                "sd": number(sd, 3),
+            }
+        speed, to = self.sensors.fresh("wind_speed"), self.sensors.fresh("wind_direction")
+        wind = None
+        if speed is not None and to is not None:
+            wind = {"speed": number(speed, 4), "direction_from": number((to + math.pi) % (2 * math.pi), 5)}
+            wind["measured"] = True
+        return {"current": current, "wind": wind}
+
+    def adaptation(self) -> list[Plain]:
+        """Return the coefficients that adapt, with their standard deviations."""
+        if self._estimate is None:
+            return []
+        model = self._pilot.model
+        return [
+            {
+                "name": name,
+                "label": label_of(name, model[name].unit),
+                "value": number(self._estimate[name], 5),
+                "sd": number(self._estimate.std_of(name), 3),
+                "unit": model[name].unit,
+                "standing": standing_of(self._estimate[name], self._estimate.std_of(name)),
+            }
+            for name in self._kalman.parameters
+        ]
+
+
+def label_of(name: str, unit: str) -> str:
+    """Return a coefficient's name as it is printed: with a star where it has no dimension.
+
+    Parameters
+    ----------
+    name, unit : str
+        Of the coefficient.
+    """
+    head = next((g for g in _GREEK if name.startswith(g)), None)
+    printed = name if head is None else _GREEK[head] + name[len(head) :]
+    return f"{printed}*" if unit == "1" else printed
+
+
+def standing_of(value: float, std: float) -> str:
+    """Return how well a coefficient is known, in a word or two.
+
+    Parameters
+    ----------
+    value, std : float
+        The estimate and its standard deviation.
+    """
+    share = std / max(abs(value), 1e-12)
+    return "determined" if share <= _DETERMINED else "weakly determined" if share <= _WEAKLY else "not determined"

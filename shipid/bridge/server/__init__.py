@@ -1,0 +1,1 @@
+"""The web server of the bridge: the page, its WebSocket, and what is refused."""

@@ -1,0 +1,1 @@
+"""What the page shows, as JSON can hold it."""

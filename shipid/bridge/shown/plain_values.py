@@ -1,0 +1,45 @@
+"""Values as JSON can hold them: numbers that are not finite become null."""
+
+from __future__ import annotations
+
+import json
+import math
+
+from shipid.foundation.aliases import Plain
+
+
+def number(value: float | None, digits: int = 8) -> float | None:
+    """Return a number for JSON with so many significant digits; None where it is not finite.
+
+    Parameters
+    ----------
+    value : float or None
+        The number.
+    digits : int
+        Significant digits.
+    """
+    if value is None or not math.isfinite(value):
+        return None
+    return float(f"{value:.{digits}g}") + 0.0
+
+
+def strict_json(value: Plain) -> str:
+    """Return a value as JSON without NaN and infinity; a number that is not finite is null.
+
+    Parameters
+    ----------
+    value : plain values
+        Dicts, lists, texts, numbers.
+    """
+    try:
+        return json.dumps(value, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+    except ValueError:
+        return json.dumps(_finite(value), allow_nan=False, separators=(",", ":"), ensure_ascii=False)
+
+
+def _finite(value: Plain) -> Plain:
+    if isinstance(value, dict):
+        return {k: _finite(v) for k, v in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_finite(v) for v in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,180 @@
+"""Signal K deltas (specification 1.8) from a server as the source of samples: SI, angles in rad, positive to starboard."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UsageError
+from shipid.trials.logs.geodesy import to_local
+
+#: A trial's column by the path of Signal K.
+_PATHS = {
+    "navigation.headingTrue": "psi", "navigation.rateOfTurn": "r", "navigation.speedThroughWaterLongitudinal": "u",
+    "navigation.speedThroughWaterTransverse": "v", "navigation.speedOverGround": "SOG",
+    "navigation.courseOverGroundTrue": "COG", "steering.rudderAngle": "delta", "steering.rudderAngleTarget": "delta_order",
+    "environment.wind.speedTrue": "wind_speed",
+}  # fmt: skip
+#: A message is no longer than this in bytes; a value no larger than this; seconds until a connection is tried again, from and to.
+_LONGEST, _LARGEST, _AGAIN, _LATEST = 1 << 18, 1e9, 1.0, 10.0
+
+
+class SignalKSource:
+    """Deltas of a Signal K server.
+
+    Parameters
+    ----------
+    url : str
+        ``ws://host:port/signalk/v1/stream``, or ``http://host:port`` for that stream of a server.
+    origin : tuple of float, optional
+        Latitude and longitude in rad of x = y = 0; the first fix by default.
+
+    Raises
+    ------
+    UsageError
+        If the address is none.
+    """
+
+    kind: SourceKind = "signalk"
+    timed = False
+
+    def __init__(self, url: str, origin: tuple[float, float] | None = None) -> None:
+        self._url = stream_of(url)
+        self._origin = origin
+        self._self = "vessels.self"
+        self._values: dict[str, float] = {}
+        self._ahead = False
+        self._connected = False
+        self._told: list[str] = []
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def state(self) -> SourceState:
+        """Lost while there is no connection."""
+        return "running" if self._connected else "lost"
+
+    async def start(self) -> None:
+        """Begin to listen."""
+        self._task = asyncio.create_task(self._connect())
+
+    async def stop(self) -> None:
+        """Listen no more."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+
+    async def _connect(self) -> None:
+        from websockets.asyncio.client import connect
+        from websockets.exceptions import WebSocketException
+
+        wait = _AGAIN
+        while True:
+            with suppress(OSError, WebSocketException, TimeoutError):
+                async with connect(self._url, max_size=_LONGEST, max_queue=16, open_timeout=10) as socket:
+                    self._connected, wait = True, _AGAIN
+                    async for message in socket:
+                        self.feed(message if isinstance(message, str) else message.decode("utf-8", "replace"))
+            self._connected = False
+            await asyncio.sleep(wait)
+            wait = min(2 * wait, _LATEST)
+
+    def feed(self, text: str) -> None:
+        """Take a message as if it had come from the server.
+
+        Parameters
+        ----------
+        text : str
+            A greeting or a delta; anything else is left out.
+        """
+        try:
+            message = json.loads(text)
+        except (ValueError, RecursionError):
+            self._told = ["a message of the Signal K server is no JSON; left out."]
+            return
+        if not isinstance(message, dict):
+            return
+        if isinstance(message.get("self"), str):
+            self._self = message["self"].removeprefix("urn:")
+        context = message.get("context", "vessels.self")
+        if context not in ("vessels.self", self._self, f"vessels.{self._self}"):
+            return
+        updates = message.get("updates")
+        for update in updates if isinstance(updates, list) else []:
+            values = update.get("values") if isinstance(update, dict) else None
+            for entry in values if isinstance(values, list) else []:
+                if isinstance(entry, dict):
+                    self._hear(entry.get("path"), entry.get("value"))
+
+    def _hear(self, path: Plain, value: Plain) -> None:
+        if path == "navigation.position":
+            self._fix(value)
+            return
+        number = _finite(value)
+        if not isinstance(path, str) or number is None:
+            return
+        if path in _PATHS:
+            self._values[_PATHS[path]] = number
+            self._ahead |= _PATHS[path] == "u"
+        elif path == "navigation.speedThroughWater" and not self._ahead:
+            self._values["u"] = number
+        elif path == "environment.wind.directionTrue":
+            self._values["wind_direction"] = number + math.pi
+
+    def _fix(self, value: Plain) -> None:
+        if not isinstance(value, dict):
+            return
+        lat, lon = _finite(value.get("latitude")), _finite(value.get("longitude"))
+        if lat is None or lon is None or abs(lat) > 90 or abs(lon) > 180:
+            return
+        place = math.radians(lat), math.radians(lon)
+        self._origin = self._origin or place
+        north, east = to_local(*place, self._origin)
+        self._values |= {"x": float(north), "y": float(east)}
+
+    def take(self, t: float) -> SourceReading:
+        """Return what has arrived since the reading before; the newest of each quantity counts.
+
+        Parameters
+        ----------
+        t : float
+            In s on the bridge's clock.
+        """
+        values, self._values = self._values, {}
+        told, self._told = tuple(self._told), []
+        return SourceReading(values, (), told)
+
+
+def stream_of(url: str) -> str:
+    """Return the address of the stream of a Signal K server.
+
+    Parameters
+    ----------
+    url : str
+        Of a stream, or of the server.
+
+    Raises
+    ------
+    UsageError
+        If it is neither.
+    """
+    try:
+        parts = urlsplit(url)
+        sound = parts.hostname is not None and (parts.port is None or parts.port > 0)
+    except ValueError:
+        sound = False
+    if not sound or parts.scheme not in ("ws", "wss", "http", "https"):
+        raise UsageError(f"'{url}' is no Signal K server: write signalk:ws://HOST:PORT/signalk/v1/stream.")
+    if parts.scheme in ("ws", "wss"):
+        return url
+    return f"{parts.scheme.replace('http', 'ws')}://{parts.netloc}/signalk/v1/stream?subscribe=self"
+
+
+def _finite(value: Plain) -> float | None:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return None
+    return float(value) if abs(value) < _LARGEST else None

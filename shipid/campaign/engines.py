@@ -1,0 +1,158 @@
+"""Where batches run: threads or processes of this machine, or the workers of a dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from shipid.campaign.campaign import Engine
+from shipid.campaign.errors import CampaignRequestError
+from shipid.foundation.aliases import DaskClient
+from shipid.foundation.errors import MissingExtraError
+
+#: Batches handed to an engine at once, for each of its workers: enough that none waits, few enough to hold in memory.
+_AHEAD = 3
+#: Seconds a scheduler is given to answer.
+_PATIENCE = "10s"
+
+
+@dataclass(frozen=True)
+class Running:
+    """An engine that runs.
+
+    Attributes
+    ----------
+    executor : concurrent.futures.Executor
+        What takes the batches.
+    in_flight : int
+        How many are handed to it at once.
+    words : str
+        What it is.
+    cancels : bool
+        Whether what it has not begun is cancelled when it ends.
+    """
+
+    executor: Executor
+    in_flight: int
+    words: str
+    cancels: bool = True
+
+
+def cores() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[Running]:
+    """Run batches on this machine.
+
+    Parameters
+    ----------
+    engine : {"threads", "processes"}
+        See `Campaign`.
+    workers : int, optional
+        How many; by default one for each processor.
+    batches : int
+        How many there are to run.
+
+    Yields
+    ------
+    Running
+    """
+    count = max(1, min(workers or cores(), batches))
+    before = set(multiprocessing.active_children())
+    executor: Executor
+    if engine == "threads" or count == 1:
+        executor = ThreadPoolExecutor(count)
+        words = f"{count} thread{'s' * (count > 1)}"
+    else:
+        # Fresh processes: a fork would copy the locks of threads that run.
+        executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _only_told_to_stop)
+        words = f"{count} processes"
+    try:
+        yield Running(executor, _AHEAD * count, words)
+    except Exception:
+        executor.shutdown(cancel_futures=True)
+        raise
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        for child in set(multiprocessing.active_children()) - before:
+            child.terminate()  # what it has in hand is run again
+        raise
+    executor.shutdown()
+
+
+def _only_told_to_stop() -> None:
+    """Ctrl-C in a terminal reaches every process of a command; the workers are stopped by the one that started them."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def cluster_engine(address: str) -> Iterator[Running]:
+    """Run batches on the workers of a dask cluster.
+
+    Parameters
+    ----------
+    address : str
+        Of its scheduler: ``"tcp://10.0.0.1:8786"``.
+
+    Yields
+    ------
+    Running
+
+    Raises
+    ------
+    MissingExtraError
+        If dask.distributed is not installed.
+    CampaignRequestError
+        If no scheduler answers there, or it has no workers.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise MissingExtraError(
+            "a campaign on a cluster", "distributed", "cluster", "Without --scheduler it runs on this machine."
+        ) from None
+    try:
+        connect: DaskClient = Client
+        client = connect(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = str(error).splitlines()[0].rstrip(".") if str(error) else type(error).__name__
+        raise CampaignRequestError(f"no scheduler answers at '{address}': {reason}. Check the address.") from None
+    with client, running_on(client) as running:
+        yield running
+
+
+@contextmanager
+def running_on(client: DaskClient) -> Iterator[Running]:
+    """Run batches through a client of dask.
+
+    Parameters
+    ----------
+    client : distributed.Client
+        Connected to a scheduler with workers.
+
+    Yields
+    ------
+    Running
+
+    Raises
+    ------
+    CampaignRequestError
+        If there are no workers.
+    """
+    threads = sum(client.nthreads().values())
+    if not threads:
+        raise CampaignRequestError(f"the scheduler at '{client.scheduler.address}' has no workers; start some first.")
+    # Equal calls are not one call: a batch that is run again is run again.
+    executor = client.get_executor(pure=False)
+    try:
+        yield Running(executor, _AHEAD * threads, f"{len(client.nthreads())} workers at {client.scheduler.address}")
+    finally:
+        executor.shutdown(wait=False)

@@ -1,0 +1,261 @@
+"""A fleet as a campaign: each file of a folder is a run, in which one model is identified from it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from shipid.campaign.campaign import Campaign, Measure, Rows, run_number
+from shipid.campaign.errors import CampaignRequestError
+from shipid.declaration.model import Model
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import ShipidError
+from shipid.generation.system import generate
+from shipid.identification.fit import Fit
+from shipid.identification.identify import identify
+from shipid.identification.uncertainty.estimates import published_names
+from shipid.identification.validation.trial_findings import findings_of
+from shipid.parameters.catalogue import find_model, find_ship
+from shipid.parameters.parameter_file import parameter_table
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.logs.reading import read_trial
+
+#: What may come of a trial.
+IDENTIFIED, NOT_CONVERGED, NOT_IDENTIFIED, NOT_READ, FAULT = (
+    "identified", "did not converge", "not identified", "not read", "a fault of shipid",
+)  # fmt: skip
+#: What stands for the doctor where it could not read the trial.
+NOT_EXAMINED = "not examined"
+#: Columns of a coefficient beside its value.
+PARTS = ("std", "low", "high", "determined")
+#: Files that lie beside trials and are none.
+_NO_TRIALS = {".toml", ".md", ".json", ".html", ".pdf", ".py"}
+
+
+@dataclass(frozen=True)
+class FleetSettings:
+    """What is asked of every trial.
+
+    Attributes
+    ----------
+    model : str
+        A model's name, or path/to/file.py:Class.
+    ship : str or None
+        A ship's name, or the path of a parameter set.
+    format : str or None
+        A trial format file.
+    window : tuple of float or None
+        Part of every trial, in seconds of its clock.
+    estimate : tuple of str or None
+        Coefficients to estimate; the model's own choice by default.
+    starts : int
+        Starting points of each search.
+    search_seed : int
+        Of the random ones: the same for every trial, so that a row is what `shipid.identify` gives for it.
+    """
+
+    model: str
+    ship: str | None = None
+    format: str | None = None
+    window: tuple[float | None, float | None] | None = None
+    estimate: tuple[str, ...] | None = None
+    starts: int = 5
+    search_seed: int = 0
+
+
+def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
+    """Return the campaign that identifies a model from each trial of a folder.
+
+    Parameters
+    ----------
+    folder : str or Path
+        Its files are the trials, in the order of their names; hidden files, folders, and files of kinds that are no logs (TOML,
+        JSON, HTML, Markdown, PDF, Python) are left out.
+    settings : FleetSettings
+        What is asked of each.
+
+    Returns
+    -------
+    Campaign
+
+    Raises
+    ------
+    CampaignRequestError
+        If there are no files.
+    ShipidError
+        If there is no such model or ship.
+    """
+    folder = Path(folder)
+    files = trial_files(folder)
+    if not files:
+        raise CampaignRequestError(f"there are no trials in '{folder}'. Give the folder that holds their files.")
+    model = find_model(settings.model)
+    ship = find_ship(settings.ship) if settings.ship else None
+    names = coefficients_of(model, settings.estimate)
+    measures = {
+        "trial": Measure("text", meaning="file"),
+        "outcome": Measure("text", meaning="what came of it"),
+        "message": Measure("text", meaning="why"),
+        "doctor": Measure("text", meaning="serious findings on the trial"),
+        "samples": Measure("value", meaning="samples of the trial"),
+        "chi_square": Measure("value", meaning="mean squared weighted residual per degree of freedom"),
+    }
+    for name, unit in names.items():
+        measures[name] = Measure("value", unit, model[name].quantity.meaning)
+        measures |= {f"{name}_{part}": Measure("value", unit, part) for part in PARTS[:3]}
+        measures[f"{name}_{PARTS[3]}"] = Measure("event", meaning=f"whether the trial determines {name}")
+    digests = [hashlib.sha256((folder / f).read_bytes()).hexdigest() for f in files]
+    about = [asdict(settings), files, digests, generate(model).digest, None if ship is None else parameter_table(ship)]
+    identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()
+    run = FleetRun(str(folder.absolute()), tuple(files), settings, tuple(names))
+    return Campaign("fleet", run, measures, batch=1, engine="processes", most=len(files), identity=identity)
+
+
+def trial_files(folder: Path) -> list[str]:
+    """Return the names of the files in a folder that are to be read as trials, in order.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder.
+    """
+    return sorted(
+        p.name for p in folder.iterdir()
+        if p.is_file() and not p.name.startswith(".") and p.suffix.lower() not in _NO_TRIALS
+    )  # fmt: skip
+
+
+def coefficients_of(model: Model, estimate: tuple[str, ...] | None) -> dict[str, str]:
+    """Return the coefficients that a fleet has columns for, with their units.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    estimate : tuple of str or None
+        What is to be estimated; by default what the model declares so.
+    """
+    wanted = estimate or tuple(n for n in model.parameters if model[n].quantity.estimated)
+    names = dict.fromkeys([*wanted, *published_names(model)])
+    return {n: model[n].unit for n in names}
+
+
+@dataclass(frozen=True)
+class FleetRun:
+    """One run of a fleet: it reads a file, asks the doctor, and identifies; whatever fails is a row that says so.
+
+    Attributes
+    ----------
+    folder : str
+        Where the files lie; a worker elsewhere has to see it.
+    files : tuple of str
+        In order.
+    settings : FleetSettings
+        What is asked of each.
+    names : tuple of str
+        Coefficients with columns.
+    """
+
+    folder: str
+    files: tuple[str, ...]
+    settings: FleetSettings
+    names: tuple[str, ...]
+
+    def __call__(self, rng: np.random.Generator) -> dict[str, Plain]:
+        """Return the row of one trial.
+
+        Parameters
+        ----------
+        rng : numpy.random.Generator
+            Says which one; nothing is drawn from it.
+
+        Raises
+        ------
+        CampaignRequestError
+            If the folder is not seen from here.
+        """
+        if not Path(self.folder).is_dir():
+            raise CampaignRequestError(
+                f"the worker does not see the folder '{self.folder}'; share it, or run without a cluster."
+            )
+        file = self.files[run_number(rng)]
+        row: dict[str, Plain] = {
+            "trial": file,
+            "outcome": "",
+            "message": "",
+            "doctor": NOT_EXAMINED,
+            "samples": np.nan,
+            "chi_square": np.nan,
+        }
+        row |= {column: np.nan for n in self.names for column in (n, *(f"{n}_{part}" for part in PARTS))}
+        try:
+            self._fill(row, Path(self.folder) / file)
+        except Exception as error:  # one trial does not end a campaign
+            row |= {"outcome": FAULT, "message": f"{type(error).__name__}: {error}"}
+        return row
+
+    def _fill(self, row: dict[str, Plain], path: Path) -> None:
+        asked = self.settings
+        ship = find_ship(asked.ship) if asked.ship else None
+        try:
+            trial = read_trial(path, format=asked.format, window=asked.window)
+        except ShipidError as error:
+            row |= {
+                "outcome": NOT_READ,
+                "message": str(error),
+                "doctor": _examined(lambda: check_trial(path, ship, asked.format)),
+            }
+            return
+        row["samples"] = len(trial)
+        row["doctor"] = _examined(lambda: check_trial(trial, ship))
+        try:
+            fit = identify(
+                find_model(asked.model), [trial], ship=ship, estimate=asked.estimate, starts=asked.starts, seed=asked.search_seed
+            )  # fmt: skip
+        except ShipidError as error:
+            row |= {"outcome": NOT_IDENTIFIED, "message": str(error)}
+            return
+        bearing = [
+            f.finding.kind
+            for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs)
+            if f.finding.serious and f.bears
+        ]
+        row |= {
+            "doctor": ", ".join(dict.fromkeys(bearing)),
+            "chi_square": fit.chi_square,
+            **_coefficients(fit, self.names),
+        }
+        row["outcome"] = IDENTIFIED if fit.converged else NOT_CONVERGED
+        row["message"] = "" if fit.converged else fit.message
+
+
+def _examined(examine: Callable[[], Plain]) -> str:
+    """Kinds of the serious findings of the doctor, or that it could not read the file either."""
+    try:
+        return ", ".join(dict.fromkeys(f.kind for f in examine().findings if f.serious))
+    except ShipidError:
+        return NOT_EXAMINED
+
+
+def _coefficients(fit: Fit, names: tuple[str, ...]) -> Rows | dict[str, Plain]:
+    """Columns of the coefficients; what a search that did not converge ended with is no value."""
+    row: dict[str, Plain] = {}
+    for name in names:
+        found = fit.parameters.get(name)
+        if found is None or not fit.converged:
+            continue
+        low, high = found.ci95 or (None, None)
+        row[f"{name}_determined"] = float(found.identifiable)
+        for column, value in (
+            (name, found.value),
+            (f"{name}_std", found.std),
+            (f"{name}_low", low),
+            (f"{name}_high", high),
+        ):
+            row[column] = np.nan if value is None else value
+    return row

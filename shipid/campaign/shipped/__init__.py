@@ -1,0 +1,1 @@
+"""Campaigns that come with the installation: one file each, found by name."""

@@ -1,0 +1,168 @@
+"""The sheet of a trial day as data: the manoeuvres with their numbers, the limits beside them, the conditions, what was not measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from shipid.criteria.measured.measured_criteria import MeasuredCriterion
+from shipid.declaration.vocabulary import to_display
+from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
+from shipid.trials.conditions import Conditions
+from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: The turns of a wheelhouse poster.
+QUARTERS = (90, 180, 270, 360)
+
+
+@dataclass(frozen=True, eq=False)
+class SheetManoeuvre:
+    """One manoeuvre of the day.
+
+    Attributes
+    ----------
+    number : int
+        On the sheet, from 1.
+    measures : Measures
+        Its numbers.
+    record : Trial
+        The part of the log it was measured in.
+    """
+
+    number: int
+    measures: Measures
+    record: Trial
+
+    @property
+    def title(self) -> str:
+        """What it is called, with its number: ``1. zig-zag 20/20, first to port``."""
+        side = getattr(self.measures, "first_side", "")
+        return f"{self.number}. {self.measures.title}" + (f", first to {side}" if side else "")
+
+
+@dataclass(frozen=True)
+class NotMeasured:
+    """A log, or a manoeuvre of it, without numbers.
+
+    Attributes
+    ----------
+    trial : str
+        Its name.
+    why : str
+        The reason.
+    """
+
+    trial: str
+    why: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TrialSheet:
+    """What was sailed and what it measured.
+
+    Attributes
+    ----------
+    conditions : Conditions
+        What is stated of the ship, her loading, the surroundings and the trial.
+    length : float or None
+        Ship length in m, where it is known.
+    manoeuvres : tuple of SheetManoeuvre
+        In the order of the logs and of time.
+    criteria : tuple of MeasuredCriterion
+        Their quantities beside the limits of MSC.137(76) 5.3.
+    not_measured : tuple of NotMeasured
+        Logs and manoeuvres without numbers, with the reason.
+    warnings : tuple of Notice
+        What has to be known beside the numbers.
+    """
+
+    conditions: Conditions
+    length: float | None
+    manoeuvres: tuple[SheetManoeuvre, ...]
+    criteria: tuple[MeasuredCriterion, ...]
+    not_measured: tuple[NotMeasured, ...]
+    warnings: tuple[Notice, ...]
+
+    def circles(self) -> Iterator[tuple[SheetManoeuvre, TurningCircle]]:
+        """Yield the turning circles: those of the wheelhouse poster."""
+        for sailed in self.manoeuvres:
+            if isinstance(sailed.measures, TurningCircle):
+                yield sailed, sailed.measures
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values; None for what is not known, and for the blanks of the record."""
+        return {
+            "conditions": self.conditions.to_dict(),
+            "length": {"value": self.length, "unit": "m"},
+            "manoeuvres": [{"number": m.number, "title": m.title, **m.measures.to_dict()} for m in self.manoeuvres],
+            "criteria": [row.to_dict() for row in self.criteria],
+            "not_measured": [{"trial": one.trial, "why": one.why} for one in self.not_measured],
+            "warnings": plain_notices(self.warnings),
+        }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return one row a number of every manoeuvre: manoeuvre, title, quantity, value, unit, meaning."""
+        import pandas as pd
+
+        frames = [m.measures.to_frame().assign(manoeuvre=m.number, title=m.measures.title) for m in self.manoeuvres]
+        columns = ["manoeuvre", "title", "quantity", "value", "unit", "meaning"]
+        return pd.concat(frames, ignore_index=True)[columns] if frames else pd.DataFrame(columns=columns)
+
+    def __repr__(self) -> str:
+        lines = [f"Trial sheet: {len(self.manoeuvres)} manoeuvres"]
+        for m in self.manoeuvres:
+            lines.append(f"  {m.title} ({m.measures.trial})")
+            lines += [f"       {text}" for text in _brief(m.measures, self.length)]
+        if self.criteria:
+            lines.append("  beside the limits of MSC.137(76) 5.3:")
+        for row in self.criteria:
+            value = "not known" if row.value is None else f"{row.value:.3g}"
+            margin = "" if row.uncertainty is None or row.value is None else f" ± {row.uncertainty:.2g}"
+            words = f"; {row.words}" if row.words else ""
+            head = f"    {row.manoeuvre}. {row.meaning}"
+            lines.append(
+                f"{head:<42s} {value + margin:>14s} {row.unit:<4s} limit {row.limit_text:<26s} {row.verdict}{words}"
+            )
+        lines += [f"  not measured: {one.trial}: {one.why}" for one in self.not_measured]
+        return "\n".join([*lines, *(f"  {n}" for n in self.warnings)])
+
+
+def _brief(measures: Measures, length: float | None) -> Iterator[str]:
+    """The numbers that people ask for first."""
+    shown = {n: (v, u) for n, v, u, _ in measures.quantities()}
+
+    def number(name: str) -> str:
+        value, unit = shown[name]
+        return "not known" if value is None else f"{value:.4g} {unit}"
+
+    if isinstance(measures, TurningCircle):
+        for name in ("advance", "transfer", "tactical_diameter"):
+            value = shown[name][0]
+            ratio = f" ({value / length:.3g} L)" if value is not None and length else ""
+            yield f"{name.replace('_', ' ')} {number(name)}{ratio}"
+    elif "overshoots" in shown:
+        values = [v for v in shown["overshoots"][0] or ()]
+        listed = ", ".join("not known" if v is None else f"{v:.3g}" for v in values[:4])
+        yield f"overshoots {listed or 'none'} deg; period {number('period')}"
+    elif "loop_width" in shown:
+        yield f"loop width {number('loop_width')}, loop height {number('loop_height')}"
+    elif "residual_rate" in shown:
+        yield f"residual rate of turn {number('residual_rate')}"
+
+
+def rudder_of(measures: Measures) -> float | None:
+    """Return the rudder angle of a manoeuvre in degrees, starboard positive, or None.
+
+    Parameters
+    ----------
+    measures : Measures
+        Its numbers.
+    """
+    return None if measures.rudder is None else float(to_display(measures.rudder, "delta"))

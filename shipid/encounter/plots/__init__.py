@@ -1,0 +1,1 @@
+"""Plots of radar, lidar and AIS: what they are, and reading them from logs."""

@@ -1,0 +1,230 @@
+"""Plots in logs of sentences: targets that a radar tracks (TTM), and ships that report themselves (AIS)."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from shipid.encounter.plots.plots import Sensor
+from shipid.encounter.plots.raw_plots import RawPlots
+from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import MissingExtraError
+from shipid.trials.errors import EmptyFileError, NonFiniteError
+from shipid.trials.logs.nmea.opening import encoding_of
+from shipid.trials.logs.nmea.sentences.fields import CARRIED
+from shipid.trials.logs.nmea.sentences.lines import DAY, Sentence, checksum, split_line, stamp_reader, tag_time
+from shipid.trials.logs.tables.opening import opened
+
+#: Metres a unit of TTM's range.
+_UNITS = {"K": 1000.0, "N": 1852.0, "S": 1609.344}
+#: The sentences that tell where own ship is and heads.
+_POSITIONS, _HEADINGS = ("GGA", "RMC", "GLL"), ("THS", "HDT")
+#: AIS messages with a position, and what stands for none.
+_REPORTS, _NO_LATITUDE, _NO_LONGITUDE = (1, 2, 3, 18, 19, 27), 91.0, 181.0
+_NAN = float("nan")
+
+
+@dataclass
+class _Found:
+    """What has been read."""
+
+    t: list[float] = field(default_factory=list)
+    label: list[str] = field(default_factory=list)
+    range: list[float] = field(default_factory=list)
+    bearing: list[float] = field(default_factory=list)
+    lat: list[float] = field(default_factory=list)
+    lon: list[float] = field(default_factory=list)
+    own: list[tuple[float, float, float]] = field(default_factory=list)
+    left_out: int = 0
+
+
+def holds_plots(file: Path) -> bool:
+    """Return whether a log holds sentences with plots.
+
+    Parameters
+    ----------
+    file : Path
+        The file.
+    """
+    data, _ = opened(file)
+    head = data[:2_000_000]
+    return b"TTM," in head or b"!AIVDM," in head or b"!BSVDM," in head
+
+
+def plots_of_sentences(file: Path) -> RawPlots:
+    """Read the targets of a log of NMEA 0183 sentences: TTM, or AIS where there is no TTM.
+
+    Parameters
+    ----------
+    file : Path
+        The file. Each line may begin with a logger's time stamp or a TAG block; without, the time in TTM counts.
+
+    Returns
+    -------
+    RawPlots
+
+    Raises
+    ------
+    EmptyFileError
+        If no target has a position.
+    NonFiniteError
+        If nothing tells the time of the targets.
+    MissingExtraError
+        If AIS has to be decoded and pyais is not installed.
+    """
+    data, _ = opened(file)
+    found = _Found()
+    lines = list(_sentences(data.decode(encoding_of(file), "replace")))
+    radar = any(s.address.endswith("TTM") for _, s in lines)
+    _collect(lines, found, radar)
+    if not found.t:
+        raise EmptyFileError(f"'{file}' holds no target with a position: no TTM with a range, and no AIS position.")
+    t = np.array(found.t)
+    if not np.isfinite(t).any():
+        raise NonFiniteError(
+            f"nothing in '{file}' tells the time of its targets. Log each line with a time stamp before it."
+        )
+    own = np.array(sorted(found.own)).reshape(-1, 3)
+    if radar:
+        columns = {"range": np.array(found.range), "bearing": np.array(found.bearing)}
+    else:
+        columns = {"lat": np.array(found.lat), "lon": np.array(found.lon)}
+    if len(own):
+        columns |= {name: np.interp(t, own[:, 0], own[:, k]) for k, name in ((1, "own_lat"), (2, "own_lon"))}
+    label = np.array(found.label)
+    period = _repeated(t, label)
+    kept = _thinned(t, label, period)
+    columns = {name: values[kept] for name, values in columns.items()}
+    sensor = (
+        Sensor("radar", range_std=30.0, bearing_std=math.radians(0.5), period=period)
+        if radar
+        else Sensor("AIS", position_std=10.0, period=period)
+    )
+    notes = []
+    if found.left_out:
+        notes.append(f"{found.left_out} targets left out: lost, or without a position or a heading to count from.")
+    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(notes))
+
+
+def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
+    """Each whole sentence with the time its logger gave it; a time of day goes on over midnight."""
+    read, days, last = stamp_reader("auto"), 0.0, -math.inf
+    for line in io.StringIO(text):
+        sentence = split_line(line.rstrip("\r\n"))
+        if sentence is None or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
+            continue
+        stamp = tag_time(sentence.front)[0] or read(sentence.front)
+        at = _NAN
+        if stamp is not None:
+            at = stamp.time
+            if not stamp.dated:
+                days += DAY if at + days < last - DAY / 2 else 0.0
+                at += days
+            last = at
+        yield at, sentence
+
+
+def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) -> None:
+    heading = utc = _NAN
+    parts: dict[str, list[str]] = {}
+    for at, sentence in lines:
+        fields = sentence.text.split(",")
+        kind = sentence.address[-3:]
+        try:
+            if kind in CARRIED:
+                names, take = CARRIED[kind]
+                known = dict(zip(names, take(fields)))
+                if kind in _HEADINGS:
+                    heading = known["heading"] if math.isfinite(known["heading"]) else heading
+                if kind in _POSITIONS:
+                    utc = known["utc"] if math.isfinite(known["utc"]) else utc
+                    when = at if math.isfinite(at) else utc
+                    if math.isfinite(when + known["lat"] + known["lon"]):
+                        found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
+            elif kind == "TTM":
+                _take_ttm(fields, at, utc, heading, found)
+            elif kind == "VDM" and not radar:
+                _take_ais(fields, sentence, at, utc, parts, found)
+        except ValueError:
+            found.left_out += 1
+
+
+def _take_ttm(fields: list[str], at: float, utc: float, heading: float, found: _Found) -> None:
+    """Number, range, bearing and whose; unit, status, time."""
+    fields = fields + [""] * (16 - len(fields))
+    clock = fields[14]
+    said = _NAN
+    if len(clock) >= 6 and clock[:6].isdigit():
+        said = int(clock[:2]) * 3600.0 + int(clock[2:4]) * 60.0 + float(clock[4:])
+    when = next((w for w in (at, said, utc) if math.isfinite(w)), _NAN)
+    unit = _UNITS.get(fields[10])
+    bearing = float(fields[3]) if fields[3] else _NAN
+    if fields[4] == "R":
+        bearing += heading
+    if unit is None or fields[12] == "L" or not fields[2] or not math.isfinite(bearing):
+        found.left_out += 1
+        return
+    found.t.append(when)
+    found.label.append(fields[1])
+    found.range.append(float(fields[2]) * unit)
+    found.bearing.append(math.radians(bearing))
+
+
+def _take_ais(
+    fields: list[str], sentence: Sentence, at: float, utc: float, parts: dict[str, list[str]], found: _Found
+) -> None:
+    """A message of one sentence or several."""
+    try:
+        import pyais
+        from pyais.exceptions import AISBaseException
+    except ImportError:
+        raise MissingExtraError("reading AIS", "pyais", "ais", "Targets of a radar (TTM) need no package.") from None
+    text = sentence.text + (f"*{sentence.checksum}" if sentence.checksum else "*" + checksum(sentence.text[1:]))
+    whole = [text]
+    if fields[1] != "1":
+        key = f"{fields[3]}{fields[4]}"
+        whole = parts.setdefault(key, [])
+        whole.append(text)
+        if len(whole) < int(fields[1]):
+            return
+        del parts[key]
+    try:
+        message: Plain = pyais.decode(*whole)
+    except AISBaseException:
+        found.left_out += 1
+        return
+    if message.msg_type not in _REPORTS:
+        return
+    if abs(message.lat) >= _NO_LATITUDE or abs(message.lon) >= _NO_LONGITUDE:
+        found.left_out += 1
+        return
+    found.t.append(at if math.isfinite(at) else utc)
+    found.label.append(str(message.mmsi))
+    found.lat.append(math.radians(message.lat))
+    found.lon.append(math.radians(message.lon))
+
+
+def _repeated(t: np.ndarray, label: np.ndarray) -> float | None:
+    """The usual time after which a target comes again, s."""
+    steps = [np.diff(np.sort(t[label == name])) for name in np.unique(label)]
+    together = np.concatenate(steps) if steps else np.zeros(0)
+    together = together[together > 0]
+    return float(np.median(together)) if together.size else None
+
+
+def _thinned(t: np.ndarray, label: np.ndarray, period: float | None) -> np.ndarray:
+    """The rows that are kept: of what a target reports within half the usual time, the first."""
+    order = np.argsort(t, kind="stable")
+    last: dict[str, float] = {}
+    kept = []
+    for row in order:
+        name = label[row]
+        if period is None or not t[row] - last.get(name, -math.inf) < 0.5 * period:
+            last[name] = t[row]
+            kept.append(int(row))
+    return np.array(kept, int)

@@ -1,0 +1,199 @@
+"""How a target may move: the modes of one declared model, and its generated prediction for many targets at once."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from shipid.declaration.model import Model
+from shipid.encounter.errors import EncounterRequestError
+from shipid.estimation.recursion import covariance_form
+from shipid.estimation.recursion.equations import make_equations
+from shipid.estimation.settings.noise import NoiseSource
+from shipid.generation.loop import Loop, make_loop
+
+#: The states that the association reads, in their order; further states follow.
+STATES = ("x", "y", "vx", "vy", "more")
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One way a target may move.
+
+    Attributes
+    ----------
+    label : str
+        What a figure or a table calls it.
+    turn : float
+        Value of the model's input: rate of turn in rad/s or curvature in rad/m, positive to starboard.
+    acceleration : float
+        Density of the white noise that drives each velocity, m/s^1.5.
+    low, high : float
+        Bounds of the turn, where the tracker adjusts it.
+    more : float
+        Standard deviation of the estimated part of the turn when a track begins, in the unit of `turn`; zero fixes it.
+    stays : float
+        Mean time a target keeps the mode, s.
+    """
+
+    label: str
+    turn: float = 0.0
+    acceleration: float = 0.25
+    low: float = 0.0
+    high: float = 0.0
+    more: float = 0.0
+    stays: float = 60.0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The modes of a target and how the tracker treats them.
+
+    Attributes
+    ----------
+    model : Model
+        A declared model with the states x, y, vx, vy and more, and one input: the turn.
+    modes : tuple of Mode
+        The one that moves straight on comes first where a track begins.
+    structure : {"fixed", "variable", "grid"}
+        Whether the turns of the modes stay as they are, follow their own estimates, or follow the mode probabilities.
+    """
+
+    model: Model
+    modes: tuple[Mode, ...]
+    structure: str = "fixed"
+
+    def __post_init__(self) -> None:
+        """Refuse modes that cannot be meant."""
+        if not self.modes:
+            raise EncounterRequestError("a motion needs at least one mode.")
+        if set(STATES) != set(self.model.states) or len(self.model.inputs) != 1:
+            raise EncounterRequestError(
+                f"model {self.model.name} is no motion of a target: it has to have the states {', '.join(STATES)} and one input."
+            )
+        for mode in self.modes:
+            if not (mode.acceleration > 0 and mode.stays > 0 and mode.more >= 0 and mode.low <= mode.high):
+                raise EncounterRequestError(
+                    f"mode '{mode.label}' needs a positive acceleration noise and a positive mean time, and bounds in order."
+                )
+        if self.structure == "fixed":
+            return
+        bounds = sorted((m.low, m.high, m.label) for m in self.modes)
+        for (_, high, one), (low, _, other) in itertools.pairwise(bounds):
+            if high > low:
+                raise EncounterRequestError(
+                    f"the bounds of the modes '{one}' and '{other}' overlap: a turn would belong to both."
+                )
+
+    @property
+    def transitions(self) -> np.ndarray:
+        """Where a target goes that leaves a mode, shape (modes, modes): straight modes are entered as often as all turns."""
+        turning = np.array([m.turn != 0 for m in self.modes], float)
+        entered = np.where(turning > 0, 1.0 / max(turning.sum(), 1.0), 1.0 / max((1 - turning).sum(), 1.0))
+        rows = np.tile(entered, (len(self.modes), 1)) * (1 - np.eye(len(self.modes)))
+        total = rows.sum(axis=1, keepdims=True)
+        return np.asarray(rows / np.where(total > 0, total, 1.0))
+
+    def switching(self, interval: float) -> np.ndarray:
+        """Return the probabilities of the mode after an interval, one row a mode before it.
+
+        Parameters
+        ----------
+        interval : float
+            In s.
+
+        Returns
+        -------
+        ndarray, shape (modes, modes)
+        """
+        if len(self.modes) == 1:
+            return np.ones((1, 1))
+        stays = np.exp(-interval / np.array([m.stays for m in self.modes]))[:, None]
+        return np.asarray(stays * np.eye(len(self.modes)) + (1 - stays) * self.transitions)
+
+    @property
+    def first_probabilities(self) -> np.ndarray:
+        """Mode probabilities of a new track, shape (modes,): those of a target that was left alone for long."""
+        found = np.full(len(self.modes), 1.0 / len(self.modes))
+        step = self.switching(10.0)
+        for _ in range(200):
+            found = found @ step
+        return found
+
+    def predict(self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
+        """Predict many targets over an interval, each in each mode.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n, modes, 5)
+            Estimates in the order of `STATES`.
+        P : ndarray, shape (n, modes, 5, 5)
+            Their covariances.
+        turn : ndarray, shape (n, modes)
+            The turn of each mode.
+        interval : float
+            In s.
+
+        Returns
+        -------
+        x, P : ndarray
+            After the interval.
+        """
+        n, modes, size = x.shape
+        if not n:
+            return x, P
+        i, j = _triangle(size)
+        level = np.tile([m.acceleration for m in self.modes], (n, 1))
+        rows = np.concatenate(
+            [x, P[:, :, i, j], turn[..., None], level[..., None], np.full((n, modes, 1), interval)], axis=2
+        )
+        _, out = _generated(self.model)(np.zeros(1), rows.reshape(n * modes, -1), np.zeros(0))
+        out = out.reshape(n, modes, -1)
+        P_next = np.empty_like(P)
+        P_next[:, :, i, j] = P_next[:, :, j, i] = out[:, :, size:]
+        return out[:, :, :size], P_next
+
+
+def _triangle(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the packed upper triangle, in the order of `covariance_form.pack`."""
+    pairs = np.array([(i, j) for j in range(size) for i in range(j + 1)])
+    return pairs[:, 0], pairs[:, 1]
+
+
+@functools.lru_cache(maxsize=8)
+def _generated(model: Model) -> Loop:
+    """The prediction of one target in one mode as a step without memory: a record is a list of targets."""
+    sources = tuple(NoiseSource(name, 1.0, "state", True) for name in ("vx", "vy"))
+    equations = make_equations(model, ("x", "y"), sources, "rk4", "zero", 3)
+    order = [equations.system.states.index(name) for name in STATES]
+    size = len(STATES)
+    row = ca.SX.sym("row", size + covariance_form.size(size) + 3)
+    x, packed = row[:size], row[size:-3]
+    own, cov = ca.SX(size, 1), covariance_form.unpack(packed, size)
+    reordered = ca.SX(size, size)
+    for a, i in enumerate(order):
+        own[i] = x[a]
+        for b, j in enumerate(order):
+            reordered[i, j] = cov[a, b]
+    ahead, spread = ca.substitute(
+        [equations.advanced, covariance_form.predicted(equations, reordered)],
+        [equations.joint, equations.u0, equations.u1, equations.T, equations.p, equations.levels, equations.scale],
+        [
+            own,
+            row[-3],
+            row[-3],
+            row[-1],
+            ca.SX(equations.p.shape[0], 1),
+            ca.vertcat(row[-2], row[-2]),
+            ca.SX.ones(2, 1),
+        ],
+    )
+    out = ca.vertcat(ahead[order], covariance_form.pack(spread[order, order]))
+    memory = ca.SX.sym("memory", 1)
+    out = ca.cse([ca.densify(out)])[0]
+    step = ca.Function("predict_targets", [memory, row, ca.SX.sym("none", 0)], [memory, out])
+    return make_loop(step)

@@ -1,0 +1,154 @@
+"""Tracks as a result: where each target is and was, how sure that is, and how close she comes to own ship."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shipid.encounter.plots.plots import Plots
+from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.scoring import Score
+from shipid.encounter.tracking.target_track import TargetTrack
+from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, plain_notices
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns of the tracks and their units.
+UNITS: Mapping[str, str] = {
+    "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
+    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Tracking:
+    """The tracks of a log; made by `track`.
+
+    Attributes
+    ----------
+    name : str
+        Of the log.
+    tracker : str
+        Which tracker.
+    modes : tuple of str
+        Labels along the mode probabilities.
+    tracks : sequence of TargetTrack
+        The confirmed ones, by number.
+    plots : Plots
+        What they were made from.
+    latency : mapping of str to (float, float)
+        Latency of each sensor and its standard deviation, s.
+    own : ShipPath or None
+        Own ship.
+    relative : bool
+        Whether positions and velocities are relative to own ship.
+    truth : tuple of ShipPath
+        The true tracks, where they are known.
+    score : Score or None
+        How the tracks compare with them.
+    warnings : tuple of Notice
+        What limits the result.
+    """
+
+    name: str
+    tracker: str
+    modes: tuple[str, ...]
+    tracks: Sequence[TargetTrack]
+    plots: Plots
+    latency: Mapping[str, tuple[float, float]]
+    own: ShipPath | None = None
+    relative: bool = False
+    truth: tuple[ShipPath, ...] = ()
+    score: Score | None = None
+    warnings: tuple[Notice, ...] = ()
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the tracks as a pandas table, one row a track and scan, SI; ``attrs["units"]`` holds the units."""
+        import pandas as pd
+
+        parts = []
+        for one in self.tracks:
+            spread = np.sqrt(np.maximum(np.diagonal(one.P, axis1=1, axis2=2), 0.0))
+            columns = (
+                np.full(one.t.size, one.number), one.t, *one.x.T, one.speed, one.course, one.turn_rate, *spread.T,
+                one.existence, one.held.astype(int),
+            )  # fmt: skip
+            part = dict(zip(UNITS, columns))
+            part |= {f"mode_{label}": one.mu[:, k] for k, label in enumerate(self.modes)}
+            parts.append(pd.DataFrame(part))
+        empty = pd.DataFrame({name: np.zeros(0) for name in [*UNITS, *(f"mode_{m}" for m in self.modes)]})
+        frame = pd.concat(parts, ignore_index=True) if parts else empty
+        frame.attrs["units"] = {**UNITS, **{f"mode_{m}": "1" for m in self.modes}}
+        return frame
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values for JSON, free of NaN: each track as it stands at its end."""
+        first, last = self.plots.span
+        return {
+            "name": self.name,
+            "tracker": self.tracker,
+            "modes": list(self.modes),
+            "plots": len(self.plots),
+            "scans": len(self.plots.scans),
+            "span": {"value": last - first, "unit": "s"},
+            "frame": self.plots.frame,
+            "relative": self.relative,
+            "latency": {name: {"value": value, "unit": "s", "std": std} for name, (value, std) in self.latency.items()},
+            "tracks": [self._plain(one) for one in self.tracks],
+            "score": None if self.score is None else self.score.to_dict(),
+            "warnings": plain_notices(self.warnings),
+        }
+
+    def _plain(self, one: TargetTrack) -> dict[str, Plain]:
+        spread = np.sqrt(np.maximum(np.diagonal(one.P[-1]), 0.0))
+        values = (*one.x[-1], one.speed[-1], one.course[-1], one.turn_rate[-1])
+        names = ("x", "y", "vx", "vy", "SOG", "COG", "turn_rate")
+        known: dict[str, Plain] = {n: {"value": float(v), "unit": UNITS[n]} for n, v in zip(names, values)}
+        for name, std in zip(names, spread):
+            known[name]["std"] = float(std)
+        return {
+            "number": one.number,
+            "status": one.status,
+            "first": {"value": float(one.t[0]), "unit": "s"},
+            "last": {"value": float(one.t[-1]), "unit": "s"},
+            "existence": float(one.existence[-1]),
+            "state": known,
+            "mode_probabilities": dict(zip(self.modes, map(float, one.mu[-1]))),
+            "closest_approach": None if one.approach is None else one.approach.to_dict(),
+        }
+
+    def __repr__(self) -> str:
+        first, last = self.plots.span
+        held = sum(one.status == "held" for one in self.tracks)
+        lines = [
+            f"tracks of {self.name} ({self.tracker}): {len(self.tracks)} confirmed, {held} held at the end; "
+            f"{len(self.plots)} plots in {len(self.plots.scans)} scans, {last - first:.0f} s"
+        ]
+        if self.tracks:
+            ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
+            lines.append(f"  positions in m, {ends}, at the end of each track")
+            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "course [deg]", "CPA [m]", "TCPA [s]")  # fmt: skip
+            rows = [heads, *(self._row(one) for one in self.tracks)]
+            widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
+            lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]
+        if self.score is not None:
+            lines += [f"  {line}" for line in repr(self.score).splitlines()]
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+
+    def _row(self, one: TargetTrack) -> tuple[str, ...]:
+        near = one.approach
+        cpa = (
+            ("not known", "")
+            if near is None
+            else (f"{near.cpa:.0f}", f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else "steady")
+        )
+        spread = float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0)))
+        return (
+            str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
+            f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{np.rad2deg(one.course[-1]):03.0f}", *cpa,
+        )  # fmt: skip

@@ -1,0 +1,79 @@
+"""What acts on a simulated ship beside her helm: inputs that are held, and waves."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from shipid.autopilot.course_changes.weather import Weather, standard_weather
+from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
+from shipid.foundation.errors import UsageError
+from shipid.trials.manoeuvres.flows import Flow, number
+
+
+def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str, float]:
+    """Return constant inputs of a model, SI.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    inputs : mapping of str to str or float, optional
+        With units or in SI.
+
+    Raises
+    ------
+    UsageError
+        If the model reads no such input.
+    """
+    found = {}
+    for name, value in (inputs or {}).items():
+        if name not in model.inputs:
+            raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
+        found[name] = to_si(value, model[name].unit, f"input '{name}'") if isinstance(value, str) else float(value)
+    return found
+
+
+def with_waves(
+    waves: Flow,
+    known: dict[str, float],
+    acting: dict[str, float | np.ndarray],
+    length: float,
+    speed: float,
+    step: float,
+    count: int,
+    seed: int,
+) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
+    """Return coefficients and inputs with waves of a size, at the frequency of the standard weather.
+
+    Parameters
+    ----------
+    waves : tuple
+        Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
+    known : dict of str to float
+        Coefficients, SI.
+    acting : dict of str to float or ndarray
+        Inputs, SI.
+    length, speed : float
+        Of the ship, in m and m/s.
+    step : float
+        Time between two values of the noise that drives the waves, in s.
+    count : int
+        How many there are.
+    seed : int
+        Of the noise.
+
+    Returns
+    -------
+    known, acting : dict
+        ``wave_noise`` among the inputs is an array, shape (count,).
+    """
+    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    damping = float(known.get("wave_damping", Weather.damping))
+    sea = replace(standard_weather(length, speed), wave_heading=size, damping=damping)
+    known = known | {"wave_frequency": sea.wave_frequency, "wave_damping": damping}
+    noise = sea.noise(count, np.array([step]), seed)[:, 0]
+    return known, acting | {"wave_noise": noise, "wave_direction": direction}

@@ -1,0 +1,173 @@
+"""A voyage along a route as a result: the trial, how far off the track the ship was, and where the wheel went over."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.declaration.vocabulary import shown
+from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import plain_notices
+from shipid.prediction.following.planned_track import PlannedTrack
+from shipid.prediction.routes.route import Route
+from shipid.trials.trial import Trial
+
+
+@dataclass(frozen=True)
+class WheelOverDone:
+    """A wheel-over of a voyage.
+
+    Attributes
+    ----------
+    waypoint : int
+        Number of the waypoint, from 0.
+    name : str
+        What it is called.
+    t : float
+        When, in s.
+    before : float
+        Distance from the ship to the waypoint along the leg, in m.
+    change : float
+        Change of course in rad, positive to starboard.
+    rudder_limit : float
+        In rad.
+    """
+
+    waypoint: int
+    name: str
+    t: float
+    before: float
+    change: float
+    rudder_limit: float
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, SI."""
+        units = {"t": "s", "before": "m", "change": "rad", "rudder_limit": "rad"}
+        return {"waypoint": self.waypoint + 1, "name": self.name} | {
+            n: {"value": getattr(self, n), "unit": u} for n, u in units.items()
+        }
+
+
+@dataclass(frozen=True)
+class LimitLeft:
+    """A stretch of a voyage beyond a cross-track limit.
+
+    Attributes
+    ----------
+    waypoint : int
+        Number of the waypoint the leg leads to, from 0.
+    name : str
+        What it is called.
+    side : {"port", "starboard"}
+        On which side.
+    begin, end : float
+        From when to when, in s.
+    beyond : float
+        Farthest beyond the limit, in m.
+    """
+
+    waypoint: int
+    name: str
+    side: str
+    begin: float
+    end: float
+    beyond: float
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, SI."""
+        units = {"begin": "s", "end": "s", "beyond": "m"}
+        return {"waypoint": self.waypoint + 1, "name": self.name, "side": self.side} | {
+            n: {"value": getattr(self, n), "unit": u} for n, u in units.items()
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Voyage:
+    """A route that was sailed in simulation; made by `sail_route`.
+
+    Attributes
+    ----------
+    trial : Trial
+        What happened; beside the ship's own columns ``psi_order``, ``off_track`` (m, positive to starboard) and ``waypoint`` (the one
+        that is sailed to, from 1).
+    route : Route
+        The route.
+    plan : PlannedTrack
+        Its track in local metres.
+    off_track : ndarray, shape (N,)
+        Distance from the track in m, positive to starboard.
+    turning : ndarray of bool, shape (N,)
+        Whether the ship turns.
+    wheel_overs : tuple of WheelOverDone
+        In their order.
+    left : tuple of LimitLeft
+        Where cross-track limits were left.
+    arrived : bool
+        Whether the end of the route was reached.
+    warnings : tuple of Notice
+        What limits it.
+    """
+
+    trial: Trial
+    route: Route
+    plan: PlannedTrack
+    off_track: np.ndarray
+    turning: np.ndarray
+    wheel_overs: Sequence[WheelOverDone]
+    left: Sequence[LimitLeft]
+    arrived: bool
+    warnings: Sequence[str] = ()
+
+    @property
+    def statistics(self) -> dict[str, tuple[float, float]]:
+        """Root mean square and largest size of the distance off the track in m: all the way, on legs, in turns."""
+        parts = {
+            "whole": np.ones(self.turning.shape, dtype=bool),
+            "legs": ~self.turning,
+            "turns": self.turning,
+        }
+        return {
+            n: (float(np.sqrt((self.off_track[m] ** 2).mean())), float(np.abs(self.off_track[m]).max()))
+            for n, m in parts.items()
+            if m.any()
+        }
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values for JSON, SI."""
+        return {
+            "route": self.route.name,
+            "trial": self.trial.name,
+            "arrived": self.arrived,
+            "duration": {"value": float(self.trial["t"][-1]), "unit": "s"},
+            "off_track": {
+                n: {"rms": {"value": rms, "unit": "m"}, "largest": {"value": most, "unit": "m"}}
+                for n, (rms, most) in self.statistics.items()
+            },
+            "wheel_overs": [w.to_dict() for w in self.wheel_overs],
+            "limits_left": [left.to_dict() for left in self.left],
+            "warnings": plain_notices(self.warnings),
+        }
+
+    def __repr__(self) -> str:
+        duration = self.trial["t"][-1]
+        end = f"its end after {duration:.0f} s" if self.arrived else f"its end not reached after {duration:.0f} s"
+        lines = [f"route '{self.route.name}': {len(self.route)} waypoints, {end}"]
+        words = {"whole": "all the way", "legs": "on legs", "turns": "in turns"}
+        said = [f"{words[n]} {rms:.1f} m rms, {most:.0f} m at most" for n, (rms, most) in self.statistics.items()]
+        lines.append(f"  off the track: {'; '.join(said)}")
+        for w in self.wheel_overs:
+            side = "starboard" if w.change > 0 else "port"
+            lines.append(
+                f"  wheel over at {w.t:.0f} s, {w.before:.0f} m before {w.name}: {shown(abs(w.change), 'psi', digits=3)} to {side} with "
+                f"{shown(w.rudder_limit, 'delta', digits=2)} of rudder"
+            )
+        lines += [
+            f"  cross-track limit to {left.side} left on the way to {left.name} from {left.begin:.0f} to {left.end:.0f} s, by "
+            f"{left.beyond:.0f} m"
+            for left in self.left
+        ]
+        if not self.left and self.plan.limits is not None and np.isfinite(self.plan.limits).any():
+            lines.append("  cross-track limits kept")
+        return "\n".join(lines)

@@ -1,0 +1,80 @@
+"""The trials of a fleet as a page: one row a trial, and the scatter of the coefficients."""
+
+from __future__ import annotations
+
+import shipid
+from shipid.campaign.fleet_result import FleetResult
+from shipid.declaration.units import pretty
+from shipid.foundation.numbers import number, uncertain
+from shipid.foundation.statistics import plain
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.campaign.page import provenance_rows
+from shipid.report.views.words import count, sentence
+
+
+def fleet_page(found: FleetResult) -> Page:
+    """Return what the page says of a fleet.
+
+    Parameters
+    ----------
+    found : FleetResult
+        The fleet.
+    """
+    good, names = int(found.identified.sum()), list(found.coefficients)
+    total = len(found.rows["trial"])
+    units = {n: pretty(found.coefficients[n].unit) for n in names}
+    columns = [
+        ("Outcome", "outcome", "keep"),
+        *((f"{n} [{units[n]}]" if units[n] != "1" else n, n, "keep") for n in names),
+    ]
+    columns.append(("Doctor", "doctor", "wide"))
+    rows = [_row(found, k) for k in range(total)]
+    return Page(
+        f"{found.model} identified from {count(total, 'trial')}",
+        [
+            (
+                "",
+                [
+                    f"{sentence(count(good, 'trial'))} of {total} identified{f' with ship {found.ship}' if found.ship else ''}."
+                ],
+            )
+        ],
+        [
+            Section("Trials", "campaign/trials.html", {"columns": columns, "rows": rows}),
+            Section("Over the trials", "campaign/scatter.html", {"rows": _scatter(found)}),
+            Section("Provenance", "campaign/provenance.html", {"rows": provenance_rows(found.provenance)}),
+        ],
+        warnings=[sentence(w) for w in found.warnings if w.serious],
+        cautions=[sentence(w) for w in found.warnings if not w.serious],
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
+def _row(found: FleetResult, k: int) -> Row:
+    rows = found.rows
+    row: dict[str, object] = {
+        "what": str(rows["trial"][k]),
+        "outcome": str(rows["outcome"][k]),
+        "doctor": str(rows["doctor"][k]) or "nothing serious",
+        "remark": str(rows["message"][k]),
+    }
+    for name in found.coefficients:
+        value, std = (plain(float(rows[c][k])) for c in (name, f"{name}_std"))
+        text = "–" if value is None else uncertain(value, std)
+        row[name] = text if value is None or rows[f"{name}_determined"][k] == 1 else f"{text}, not determined"
+    return row
+
+
+def _scatter(found: FleetResult) -> list[Row]:
+    return [
+        {
+            "what": name,
+            "count": str(s.count),
+            "mean": "–" if s.mean is None else uncertain(s.mean, s.mean_std),
+            "scatter": "" if s.scatter is None else number(s.scatter, 2),
+            "probability": "" if s.probability is None else number(s.probability, 2),
+            "unit": pretty(s.unit),
+            "remark": sentence(s.meaning) + "." if s.meaning else "",
+        }
+        for name, s in found.coefficients.items()
+    ]

@@ -1,0 +1,1 @@
+"""The sheet of a trial day as a page."""

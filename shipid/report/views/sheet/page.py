@@ -1,0 +1,194 @@
+"""The sheet of a trial day as a page: the verdicts, each manoeuvre with its plot and its numbers, the poster, the record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import shipid
+from shipid.criteria.measured.measured_criteria import MeasuredCriterion
+from shipid.criteria.measured.sheet import QUARTERS, SheetManoeuvre, TrialSheet, rudder_of
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import to_display
+from shipid.foundation.numbers import fixed, given, number
+from shipid.report.figures.manoeuvres import manoeuvre_figure
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.words import count, listed, sentence
+from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.turning_circle import TurningCircle
+
+_GROUPS = (
+    ("ship", "The ship"), ("loading", "Loading"), ("surroundings", "Place and surroundings"), ("trial", "The trial"),
+)  # fmt: skip
+_LIMITS = [
+    ("Quantity", "meaning"), ("Verdict", "verdict", "keep"), ("Measured", "value", "n"), ("Limit", "limit", "keep"),
+]  # fmt: skip
+_NUMBERS = [("Quantity", "name"), ("Value", "value", "n"), ("Unit", "unit", "keep"), ("Meaning", "meaning", "wide")]
+#: Entries of a zig-zag that stand in one table, a row a reversal.
+_REVERSALS = (
+    ("executes", "Execute [s]"), ("execute_headings", "Heading there [deg]"), ("overshoots", "Overshoot [deg]"),
+    ("overshoot_uncertainties", "± [deg]"), ("extreme_headings", "Extreme [deg]"), ("times_to_check_yaw", "After [s]"),
+)  # fmt: skip
+_STAGES = (("ends", "End [s]"), ("rudders", "Rudder [deg]"), ("rates", "Rate of turn [deg/s]"))
+_TIMES = ("times", "speeds")
+
+
+def sheet_page(sheet: TrialSheet) -> Page:
+    """Return what the page says of a trial day.
+
+    Parameters
+    ----------
+    sheet : TrialSheet
+        The sheet.
+    """
+    name = sheet.conditions.shown("ship")
+    sections = []
+    if sheet.criteria:
+        rows = [_limit_row(row) for row in sheet.criteria]
+        sections.append(Section("Beside the limits", "sheet/limits.html", {"columns": _LIMITS, "rows": rows}))
+    if sheet.manoeuvres:
+        shown = [_manoeuvre(m, sheet.length) for m in sheet.manoeuvres]
+        sections.append(Section("Manoeuvres", "sheet/manoeuvres.html", {"manoeuvres": shown}))
+    poster = _poster(sheet)
+    if poster["rows"]:
+        sections.append(Section("Turning circles for the wheelhouse poster", "sheet/poster.html", poster, "Poster"))
+    if sheet.not_measured:
+        lost = [{"trial": one.trial, "why": one.why} for one in sheet.not_measured]
+        sections.append(Section("Not measured", "sheet/lost.html", {"rows": lost}))
+    groups = [(title, [{"what": n, "value": v} for n, v in sheet.conditions.lines(key)]) for key, title in _GROUPS]
+    sections.append(Section("Record of the trial", "sheet/record.html", {"groups": groups}))
+    return Page(
+        f"Manoeuvring trials{f' of {name}' if name else ''}",
+        [("", list(_answer(sheet)))],
+        sections,
+        warnings=[sentence(w) for w in sheet.warnings if w.serious],
+        cautions=[sentence(w) for w in sheet.warnings if not w.serious],
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
+def _answer(sheet: TrialSheet) -> Iterator[str]:
+    when = sheet.conditions.shown("date")
+    yield sentence(f"{count(len(sheet.manoeuvres), 'manoeuvre')} measured{f', {when}' if when else ''}.")
+    for verdict, words in (
+        ("beyond", "beyond its limit"),
+        ("not decided", "not decided"),
+        ("within", "within its limit"),
+    ):
+        rows = [row for row in sheet.criteria if row.verdict == verdict]
+        if rows:
+            yield sentence(f"{words}: {listed([f'{row.meaning} ({row.manoeuvre})' for row in rows])}.")
+    if not any(row.verdict != "no limit" for row in sheet.criteria):
+        yield "No manoeuvre of the standard is among them, so no limit is compared."
+
+
+def _limit_row(row: MeasuredCriterion) -> Row:
+    margin = "" if row.uncertainty is None else f" ± {number(row.uncertainty, 2)}"
+    return {
+        "meaning": f"{row.manoeuvre}. {sentence(row.meaning)}",
+        "value": "not known" if row.value is None else f"{number(row.value, 3)}{margin} {pretty(row.unit)}",
+        "limit": row.limit_text,
+        "verdict": row.verdict,
+        "class": {"beyond": "beyond", "not decided": "undecided"}.get(row.verdict, ""),
+        "remark": sentence(row.words) if row.words else "",
+    }
+
+
+def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object]:
+    measures = sailed.measures
+    tables = [t for t in (_several(measures, _REVERSALS, "Reversal"), _several(measures, _STAGES, "Stage")) if t]
+    return {
+        "title": sailed.title,
+        "trial": measures.trial,
+        "read_from": measures.read_from,
+        "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
+        "columns": _NUMBERS,
+        "rows": list(_single(measures)),
+        "tables": tables,
+        "notes": [sentence(note) for note in measures.notes],
+    }
+
+
+def _single(measures: Measures) -> Iterator[Row]:
+    """A row for each quantity that is one number, or is not known for a reason."""
+    for name, value, unit, meaning in measures.quantities():
+        reason = measures.reason(name)
+        if isinstance(value, tuple) or (value is None and reason is None):
+            continue
+        yield {
+            "name": sentence(name.replace("_", " ")),
+            "value": _value(name, value),
+            "unit": "" if unit == "1" else pretty(unit),
+            "meaning": sentence(meaning),
+            "remark": sentence(reason) if reason else "",
+        }
+
+
+def _value(name: str, value: float | None) -> str:
+    if value is None:
+        return "not known"
+    # A course is written with three digits, 000 to 359.
+    return f"{round(value, 1) % 360:05.1f}" if name in ("course", "drift_direction") else number(value, 3)
+
+
+def _several(measures: Measures, columns: tuple[tuple[str, str], ...], title: str) -> dict[str, object] | None:
+    """The entries of quantities with one number a reversal or stage, side by side."""
+    found = {name: value for name, value, _, _ in measures.quantities() if isinstance(value, tuple)}
+    known = [(name, head) for name, head in columns if found.get(name)]
+    if not known:
+        return None
+    rows: list[Row] = []
+    for k in range(max(len(found[name]) for name, _ in known)):
+        cells = {}
+        for name, _ in known:
+            value = found[name][k] if k < len(found[name]) else None
+            missing = "not known" if f"{name}[{k + 1}]" in measures.reasons else "not reached"
+            cells[name] = missing if value is None else fixed(value, 2 if name != "rates" else 3)
+        rows.append({"k": str(k + 1), **cells})
+    reasons = list(dict.fromkeys(why for key, why in measures.reasons.items() if key.split("[")[0] in dict(known)))
+    heads = [(title, "k"), *((head, name, "n") for name, head in known)]
+    return {"columns": heads, "rows": rows, "reasons": [sentence(why) for why in reasons]}
+
+
+def _poster(sheet: TrialSheet) -> dict[str, object]:
+    """A row for each circle: distances, and the time and the speed at every quarter."""
+    columns = [("Turning circle", "title"), ("Rudder [deg]", "rudder", "n"), ("Approach [m/s]", "approach", "n")]
+    columns += [(f"{n.replace('_', ' ').capitalize()} [m]", n, "n") for n in _DISTANCES]
+    times = [("Turned through", "title"), *((f"{q}°", f"q{k}", "n") for k, q in enumerate(QUARTERS))]
+    rows: list[Row] = []
+    quarters: list[Row] = []
+    for sailed, circle in sheet.circles():
+        angle = rudder_of(circle)
+        rows.append(
+            {
+                "title": sailed.title,
+                "rudder": "" if angle is None else number(abs(angle), 3),
+                "approach": "" if circle.approach_speed is None else number(circle.approach_speed, 3),
+                **{n: _distance(circle, n, sheet.length) for n in _DISTANCES},
+            }
+        )
+        for name, words in (("times", "time [min:s]"), ("speeds", "speed [m/s]")):
+            values = getattr(circle, name) or ()
+            cells = {f"q{k}": _quarter(name, values[k] if k < len(values) else None) for k in range(len(QUARTERS))}
+            quarters.append({"title": f"{sailed.title}: {words}", **cells})
+    return {"columns": columns, "rows": rows, "times": times, "quarters": quarters}
+
+
+_DISTANCES = ("advance", "transfer", "tactical_diameter")
+
+
+def _distance(circle: TurningCircle, name: str, length: float | None) -> str:
+    """The value in still water where the drift of the circle is known, else over the ground."""
+    still = getattr(circle, f"{name}_still_water")
+    value = getattr(circle, name) if still is None else still
+    if value is None:
+        return "not known" if circle.reason(name) else "not reached"
+    return number(value, 3) + (f" ({number(value / length, 3)} L)" if length else "")
+
+
+def _quarter(name: str, value: float | None) -> str:
+    if value is None:
+        return "not known"
+    if name == "times":
+        minutes, seconds = divmod(round(value), 60)
+        return f"{minutes}:{seconds:02d}"
+    return given(round(float(to_display(value, "U")), 2))

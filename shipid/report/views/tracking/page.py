@@ -1,0 +1,141 @@
+"""Tracks as a page: the answer, the plan, each target, how fast and in which mode she was, and the truth where it is known."""
+
+from __future__ import annotations
+
+import numpy as np
+from markupsafe import Markup
+
+import shipid
+from shipid.declaration.vocabulary import to_display
+from shipid.encounter.tracking.scoring import HORIZONS, Score
+from shipid.encounter.tracking.target_track import TargetTrack
+from shipid.encounter.tracking.tracking import Tracking
+from shipid.foundation.numbers import fixed
+from shipid.report.figures.charts import Axes, Line, chart
+from shipid.report.figures.targets import targets_figure
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.words import sentence
+
+_TARGETS = [
+    ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
+    ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("Course [deg]", "course", "n"),
+    ("CPA [m]", "cpa", "n"), ("TCPA [s]", "tcpa", "n"),
+]  # fmt: skip
+_JUDGED = [
+    ("Ship", "name"), ("Scans visible", "visible", "n"), ("Held [%]", "held", "n"),
+    *((f"Error {h:.0f} s ahead [m]" if h else "Error now [m]", f"e{k}", "n") for k, h in enumerate(HORIZONS)), ("NEES", "nees", "n"),
+]  # fmt: skip
+#: Tracks whose speeds are drawn: the ones that were held longest.
+_MOST = 4
+
+
+def tracking_page(found: Tracking) -> Page:
+    """Return what the page says of tracks.
+
+    Parameters
+    ----------
+    found : Tracking
+        The tracks.
+    """
+    first, last = found.plots.span
+    held = [one for one in found.tracks if one.status == "held"]
+    answer = [
+        f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
+        f"{len(found.tracks)} confirmed tracks; {len(held)} are held at the end.",
+    ]
+    nearest = min((o for o in held if o.approach is not None), key=lambda o: _nearest(o), default=None)
+    if nearest is not None and nearest.approach is not None:
+        answer.append(
+            f"Track {nearest.number} comes nearest to own ship: {fixed(nearest.approach.nearest, 0)} m within the next hour."
+        )
+    else:
+        answer.append("The closest approach is not known.")
+    sections = [
+        Section(
+            "Plan",
+            "tracking/plan.html",
+            {
+                "figure": targets_figure(found, "plan"),
+                "caption": f"The tracks, in metres from {found.plots.frame}"
+                + (", relative to own ship" if found.relative else "")
+                + "; dots are plots, and the line ahead of each track is a minute long.",
+            },
+        ),
+        Section("Targets", "tracking/targets.html", {"columns": _TARGETS, "rows": [_row(o) for o in found.tracks]}),
+    ]
+    longest = sorted(found.tracks, key=lambda o: -int(o.held.sum()))[:_MOST]
+    if longest:
+        shown = sorted(longest, key=lambda o: o.number)
+        view = {"figure": _motion(shown), "modes": _modes(found, longest[0])}
+        sections.append(Section("Motion", "tracking/motion.html", view))
+    if found.score is not None:
+        sections.append(Section("Beside the truth", "tracking/judged.html", _judged(found.score)))
+    return Page(
+        f"Tracks of {found.name}",
+        [("", answer)],
+        sections,
+        warnings=[sentence(w) for w in found.warnings if w.serious],
+        cautions=[sentence(w) for w in found.warnings if not w.serious],
+        footer=f"shipid {shipid.__version__}",
+    )
+
+
+def _nearest(one: TargetTrack) -> float:
+    return one.approach.nearest if one.approach is not None else np.inf
+
+
+def _row(one: TargetTrack) -> Row:
+    near = one.approach
+    steady = near is not None and not np.isfinite(near.tcpa)
+    return {
+        "number": one.number,
+        "status": one.status,
+        "first": fixed(one.t[0], 0),
+        "last": fixed(one.t[-1], 0),
+        "x": fixed(one.x[-1, 0], 0),
+        "y": fixed(one.x[-1, 1], 0),
+        "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
+        "speed": fixed(float(one.speed[-1]), 1),
+        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}",
+        "cpa": "not known" if near is None else fixed(near.cpa, 0),
+        "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
+    }
+
+
+def _motion(shown: list[TargetTrack]) -> Markup:
+    def lines(values: list[np.ndarray]) -> list[Line]:
+        return [Line(f"track {o.number}", o.t, v, colour=k) for k, (o, v) in enumerate(zip(shown, values))]
+
+    panels = [
+        Axes("Speed over ground", "m/s", lines([o.speed for o in shown])),
+        Axes("Course over ground", "deg", lines([np.rad2deg(np.unwrap(o.course)) for o in shown])),
+    ]
+    return chart(panels, "Time since the first plot [s]", "motion", "Speed and course")
+
+
+def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
+    """The modes that are most probable on the whole; None where there is one only."""
+    if len(found.modes) < 2:
+        return None
+    most = sorted(np.argsort(-one.mu.mean(axis=0))[:_MOST])
+    lines = [Line(found.modes[k], one.t, one.mu[:, k], colour=i) for i, k in enumerate(most)]
+    axes = [Axes(f"Mode probability of track {one.number}", "1", lines)]
+    return chart(axes, "Time since the first plot [s]", "modes", "Mode probabilities")
+
+
+def _judged(score: Score) -> dict[str, object]:
+    rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
+    rows: list[Row] = []
+    for ship in score.ships:
+        if ship.held is None:
+            continue
+        errors = {f"e{k}": "not known" if e is None else fixed(e, 1) for k, e in enumerate(ship.rmse)}
+        nees = "not known" if ship.nees is None else fixed(ship.nees, 1)
+        rows.append(
+            {"name": ship.name, "visible": ship.visible, "held": fixed(100 * ship.held, 0), "nees": nees, **errors}
+        )
+    words = (
+        f"{score.false_tracks} confirmed tracks move where no ship is within 250 m{rate}. A track within "
+        f"{fixed(score.near, 0)} m is a ship's. A covariance is honest where the NEES is 2."
+    )
+    return {"words": words, "columns": _JUDGED, "rows": rows}

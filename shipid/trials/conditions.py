@@ -1,0 +1,174 @@
+"""The conditions of a trial: what a log does not hold and its record has to state (MSC/Circ.1053): ship, loading, place, weather, who."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from shipid.declaration.tables import Table
+from shipid.declaration.units import factor, pretty
+from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import given
+
+
+@dataclass(frozen=True)
+class Condition:
+    """One condition that a record states.
+
+    Attributes
+    ----------
+    name : str
+        Its key in a table ``[trial]``.
+    group : {"ship", "loading", "surroundings", "trial"}
+        Where a record of the trial lists it.
+    label : str
+        What a table calls it.
+    unit, display : str
+        Unit inside and unit shown; empty for a text.
+    """
+
+    name: str
+    group: str
+    label: str
+    unit: str = ""
+    display: str = ""
+
+
+_ENTRIES = (
+    Condition("ship", "ship", "Ship"),
+    Condition("imo_number", "ship", "IMO number"),
+    Condition("yard", "ship", "Builder and hull number"),
+    Condition("length", "ship", "Length between perpendiculars", "m", "m"),
+    Condition("breadth", "ship", "Breadth", "m", "m"),
+    Condition("rudder", "ship", "Rudder: kind, number, area"),
+    Condition("propeller", "ship", "Propeller: kind, number"),
+    Condition("engine", "ship", "Engine and its output at the trial"),
+    Condition("condition", "loading", "Loading condition"),
+    Condition("draught_forward", "loading", "Draught forward", "m", "m"),
+    Condition("draught_aft", "loading", "Draught aft", "m", "m"),
+    Condition("displacement", "loading", "Displacement", "kg", "t"),
+    Condition("place", "surroundings", "Place"),
+    Condition("depth", "surroundings", "Water depth", "m", "m"),
+    Condition("wind_speed", "surroundings", "Wind speed", "m/s", "m/s"),
+    Condition("wind_from", "surroundings", "Wind from", "rad", "deg"),
+    Condition("sea_state", "surroundings", "Sea state"),
+    Condition("wave_height", "surroundings", "Significant wave height", "m", "m"),
+    Condition("waves_from", "surroundings", "Waves from", "rad", "deg"),
+    Condition("current_speed", "surroundings", "Current speed", "m/s", "kn"),
+    Condition("current_to", "surroundings", "Current to", "rad", "deg"),
+    Condition("date", "trial", "Date and time"),
+    Condition("who", "trial", "Carried out by"),
+    Condition("instruments", "trial", "Instruments"),
+    Condition("remarks", "trial", "Remarks"),
+)
+
+#: By name.
+ENTRIES: Mapping[str, Condition] = MappingProxyType({e.name: e for e in _ENTRIES})
+#: Those that cannot be zero or negative.
+_POSITIVE = ("length", "breadth", "draught_forward", "draught_aft", "displacement", "depth")
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What is stated of a trial; what is not stated is a blank of its record.
+
+    Attributes
+    ----------
+    values : Mapping of str to str or float
+        By the names of `ENTRIES`; numbers SI, directions clockwise from north.
+    """
+
+    values: Mapping[str, str | float] = field(default_factory=dict, hash=False)
+
+    def number(self, name: str) -> float | None:
+        """Return a stated number, SI, or None.
+
+        Parameters
+        ----------
+        name : str
+            The entry.
+        """
+        value = self.values.get(name)
+        return None if value is None else float(value)
+
+    def shown(self, name: str) -> str | None:
+        """Return a stated value with its unit as a reader expects it, or None for a blank.
+
+        Parameters
+        ----------
+        name : str
+            The entry.
+        """
+        entry, value = ENTRIES[name], self.values.get(name)
+        if value is None or isinstance(value, str):
+            return value
+        return f"{given(value * factor(entry.unit, entry.display))} {pretty(entry.display)}"
+
+    def lines(self, group: str | None = None) -> Iterator[tuple[str, str | None]]:
+        """Yield label and value of every entry, None for a blank.
+
+        Parameters
+        ----------
+        group : str, optional
+            Only those of this group.
+        """
+        for entry in _ENTRIES:
+            if group in (None, entry.group):
+                yield entry.label, self.shown(entry.name)
+
+    def with_defaults(self, values: Mapping[str, str | float | None]) -> Conditions:
+        """Return the conditions with entries that are known from elsewhere; what is stated stays.
+
+        Parameters
+        ----------
+        values : Mapping of str to str, float or None
+            By the names of `ENTRIES`; None is left out.
+        """
+        return Conditions({**{n: v for n, v in values.items() if v is not None}, **self.values})
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values: texts, and ``{"value", "unit"}`` for numbers; None for a blank."""
+        result: dict[str, Plain] = {}
+        for entry in _ENTRIES:
+            value = self.values.get(entry.name)
+            if isinstance(value, (int, float)):
+                result[entry.name] = {"value": value * factor(entry.unit, entry.display), "unit": entry.display}
+            else:
+                result[entry.name] = value
+        return result
+
+
+def conditions_of(table: Table) -> Conditions:
+    """Return the conditions that a table ``[trial]`` states.
+
+    Parameters
+    ----------
+    table : Table
+        The table; an empty one states nothing.
+
+    Returns
+    -------
+    Conditions
+
+    Raises
+    ------
+    ShipidError
+        Of the class of the table: if a key is not known, a number has no unit or is not possible.
+    """
+    table.check_keys(ENTRIES)
+    values: dict[str, str | float] = {}
+    for name in table:
+        entry = ENTRIES[name]
+        if entry.unit:
+            number = table.quantity(name, entry.unit, positive=name in _POSITIVE)
+            assert number is not None
+            values[name] = number
+        elif isinstance(table.content[name], str):
+            text = str(table.value(name, str)).strip()
+            if text:
+                values[name] = text
+        else:
+            # A date is written without quotes in TOML.
+            values[name] = str(table.content[name])
+    return Conditions(values)

@@ -1,0 +1,335 @@
+"""Every source, and what is wrong with what it hears: the core goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+import socket
+from functools import reduce
+from operator import xor
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import shipid
+from shipid.bridge.bridge_settings import BridgeSettings
+from shipid.bridge.sources.line_queue import LineQueue
+from shipid.bridge.sources.listened import ListenedSource
+from shipid.bridge.sources.radar_targets import target_of
+from shipid.bridge.sources.replayed import ReplayedSource
+from shipid.bridge.sources.signalk import SignalKSource, stream_of
+from shipid.bridge.sources.simulated import SimulatedSource
+from shipid.bridge.sources.source_of import source_of
+from shipid.foundation.errors import ShipidError, UsageError
+from shipid.trials.logs.nmea.settings import chosen_format
+
+from ..conftest import sail, shown
+
+KNOT = 1852 / 3600
+
+
+def sentence(text: str) -> bytes:
+    return f"${text}*{reduce(xor, text.encode(), 0):02X}\r\n".encode()
+
+
+def spoken(t: float, *, heading: float = 90.0) -> list[bytes]:
+    """What a bridge's instruments say at a time, the ship going east at 10 kn."""
+    minutes = t * 10 * KNOT / 1852 / math.cos(math.radians(52))
+    lon = f"004{minutes:09.6f}"
+    return [
+        sentence(f"HETHS,{heading:.2f},A"),
+        sentence("TIROT,0.0,A"),
+        sentence("VDVBW,10.0,0.1,A,10.1,0.0,A"),
+        sentence("AGRSA,2.0,A,,V"),
+        sentence("AGROR,3.0,A,,V,B"),
+        sentence(f"GPGGA,120000.00,5200.0000,N,{lon},E,4,12,0.8,1.0,M,40.0,M,,"),
+        sentence("GPVTG,90.0,T,,M,10.1,N,18.7,K,D"),
+        sentence("WIMWV,45.0,R,20.0,N,A"),
+        sentence("WIMWV,30.0,T,15.0,N,A"),
+        sentence("RATTM,07,2.0,45.0,R,12.0,270.0,T,0.5,10.0,N,FERRY,T,,120000.00,A"),
+    ]
+
+
+@pytest.fixture
+def nmea(make_core):
+    source = ListenedSource("127.0.0.1", 1, "tcp")
+    source._connected = True  # noqa: SLF001 - nothing is connected to here; the lines come from the test
+    return source, make_core(source)
+
+
+def voyage(source, core, seconds, change=lambda line: line):
+    until = core.t + seconds
+    while core.t < until:
+        for line in spoken(core.t):
+            kept = change(line)
+            if kept:
+                source.feed(kept)
+        sail(core, 1.0)
+
+
+def test_every_sentence_is_heard(nmea):
+    source, _ = nmea
+    for line in spoken(0.0):
+        source.feed(line)
+    values = source.take(0.4).values
+    assert values["psi"] == pytest.approx(math.pi / 2) and values["r"] == 0.0
+    assert values["u"] == pytest.approx(10 * KNOT) and values["v"] == pytest.approx(0.1 * KNOT)
+    assert values["delta"] == pytest.approx(math.radians(2)) and values["delta_order"] == pytest.approx(math.radians(3))
+    assert (values["x"], values["y"]) == (0.0, 0.0)
+    assert values["SOG"] == pytest.approx(10.1 * KNOT) and values["COG"] == pytest.approx(math.pi / 2)
+    assert values["wind_speed_relative"] == pytest.approx(20 * KNOT)
+    # 30 degrees on the bow of a ship on 090: it comes from 120, and blows to 300.
+    assert values["wind_direction"] % (2 * math.pi) == pytest.approx(math.radians(300))
+    assert source.take(0.8).values == {}
+
+
+def test_rsa_is_calibrated(tmp_path):
+    file = tmp_path / "log.toml"
+    file.write_text('[nmea.rudder]\nscale = "0.5 deg"\noffset = "1 deg"\nsign = -1\n')
+    source = ListenedSource(None, 1, "tcp", chosen_format(file))
+    source.feed(sentence("AGRSA,2.0,A,,V"))
+    assert source.take(0.4).values["delta"] == pytest.approx(-math.radians(2))
+
+
+def test_the_filter_follows_the_sentences(nmea):
+    source, core = nmea
+    voyage(source, core, 40)
+    told = shown(core)
+    assert told["own"]["y"] == pytest.approx((core.t - 1) * 10 * KNOT, abs=12) and told["alarms"] == []
+    (ship,) = told["targets"]
+    # 45 degrees on the starboard bow of a ship on 090.
+    bearing = math.atan2(ship["y"] - told["own"]["y"], ship["x"] - told["own"]["x"])
+    assert bearing == pytest.approx(math.radians(135), abs=0.05) and ship["speed"] == pytest.approx(12 * KNOT, rel=1e-3)
+    assert told["flow"]["wind"]["direction_from"] == pytest.approx(math.radians(120), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("kind", "lost"),
+    [("THS", "heading"), ("ROT", "rate of turn"), ("VBW", "speed through the water"), ("RSA", "rudder angle"), ("GGA", "position")],
+)  # fmt: skip
+def test_each_sensor_lost_in_turn(nmea, kind, lost):
+    source, core = nmea
+    voyage(source, core, 15)
+    voyage(source, core, 12, lambda line: b"" if kind.encode() in line else line)
+    told = shown(core)
+    assert f"sensor lost: {lost}" in [a["text"] for a in told["alarms"]]
+    assert told["own"]["y"] == pytest.approx((core.t - 1) * 10 * KNOT, abs=25)
+
+
+def test_wrong_checksums_are_left_out_and_told(nmea):
+    source, core = nmea
+    voyage(source, core, 10)
+    before = core.own_ship.sensors.age("psi")
+    source.feed(b"$HETHS,270.0,A*00\r\n")
+    reading = source.take(core.t + 0.1)
+    assert "psi" not in reading.values and "checksum" in reading.told[-1] and before < 2
+
+
+def test_a_jump_of_the_fixes_is_rejected(nmea):
+    source, core = nmea
+    voyage(source, core, 30)
+    jumped = sentence("GPGGA,120000.00,5210.0000,N,00400.0000,E,4,12,0.8,1.0,M,40.0,M,,")
+    source.feed(jumped)
+    sail(core, 0.4)
+    assert abs(shown(core)["own"]["x"]) < 30
+
+
+@given(st.lists(st.binary(max_size=120), max_size=30), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_hostile_bytes_disturb_nothing(pieces, cut):
+    source = ListenedSource(None, 1, "tcp")
+    whole = b"".join(spoken(0.0))
+    source.feed(b"\n".join(pieces))
+    if cut:
+        source.feed(whole[: len(whole) // 2])
+    source.take(0.4)
+    source.feed(whole)
+    values = source.take(0.8).values
+    assert values["psi"] == pytest.approx(math.pi / 2)
+    assert all(math.isfinite(v) for v in values.values())
+
+
+@given(st.text(alphabet="$!,*ABCDEFHMOPRSTVW0123456789.-NKTQ", max_size=100))
+@settings(max_examples=200, deadline=None)
+def test_hostile_sentences_disturb_nothing(body):
+    source = ListenedSource(None, 1, "tcp")
+    for kind in ("AGRSA", "GPGGA", "RATTM", "GPRMC", "VDVBW", "WIMWV", "TIROT"):
+        source.feed(sentence(f"{kind},{body.replace('$', '').replace('!', '').replace('*', '')}"))
+    reading = source.take(0.4)
+    assert all(math.isfinite(v) for v in reading.values.values())
+    assert all(math.isfinite(t.range + t.bearing) for t in reading.targets)
+
+
+def test_lines_without_an_end_and_floods_are_bounded():
+    queue = LineQueue()
+    for _ in range(1000):
+        queue.feed(b"x" * 4096, whole=False)
+    queue.feed(b"\n$GOOD,1\n", whole=False)
+    lines, dropped = queue.take()
+    assert lines == ["$GOOD,1"] and dropped == 1
+    queue.feed(b"$A,1\n" * 100_000, whole=True)
+    lines, dropped = queue.take()
+    assert len(lines) == 4000 and dropped == 96_000
+
+
+def test_a_target_that_cannot_be_is_none():
+    good = "$RATTM,07,2.0,45.0,T,12.0,270.0,T,0.5,10.0,N,FERRY,T,,120000.00,A"
+    assert target_of(good, 0.0, None).range == 3704.0
+    assert target_of(good.replace(",T,12", ",R,12"), 0.0, None) is None  # without a heading
+    for wrong in (good.replace(",T,,", ",L,,"), good.replace("2.0", "x"), good[:20], good.replace(",N,", ",X,")):
+        assert target_of(wrong, 0.0, 0.0) is None
+
+
+def test_sentences_arrive_over_udp_and_tcp(make_core):
+    async def listen() -> None:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        udp = ListenedSource("127.0.0.1", port, "udp")
+        await udp.start()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.sendto(b"".join(spoken(0.0)), ("127.0.0.1", port))
+        await until(lambda: "psi" in udp.take(0.4).values)
+        await udp.stop()
+
+        async def speak(_, writer) -> None:
+            writer.write(b"".join(spoken(0.0)))
+            await writer.drain()
+            writer.close()
+
+        server = await asyncio.start_server(speak, "127.0.0.1", 0)
+        tcp = ListenedSource("127.0.0.1", server.sockets[0].getsockname()[1], "tcp")
+        assert tcp.state == "lost"
+        await tcp.start()
+        await until(lambda: "psi" in tcp.take(0.4).values)
+        server.close()
+        await until(lambda: tcp.state == "lost")
+        await tcp.stop()
+
+    asyncio.run(listen())
+
+
+async def until(condition) -> None:
+    for _ in range(500):
+        if condition():
+            return
+        await asyncio.sleep(0.01)
+    raise AssertionError("it never came")
+
+
+def test_a_udp_port_that_is_taken_is_refused_before_the_page_opens():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        with pytest.raises(UsageError, match="cannot be listened to"):
+            ListenedSource("127.0.0.1", taken.getsockname()[1], "udp")
+
+
+DELTA = {
+    "context": "vessels.self",
+    "updates": [{
+        "$source": "x", "timestamp": "2026-01-01T00:00:00Z", "values": [
+            {"path": "navigation.headingTrue", "value": 1.0}, {"path": "navigation.rateOfTurn", "value": 0.01},
+            {"path": "navigation.speedThroughWater", "value": 5.0}, {"path": "steering.rudderAngle", "value": -0.1},
+            {"path": "navigation.position", "value": {"latitude": 52.0, "longitude": 4.0}},
+            {"path": "environment.wind.speedTrue", "value": 7.0}, {"path": "environment.wind.directionTrue", "value": 0.0},
+            {"path": "propulsion.main.revolutions", "value": 2.0}, {"path": "navigation.courseOverGroundTrue", "value": None},
+        ],
+    }],
+}  # fmt: skip
+
+
+def test_signal_k_deltas_are_heard():
+    source = SignalKSource("ws://127.0.0.1:1/")
+    source.feed(json.dumps({"name": "x", "self": "vessels.urn:mrn:1", "version": "1.8"}))
+    source.feed(json.dumps(DELTA))
+    values = source.take(0.4).values
+    assert values == {
+        "psi": 1.0, "r": 0.01, "u": 5.0, "delta": -0.1, "x": 0.0, "y": 0.0, "wind_speed": 7.0, "wind_direction": math.pi,
+    }  # fmt: skip
+    source.feed(json.dumps(DELTA | {"context": "vessels.urn:mrn:2"}))  # another ship
+    assert source.take(0.8).values == {}
+
+
+@given(
+    st.text(max_size=50) | st.sampled_from(["[", "{}", '{"updates":3}', '{"updates":[{"values":[3]}]}', "[" * 20000])
+)
+@settings(deadline=None)
+def test_hostile_deltas_disturb_nothing(text):
+    source = SignalKSource("ws://127.0.0.1:1/")
+    source.feed(text)
+    hostile = {"path": "navigation.position", "value": {"latitude": 1e9, "longitude": "x"}}
+    source.feed(
+        json.dumps({"updates": [{"values": [hostile, {"path": [], "value": 1}, {"path": "navigation.headingTrue"}]}]})
+    )
+    source.feed('{"updates":[{"values":[{"path":"navigation.headingTrue","value":NaN}]}]}')
+    assert source.take(0.4).values == {}
+
+
+def test_a_signal_k_server_is_read_and_missed():
+    from websockets.asyncio.server import serve
+
+    async def run() -> None:
+        async def speak(socket_) -> None:
+            await socket_.send(json.dumps(DELTA))
+
+        async with serve(speak, "127.0.0.1", 0) as server:
+            source = SignalKSource(f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/")
+            assert source.state == "lost"
+            await source.start()
+            await until(lambda: "psi" in source.take(0.4).values)
+            await until(lambda: source.state == "lost")
+            await source.stop()
+
+    asyncio.run(run())
+
+
+def test_the_stream_of_a_server():
+    assert stream_of("http://pi:3000") == "ws://pi:3000/signalk/v1/stream?subscribe=self"
+    assert stream_of("wss://pi/x") == "wss://pi/x"
+    for wrong in ("pi:3000", "ftp://pi", "ws://", "ws://pi:99999/"):
+        with pytest.raises(UsageError, match="no Signal K server"):
+            stream_of(wrong)
+
+
+def test_a_replay_is_heard_and_ends(make_core, pilot):
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:10/10", noise="standard", duration="300 s")
+    source = ReplayedSource(trial)
+    core = make_core(source)
+    sail(core, 299)
+    k = int(np.searchsorted(trial["t"], 299))
+    told = shown(core)
+    assert told["own"]["psi"] == pytest.approx(trial["psi"][k], abs=0.03) and told["time"]["state"] == "running"
+    sail(core, 60)
+    told = shown(core)
+    assert told["time"]["state"] == "ended" and [a["text"] for a in told["alarms"]] == ["the source has ended (replay)"]
+    assert told["own"]["age"] > 50 and told["simulation"] is None
+
+
+def test_a_ship_that_runs_away_ends_the_simulation(pilot):
+    source = SimulatedSource(pilot)
+    source.ship._x[:] = np.nan  # noqa: SLF001 - a model of the house does not run away by itself
+    assert "runs away" in source.take(0.4).told[0]
+    assert source.state == "ended" and source.take(0.8).values == {}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "sail", "replay:", "nmea:", "nmea:udp:", "nmea:udp:99999", "nmea:serial:1", "nmea:tcp:10110", "signalk:", "signalk:pi", "simulate:x"],
+)  # fmt: skip
+def test_a_source_that_is_none_is_refused(pilot, text):
+    with pytest.raises(ShipidError):
+        source_of(BridgeSettings(source=text), pilot)
+
+
+def test_the_currents_of_a_simulation_belong_to_one(pilot):
+    with pytest.raises(UsageError, match="belong to a simulation"):
+        source_of(BridgeSettings(source="signalk:ws://pi/", wind=(1.0, 1.0)), pilot)
+
+
+def test_the_sensors_have_the_noise_that_the_filter_expects(pilot):
+    source = SimulatedSource(pilot, seed=3)
+    rows = [source.take(0.4 * k).values["x"] - source.now["x"] for k in range(1, 2000)]
+    assert np.std(rows) == pytest.approx(10.0, rel=0.1)

@@ -1,0 +1,83 @@
+"""Statistics by batches against those of all runs at once, and their bands against the truth."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from shipid.campaign.campaign import Measure
+from shipid.campaign.moments import MeasureTally, RunMoments, Statistic
+
+
+def told(measure: Measure, rows: np.ndarray, size: int = 7) -> Statistic:
+    tally = MeasureTally.begin(measure, rows)
+    for k in range(0, len(rows), size):
+        tally.add(rows[k : k + size])
+    return tally.statistic("x")
+
+
+def test_batches_add_up_to_the_whole():
+    rng = np.random.default_rng(0)
+    rows = 1e6 + rng.normal(size=(101, 4))
+    rows[rng.random(rows.shape) < 0.2] = np.nan
+    found = RunMoments.nothing((4,))
+    for k in range(0, 101, 13):
+        found.add(rows[k : k + 13])
+    np.testing.assert_allclose(found.mean, np.nanmean(rows, 0), rtol=1e-14)
+    np.testing.assert_allclose(found.std, np.nanstd(rows, 0, ddof=1), rtol=1e-9)
+    np.testing.assert_array_equal(found.low, np.nanmin(rows, 0))
+    np.testing.assert_array_equal(found.high, np.nanmax(rows, 0))
+
+
+def test_an_error_has_root_mean_square_and_mean():
+    rows = np.random.default_rng(1).normal(0.5, 2.0, 400)
+    found = told(Measure("error", "m"), rows)
+    assert found.rmse == pytest.approx(np.sqrt(np.mean(rows**2)))
+    assert found.mean == pytest.approx(rows.mean())
+
+
+def test_the_bands_hold_the_truth_as_often_as_they_say():
+    """A thousand campaigns of 40 runs: the share of intervals that hold the truth is 95 % to within its own three sigma."""
+    rng = np.random.default_rng(2)
+    hits = {"mean": 0, "rmse": 0, "event": 0, "nees": 0}
+    for _ in range(1000):
+        error = rng.normal(0.5, 2.0, 40)
+        found = told(Measure("error", "m"), error, 40)
+        hits["mean"] += found.mean_interval[0] < 0.5 < found.mean_interval[1]
+        hits["rmse"] += found.rmse_interval[0] < np.sqrt(4.25) < found.rmse_interval[1]
+        low, high = told(Measure("event"), (rng.uniform(size=40) < 0.1).astype(float), 40).mean_interval
+        hits["event"] += low < 0.1 < high
+        nees = told(Measure("nees", degrees=2), (rng.normal(size=(40, 2)) ** 2).sum(1), 40)
+        hits["nees"] += nees.expected_interval[0] < nees.mean < nees.expected_interval[1]
+    # Squares of 40 errors are skew: the interval of their root mean square holds the truth in about 93 %.
+    for name, least in {"mean": 930, "rmse": 905, "event": 920, "nees": 930}.items():
+        assert least <= hits[name] <= 975, (name, hits[name])
+
+
+def test_the_course_of_a_measure_has_statistics_at_each_place():
+    rows = np.random.default_rng(3).normal([0.0, 1.0, 2.0], 1.0, (200, 3))
+    found = told(Measure("error", "m"), rows)
+    np.testing.assert_allclose(found.course["mean"], rows.mean(0))
+    np.testing.assert_allclose(found.course["rmse"], np.sqrt((rows**2).mean(0)))
+    assert found.rmse == pytest.approx(np.sqrt((rows**2).mean()))
+    assert found.expected_interval is None
+    plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
+    assert len(plain["course"]["rmse_interval"]) == 3 and len(plain["course"]["rmse_interval"][0]) == 2
+
+
+def test_one_run_has_no_band():
+    found = told(Measure("value", "s"), np.array([3.0]))
+    assert found.mean == 3.0 and np.isnan(found.std)
+    assert json.loads(json.dumps(found.to_dict(), allow_nan=False))["mean"]["interval_95"] == [None, None]
+
+
+def test_runs_without_a_value_are_counted():
+    found = told(Measure("value", "s"), np.array([1.0, np.nan, 3.0, np.inf]))
+    assert (found.runs, found.missing, found.mean) == (4, 2, 2.0)
+
+
+def test_texts_are_counted_up_to_a_number():
+    found = told(Measure("text"), np.array([f"t{k}" for k in range(300)]))
+    assert sum(found.texts.values()) == 300 and found.texts["(other)"] == 100

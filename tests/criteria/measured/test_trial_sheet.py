@@ -1,0 +1,186 @@
+"""The sheet of a trial day against simulations whose numbers are known, and its limits against the sentences of the standard."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+
+import shipid
+from shipid.criteria.measured.measured_criteria import measured_criteria
+from shipid.criteria.measured.trial_sheet import trial_sheet
+from shipid.foundation.errors import UnitError, UsageError
+from shipid.report.write_report import render
+from shipid.trials.conditions import Conditions
+from shipid.trials.errors import TrialError
+from shipid.trials.measuring.measure import measure
+
+LENGTH = "226 m"
+
+
+@pytest.fixture(scope="module")
+def day():
+    """Two zig-zags and a turning circle of one ship, as three logs."""
+    sailed = {"zigzag:10/10": "ten", "zigzag:-20/20": "twenty", "turn:35": "turn"}
+    return [shipid.simulate("de-keizer", ship="soesterberg", manoeuvre=m, name=n) for m, n in sailed.items()]
+
+
+@pytest.fixture(scope="module")
+def sheet(day):
+    return trial_sheet(day, length=LENGTH)
+
+
+def test_every_manoeuvre_is_measured_as_measure_does(day, sheet):
+    assert [m.measures.kind for m in sheet.manoeuvres] == ["zig-zag", "zig-zag", "turning circle"]
+    for trial, sailed in zip(day, sheet.manoeuvres):
+        assert sailed.measures.to_dict() == measure(trial, length=LENGTH).to_dict()
+    assert not sheet.not_measured
+
+
+def test_the_criteria_are_those_that_the_standard_has_for_each_manoeuvre(sheet):
+    found = [(row.manoeuvre, row.key) for row in sheet.criteria]
+    assert found == [
+        (1, "initial_turning"), (1, "first_overshoot_10"), (1, "second_overshoot_10"), (2, "first_overshoot_20"),
+        (3, "advance"), (3, "transfer"), (3, "tactical_diameter"),
+    ]  # fmt: skip
+
+
+def test_limits_of_overshoots_follow_the_time_of_a_length(sheet):
+    ten = sheet.manoeuvres[0].measures
+    time = 226.0 / ten.approach_speed
+    rows = {row.key: row for row in sheet.criteria}
+    # MSC.137(76) 5.3.3.1: 10 deg below 10 s, 20 deg from 30 s on, (5 + L/V / 2) between.
+    assert 10 < time < 30
+    assert rows["first_overshoot_10"].limit == pytest.approx(5 + time / 2)
+    assert rows["second_overshoot_10"].limit == pytest.approx(17.5 + 0.75 * time)
+    assert rows["advance"].value == pytest.approx(sheet.manoeuvres[2].measures.advance / 226.0, rel=0.02)
+
+
+def altered(measures, **changed):
+    return dataclasses.replace(measures, **changed)
+
+
+@pytest.mark.parametrize(
+    ("overshoot", "margin", "verdict"),
+    [
+        (24.0, 0.5, "within"),
+        (25.2, 0.5, "not decided"),
+        (24.8, 0.5, "not decided"),
+        (26.0, 0.5, "beyond"),
+        (26.0, None, "beyond"),
+    ],
+)
+def test_a_limit_inside_the_uncertainty_decides_nothing(sheet, overshoot, margin, verdict):
+    own = sheet.manoeuvres[1].measures
+    margins = (None if margin is None else np.radians(margin), *own.overshoot_uncertainties[1:])
+    changed = altered(own, overshoots=(np.radians(overshoot), *own.overshoots[1:]), overshoot_uncertainties=margins)
+    [row] = measured_criteria(1, changed, 226.0)
+    assert row.verdict == verdict
+
+
+def test_a_circle_with_little_rudder_is_not_the_one_of_the_standard(sheet):
+    own = sheet.manoeuvres[2].measures
+    rows = {r.key: r for r in measured_criteria(1, altered(own, rudder=np.radians(20.0)), 226.0)}
+    assert rows["advance"].verdict == "not decided" and "20 deg" in rows["advance"].words
+    assert rows["transfer"].verdict == "no limit"
+
+
+def test_drift_is_taken_off_where_the_circle_shows_it(sheet):
+    own = sheet.manoeuvres[2].measures
+    rows = {r.key: r for r in measured_criteria(1, altered(own, advance_still_water=300.0), 226.0)}
+    assert rows["advance"].value == pytest.approx(300 / 226.0) and "drift" in rows["advance"].words
+
+
+def test_without_a_length_nothing_that_needs_it_is_decided(day):
+    bare = trial_sheet(day)
+    verdicts = {row.key: row.verdict for row in bare.criteria}
+    assert verdicts.pop("first_overshoot_20") == "within"
+    assert set(verdicts.values()) == {"not decided"}
+    assert "length-unknown" in [w.kind for w in bare.warnings]
+
+
+def test_a_length_of_the_model_beside_the_track_of_the_ship_is_told(day):
+    doubtful = trial_sheet(day[2], length="5 m")
+    assert [w.kind for w in doubtful.warnings if w.serious] == ["length-doubtful"]
+
+
+def test_a_log_that_fails_costs_the_others_nothing(day, tmp_path):
+    torn = tmp_path / "torn.csv"
+    torn.write_text("t [s],psi [deg]\n0,x\n", encoding="utf-8")
+    straight = shipid.Trial.from_frame(day[0].table[["t", "psi", "delta"]].assign(delta=0.0, psi=0.0), name="straight",
+                                       units={"t": "s", "psi": "rad", "delta": "rad"})  # fmt: skip
+    mixed = trial_sheet([torn, straight, day[0]], length=LENGTH)
+    assert [m.number for m in mixed.manoeuvres] == [1]
+    assert [one.trial for one in mixed.not_measured] == [str(torn), "straight"]
+    [warning] = [w for w in mixed.warnings if w.kind == "not-measured"]
+    assert warning.serious
+    readable = trial_sheet([straight, day[0]], length=LENGTH)
+    assert not any(w.serious for w in readable.warnings), "a log without a manoeuvre does not spoil the others' numbers"
+    with pytest.raises(TrialError):
+        trial_sheet(torn)
+
+
+def test_a_log_of_several_manoeuvres_is_measured_in_parts(day):
+    first, second = day[0].table, day[1].table.copy()
+    second["t"] += first["t"].iloc[-1] + 60
+    for name in ("psi", "x", "y"):
+        second[name] += first[name].iloc[-1]
+    import pandas as pd
+
+    both = pd.concat([first, second], ignore_index=True)
+    units = {name: day[0].unit(name) for name in both.columns}
+    found = trial_sheet(shipid.Trial.from_frame(both, name="both", units=units), length=LENGTH)
+    assert [m.measures.nominal for m in found.manoeuvres] == ["10/10", "20/20"]
+    assert found.manoeuvres[1].measures.overshoots[0] == pytest.approx(
+        measure(day[1]).overshoots[0], abs=np.radians(0.3)
+    )
+
+
+def test_what_is_stated_goes_before_the_log_and_logs_that_differ_leave_a_blank(day):
+    def stating(trial, **values):
+        return dataclasses.replace(trial, source=dataclasses.replace(trial.source, conditions=Conditions(values)))
+
+    logs = [stating(day[0], place="North", depth=40.0, length=226.0), stating(day[1], place="South", depth=40.0)]
+    found = trial_sheet(logs, conditions=Conditions({"depth": 60.0}))
+    assert found.length == 226.0
+    assert found.conditions.shown("depth") == "60 m" and found.conditions.shown("place") is None
+
+
+def test_the_ship_gives_her_length(day):
+    assert trial_sheet(day[0], ship="soesterberg").length == 226.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "words"),
+    [
+        ({"trials": []}, UsageError, "needs a trial"),
+        ({"length": "0 m"}, UsageError, "no ratios"),
+        ({"length": "45"}, UnitError, "unit"),
+    ],
+)
+def test_what_cannot_be_asked(day, arguments, error, words):
+    with pytest.raises(error, match=words):
+        trial_sheet(**{"trials": day[0], **arguments})
+
+
+def test_the_sheet_is_strict_json_and_a_table(sheet):
+    told = json.loads(json.dumps(sheet.to_dict(), allow_nan=False))
+    assert told["conditions"]["who"] is None and len(told["criteria"]) == 7
+    frame = sheet.to_frame()
+    assert set(frame["manoeuvre"]) == {1, 2, 3}
+
+
+def test_the_page_shows_plots_verdicts_poster_and_blanks(sheet):
+    page = render(sheet)
+    assert page.count("<svg") == 3
+    assert page.count('class="blank"') == sum(1 for _, v in sheet.conditions.lines() if v is None) > 10
+    assert (
+        "Turning circles for the wheelhouse poster" in page
+        and "NaN" not in page
+        and "nan" not in page.lower().split(">")
+    )
+    overshoot = f"{np.degrees(sheet.manoeuvres[1].measures.overshoots[0]):.1f}°"
+    assert overshoot in page
+    assert f"advance {sheet.manoeuvres[2].measures.advance:.0f} m" in page

@@ -1,0 +1,57 @@
+"""What a table [trial] states of a trial."""
+
+from __future__ import annotations
+
+import pytest
+
+import shipid
+from shipid.trials.errors import FormatFileError
+from shipid.trials.logs.format import read_format
+
+COLUMNS = """
+[columns.t]
+index = 0
+unit = "s"
+[columns.psi]
+index = 1
+unit = "deg"
+"""
+
+
+def stated(tmp_path, text):
+    path = tmp_path / "logger.toml"
+    path.write_text(COLUMNS + "[trial]\n" + text, encoding="utf-8")
+    return read_format(path).conditions
+
+
+def test_numbers_are_si_inside_and_shown_with_their_units(tmp_path):
+    found = stated(
+        tmp_path, 'displacement = "12000 t"\nwind_from = "270 deg"\ncurrent_speed = "2 kn"\ndate = 2026-05-04\n'
+    )
+    assert found.number("displacement") == pytest.approx(12e6)
+    assert found.shown("displacement") == "12000 t" and found.shown("wind_from") == "270 deg"
+    assert found.shown("current_speed") == "2 kn" and found.shown("date") == "2026-05-04"
+    assert found.shown("who") is None
+    assert found.to_dict()["displacement"] == {"value": pytest.approx(12000), "unit": "t"}
+
+
+def test_the_trial_carries_them(tmp_path):
+    stated(tmp_path, 'who = "Trial party"\n')
+    log = tmp_path / "log.csv"
+    log.write_text("time,heading\n" + "".join(f"{k},{k % 5}\n" for k in range(30)), encoding="utf-8")
+    trial = shipid.read_trial(log, format=tmp_path / "logger.toml")
+    assert trial.source.to_dict()["conditions"] == {"who": "Trial party"}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('draft = "8 m"', "no entry 'draft'"),
+        ("depth = 40", "unit"),
+        ('depth = "-4 m"', "greater than zero"),
+        ('depth = "nan m"', "number"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused(tmp_path, text, words):
+    with pytest.raises(FormatFileError, match=words):
+        stated(tmp_path, text)
