@@ -196,9 +196,16 @@ def next_turn(
     helm.leg = last
     turn = helm.turn_ahead(there)
     course = plan.legs[last].course
-    at = _moved(there, {"x": there.values["x"] + turn.ahead * math.cos(course), "y": there.values["y"] + turn.ahead * math.sin(course)})
+    at = _moved(
+        there,
+        {
+            "x": there.values["x"] + turn.ahead * math.cos(course),
+            "y": there.values["y"] + turn.ahead * math.sin(course),
+        },
+    )
     distance = float(left) - (
-        plan.legs[last].along(plan.legs[last + 1].x, plan.legs[last + 1].y) - plan.legs[last].along(at.values["x"], at.values["y"])
+        plan.legs[last].along(plan.legs[last + 1].x, plan.legs[last + 1].y)
+        - plan.legs[last].along(at.values["x"], at.values["y"])
     )
     speed = float(np.hypot(*situation.ground_velocity))
     found = WheelOver(turn.heading, distance, distance / speed, at.values["x"], at.values["y"], turn.track)
@@ -207,7 +214,16 @@ def next_turn(
         lat, lon = to_geographic(found.x, found.y, origin)
         place = float(lat), float(turned(lon))
     result = RouteTurn(
-        route, plan, leg, float(off[0]), plan.waypoints[last], float(left), float(bends[last]), turn.rudder_limit, found, place
+        route,
+        plan,
+        leg,
+        float(off[0]),
+        plan.waypoints[last],
+        float(left),
+        float(bends[last]),
+        turn.rudder_limit,
+        found,
+        place,
     )
     return result, situation if found.due else at
 
