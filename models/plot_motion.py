@@ -29,32 +29,32 @@ class ConstantVelocity(Component):
 
     @SOG.equals
     def speed(self):
-        """Length of the velocity."""
+        """Length of the velocity: Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return np.sqrt(self.vx**2 + self.vy**2)
 
     @COG.equals
     def course(self):
-        """Direction of the velocity."""
+        """Direction of the velocity: Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return np.arctan2(self.vy, self.vx)
 
     @x.next
     def north(self):
-        """Bar-Shalom, Li and Kirubarajan (2001), eq. (6.3.2-2)."""
+        """Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return self.x + self.T_s * self.vx + 0.5 * self.T_s**2 * self.ax
 
     @y.next
     def east(self):
-        """Bar-Shalom, Li and Kirubarajan (2001), eq. (6.3.2-2)."""
+        """Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return self.y + self.T_s * self.vy + 0.5 * self.T_s**2 * self.ay
 
     @vx.next
     def north_speed(self):
-        """Bar-Shalom, Li and Kirubarajan (2001), eq. (6.3.2-2)."""
+        """Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return self.vx + self.T_s * self.ax
 
     @vy.next
     def east_speed(self):
-        """Bar-Shalom, Li and Kirubarajan (2001), eq. (6.3.2-2)."""
+        """Bar-Shalom, Li and Kirubarajan (2001), section 6.3.2."""
         return self.vy + self.T_s * self.ay
 
 
@@ -138,7 +138,7 @@ class TurningAtUnknownRate(CoordinatedTurn):
 
     @omega.next
     def rate(self):
-        """Bar-Shalom, Li and Kirubarajan (2001), eq. (11.7.1-4), the noise left to the filter."""
+        """Bar-Shalom, Li and Kirubarajan (2001), section 11.7, the noise left to the filter."""
         return self.omega
 
 

@@ -84,7 +84,9 @@ def sail(speed: float, runs: int, chance: np.random.Generator) -> Runs:
         errors[:, k] = fixed[np.arange(runs), k, np.rint(memory[:, k]).astype(int) - 2]
     scans = np.arange(len(path))
     straight = (scans >= 2 * SETTINGS.longest) & (scans < begins)
-    turn = (scans >= begins + SETTINGS.longest) & (scans < ends) if speed < 15 else (scans >= begins + 6) & (scans < ends)
+    turn = (
+        (scans >= begins + SETTINGS.longest) & (scans < ends) if speed < 15 else (scans >= begins + 6) & (scans < ends)
+    )
     return Runs(memory, errors, fixed, straight, turn, begins, ends)
 
 
@@ -101,7 +103,9 @@ def rows_of(speed: float, found: Runs, printed: int) -> list[Claim]:
     down = int(np.argmax(memory[found.begins :] <= printed + 0.5))
     back = int(np.argmax(memory[found.ends :] > SETTINGS.longest - 0.5))
     ours = rms(found.errors[:, found.straight]), rms(found.errors[:, found.turn])
-    fixed = {j: (rms(found.fixed[:, found.straight, j - 2]), rms(found.fixed[:, found.turn, j - 2])) for j in (2, 3, 5, 10)}
+    fixed = {
+        j: (rms(found.fixed[:, found.straight, j - 2]), rms(found.fixed[:, found.turn, j - 2])) for j in (2, 3, 5, 10)
+    }
     each = [rms(run[found.straight]) for run in found.errors]
     at = f"at {speed:.0f} m/s"
     noted = NOTED[speed]

@@ -25,6 +25,7 @@ from shipid.campaign.table import read_runs
 from shipid.encounter.acceleration_prediction import predicted_positions
 from shipid.encounter.error_mitigation import Mitigation, mitigated_points, straight_points
 from shipid.encounter.smoothest_points import MiddleProblem, exact_middle, swarm_middle
+from shipid.encounter.tracked_motion import along_arc
 
 #: Seconds from scan to scan and scans from point to point; seconds a target is seen before it is predicted.
 PERIOD, EVERY, SEEN = 2.0, 5, 60.0
@@ -61,7 +62,6 @@ def predictions(seen: np.ndarray) -> dict[str, np.ndarray]:
     scan = predicted_positions(seen[:, -6:], STEPS * EVERY)[:, EVERY - 1 :: EVERY]
     sampled, everything = (mitigated_points(seen, EVERY, Mitigation(r)) for r in ("sampled", "all scans"))
     tracked = song.TRACKER.motions(seen, PERIOD)[:, -1]
-    ahead = EVERY * PERIOD * np.arange(1, STEPS + 1)[:, None]
     return {
         "raw, every scan": scan,
         "raw, 4 points": predicted_positions(points[:, -4:], STEPS),
@@ -69,7 +69,7 @@ def predictions(seen: np.ndarray) -> dict[str, np.ndarray]:
         "mitigated, as printed": predicted_positions(sampled, STEPS),
         "mitigated, all scans": predicted_positions(everything, STEPS, limit=1.0),
         "straight line": predicted_positions(straight_points(seen[:, -3 * EVERY - 1 :], EVERY), STEPS),
-        "tracker": tracked[:, None, :2] + ahead * tracked[:, None, 2:],
+        "tracker": along_arc(tracked, EVERY * PERIOD * np.arange(1, STEPS + 1)),
     }
 
 
@@ -99,10 +99,12 @@ def prediction_claims(count: int, rows: list[Claim]) -> dict[str, dict[str, np.n
         printed, four = medians[kind]["mitigated, as printed"], medians[kind]["raw, 4 points"]
         rows.append(Claim(f"C2 {kind}: raw over mitigated, same points", "above 1", f"{(four / printed).min():.2f} to {(four / printed).max():.2f}",
                           row(printed), UNDER_A_READING if (four / printed).min() > 1 else FAILS, AS_PRINTED, promised=False))  # fmt: skip
-        better = min(("straight line", "tracker"), key=lambda n: medians[kind][n].mean())
-        rows.append(Claim(f"beyond {kind}: mitigated over the better of line and tracker", "above 1", f"{(ours / medians[kind][better]).min():.2f} to "
-                          f"{(ours / medians[kind][better]).max():.2f} ({better})", row(medians[kind][better]),
-                          HOLDS if (ours / medians[kind]["tracker"]).mean() > 1 else FAILS, promised=kind != "fast"))  # fmt: skip
+        tracked = medians[kind]["tracker"]
+        rows.append(Claim(f"beyond {kind}: mitigated, all scans, over tracker", "above 1", f"{(ours / tracked).min():.1f} to {(ours / tracked).max():.1f}",
+                          row(tracked), HOLDS if (ours / tracked).min() > 1 else FAILS))  # fmt: skip
+        line = medians[kind]["straight line"]
+        rows.append(Claim(f"beyond {kind}: straight line of all scans over tracker", "above 1", f"{(line / tracked).min():.1f} to {(line / tracked).max():.1f}",
+                          row(line), HOLDS if (line / tracked).min() > 1 else FAILS, promised=False))  # fmt: skip
     for kind, method, listed in ACCEPTED:
         got = medians[kind][method]
         apart = np.abs(got / listed - 1).max()
@@ -167,14 +169,14 @@ def avoidance_claims(runs: int, rows: list[Claim]) -> None:
             std = float(gain.std(ddof=1) / np.sqrt(runs))
             name = "C3" if method in ("sampled", "all_scans") else "beyond"
             rows.append(Claim(f"{name} {case}: periods inside domains, raw and {words}", "11 and 0 in one run", f"{mean['raw']:.2f} and {mean[method]:.2f} a run",
-                              f"fewer by {gain.mean():.2f} ± {std:.2f}", UNDER_A_READING if gain.mean() > 2 * std else FAILS, AVOIDANCE))  # fmt: skip
+                              f"fewer by {gain.mean():.2f} ± {std:.2f}", UNDER_A_READING if gain.mean() > 2 * std else FAILS, AVOIDANCE, promised=name == "C3" or method.endswith("margin")))  # fmt: skip
             late = found["periods_raw"] - found[f"periods_{method}"]
             late = late[np.isfinite(late)]
             std = float(late.std(ddof=1) / np.sqrt(late.size))
             ours = float(np.nanmean(found[f"periods_{method}"]))
             rows.append(Claim(f"{name.replace('3', '4')} {case}: periods to the goal, raw and {words}", "85 and 59",
                               f"{np.nanmean(found['periods_raw']):.1f} and {ours:.1f}", f"fewer by {late.mean():.2f} ± {std:.2f}",
-                              UNDER_A_READING if late.mean() > 2 * std else FAILS, AVOIDANCE, promised=method != "sampled"))  # fmt: skip
+                              UNDER_A_READING if late.mean() > 2 * std else FAILS, AVOIDANCE, promised=name == "C3" and campaign is song.slow_radar))  # fmt: skip
         turns = {m: float(np.rad2deg(found[f"turned_{m}"].mean())) for m in song.METHODS}
         rows.append(Claim(f"C4 {case}: changes of heading, raw, mitigated, tracker, truth", "smoother", f"{turns['raw']:.0f}, {turns['all_scans']:.0f}, "
                           f"{turns['tracker']:.0f}, {turns['truth']:.0f} deg", "", UNDER_A_READING if turns["raw"] > 1.2 * turns["all_scans"] else FAILS,
@@ -246,7 +248,10 @@ def main() -> None:
     solver_claims(min(count, 500), rows)
     avoidance_claims(runs, rows)
     figure(chosen.figure, 4, draw(medians))
-    notes = f"{count} targets of a kind, {runs} runs. Prediction: {MOTION} 0 against 11 entries and 85 periods are one run of the paper, not reproduced."
+    notes = (
+        f"{count} targets of a kind, {runs} runs. Prediction: {MOTION} 0 against 11 entries and 85 periods are one run of the "
+        "paper, not reproduced; a few runs of ours wait near the goal for an obstacle that lies on it, which moves the means of the periods."
+    )
     show("Song et al. (2018): error mitigation and avoidance", rows, chosen.json, notes)
 
 

@@ -35,14 +35,15 @@ _ESTIMATES = "estimates.csv"
 @click.command("filter")
 @click.argument("trial", required=False, metavar="[TRIAL]")
 @model_option
-@ship_option()
+@ship_option(several="with --method imm, which tells the one that sails")
 @click.option(
     "--method",
-    type=click.Choice(list(METHODS)),
+    type=click.Choice([*METHODS, "imm"]),
     default="ekf",
     show_default=True,
     metavar="METHOD",
-    help=f"{', '.join(METHODS)}. All but ekf identify the parameters of one measured state.",
+    help=f"{', '.join(METHODS)} or imm. ekf filters; imm tells which of several ships sails; all others identify the parameters of one "
+    "measured state.",
 )
 @reading
 @levels_option("--measured", f"Sensors and their noise per sample, {LEVELS}; standard ones by default.")
@@ -73,7 +74,7 @@ _ESTIMATES = "estimates.csv"
 def filter_trial(
     trial: str | None,
     model: str,
-    ship: str | None,
+    ships: tuple[str, ...],
     method: str,
     read: TrialReader,
     measured: dict[str, str] | None,
@@ -105,7 +106,13 @@ def filter_trial(
         raise UsageError("--follow writes estimates to standard output as they are made; redirect it instead of --out.")
     if method != "ekf" and (follow is not None or rates is not None):
         raise UsageError(f"method {method} takes a whole record, each sample of it: leave --follow and --rates out.")
-    found, known = find_model(model), find_ship(ship) if ship else None
+    if method == "imm" and (estimate is not None or follow is not None):
+        raise UsageError("method imm compares ships as they are, on a whole record: leave --estimate and --follow out.")
+    if (method == "imm") != (len(ships) > 1):
+        raise UsageError(
+            "several ships are compared by --method imm, and it needs two or more: --ship LOADED --ship BALLAST."
+        )
+    found, known = find_model(model), find_ship(ships[0]) if ships else None
     names = parameters_to_estimate(found) if estimate is None else () if estimate == ["none"] else tuple(estimate)
     settings: dict[str, Plain] = {
         "noise": noise or {},
@@ -113,6 +120,8 @@ def filter_trial(
         "start": start or {},
         "inputs": assignments(inputs),
     }
+    if method == "imm":
+        return _which_ship(read, str(trial), found, ships, measured, settings, delivery)
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
         return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
@@ -197,5 +206,45 @@ def _recursively(
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(run, path),
+        },
+    )
+
+
+def _which_ship(
+    read: TrialReader,
+    trial: str,
+    model: Model,
+    ships: tuple[str, ...],
+    measured: dict[str, str] | None,
+    settings: dict[str, Plain],
+    delivery: Delivery,
+) -> ExitCode:
+    """Compare parameter sets on a record by a multiple-model filter."""
+    from shipid.estimation.multiple.which_ship import which_ship
+    from shipid.estimation.settings.defaults import standard_sensors
+    from shipid.generation.reduction import reduced
+    from shipid.parameters.catalogue import find_ship
+    from shipid.report.write_report import write_report
+
+    with delivery.progress() as tell:
+        tell("reading")
+        record = read(trial)
+        sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
+        kept = [f"sensor:{n}" for n in measured or ()] + [f"noise:{n}" for n in settings["noise"]]
+        found = which_ship(
+            reduced(model, tuple(sensors)),
+            [find_ship(s) for s in ships],
+            record,
+            measured=sensors,
+            kept=kept,
+            tell=tell,
+            **settings,
+        )
+    return delivery.hand_over_parts(
+        found.to_dict(),
+        "\n".join([repr(found), *(f"  {sentence}" for sentence in found.levels.words)]),
+        {
+            _ESTIMATES: lambda path: found.run.to_frame().to_csv(path, index=False, float_format="%.9g"),
+            REPORT: lambda path: write_report(found, path),
         },
     )

@@ -147,14 +147,14 @@ def closest_approach(
     )
 
 
-def nearest_distance(relative: np.ndarray, horizon: float) -> np.ndarray:
+def nearest_distance(relative: np.ndarray, horizon: float | np.ndarray) -> np.ndarray:
     """Return the smallest distance from now to a horizon for steady relative motions.
 
     Parameters
     ----------
     relative : ndarray, shape (..., 4)
         Position and velocity of the other ship relative to own ship, north and east, m and m/s.
-    horizon : float
+    horizon : float or ndarray, shape (...)
         s.
 
     Returns

@@ -31,7 +31,7 @@ class ShipDomain:
         if not (self.along > 0 and self.across > 0):
             raise EncounterRequestError(f"a ship domain of {self.along:g} m by {self.across:g} m has no area.")
 
-    def nearest(self, relative: np.ndarray, course: np.ndarray, horizon: float) -> np.ndarray:
+    def nearest(self, relative: np.ndarray, course: np.ndarray, horizon: float | np.ndarray) -> np.ndarray:
         """Return how near a point comes to the domain while both keep course and speed.
 
         Parameters
@@ -40,7 +40,7 @@ class ShipDomain:
             Position and velocity of the ship that has the domain, relative to the other one; north and east, m and m/s.
         course : ndarray, shape (...)
             Course of the ship that has it, rad.
-        horizon : float
+        horizon : float or ndarray, shape (...)
             s.
 
         Returns

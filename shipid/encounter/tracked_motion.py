@@ -1,4 +1,4 @@
-"""A target's position and velocity by the multiple-model tracker, for many targets that are seen at the same scans."""
+"""Where targets are and go by the filter of a turning ship, for many targets that are seen at the same scans."""
 
 from __future__ import annotations
 
@@ -12,31 +12,34 @@ from shipid.estimation.multiple.interacting import InteractingMultipleModel
 from shipid.estimation.multiple.modes import Mode
 from shipid.parameters.catalogue import find_model
 
-#: Probability that a target goes on as she does from one scan to the next.
-_STAY = 0.9
+#: Columns of a motion: positions, velocities, and the rate of turn of the course.
+COLUMNS = ("x", "y", "vx", "vy", "omega")
 
 
 @dataclass(frozen=True)
 class TargetTracker:
-    """An interacting multiple-model filter of straight motion and a turn to each side.
+    """The generated filter of a ship that turns at a rate which is estimated (model turning-at-unknown-rate).
 
     Attributes
     ----------
     error : float
         Standard deviation of an observed coordinate, m.
-    rate : float
-        Rate of turn of the turning modes, rad/s.
     acceleration : float
-        Standard deviation of the accelerations of all modes, m/s^2.
+        Standard deviation of her accelerations, m/s^2.
+    turning : float
+        How fast her rate of turn wanders, rad/s per root second.
+    rate : float
+        Standard deviation of the rate of turn before the first scan, rad/s.
     """
 
     error: float
-    rate: float = float(np.deg2rad(0.5))
     acceleration: float = 0.02
+    turning: float = 5e-4
+    rate: float = float(np.deg2rad(0.7))
 
     def __post_init__(self) -> None:
-        if not (self.error > 0 and self.rate > 0 and self.acceleration > 0):
-            raise EncounterRequestError("a tracker needs an error, a rate of turn and an acceleration above zero.")
+        if not all(value > 0 for value in vars(self).values()):
+            raise EncounterRequestError("a tracker needs an error, an acceleration and rates of turn above zero.")
 
     def motions(self, seen: np.ndarray, period: float) -> np.ndarray:
         """Return what is known of the targets at every scan, from the scans up to it.
@@ -50,27 +53,51 @@ class TargetTracker:
 
         Returns
         -------
-        ndarray, shape (..., scans, 4)
-            Positions and velocities, m and m/s.
+        ndarray, shape (..., scans, 5)
+            Positions in m, velocities in m/s and rate of turn in rad/s: `COLUMNS`.
         """
         flat = seen.reshape(-1, *seen.shape[-2:])
         record = {"t": period * np.arange(flat.shape[1]), "x": flat[:, :, 0], "y": flat[:, :, 1]}
         runs = _filter_of(self).filter_runs(record)
-        found = np.stack([runs[name] for name in ("x", "y", "vx", "vy")], axis=-1)
-        return np.asarray(found.reshape(*seen.shape[:-1], 4))
+        found = np.stack([runs[name] for name in COLUMNS], axis=-1)
+        return np.asarray(found.reshape(*seen.shape[:-1], len(COLUMNS)))
+
+
+def along_arc(motion: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Return where targets are if they go on turning as they do, at a steady speed.
+
+    Parameters
+    ----------
+    motion : ndarray, shape (..., 5)
+        As `TargetTracker.motions` returns it, at one scan.
+    times : ndarray, shape (k,)
+        s from it.
+
+    Returns
+    -------
+    ndarray, shape (..., k, 2)
+        North and east, m.
+    """
+    angle = motion[..., 4, None] * times
+    # sin(a) / a and (1 - cos(a)) / a, without 0/0.
+    along = np.sinc(angle / np.pi)
+    across = np.sin(angle / 2) * np.sinc(angle / (2 * np.pi))
+    vx, vy = motion[..., 2, None], motion[..., 3, None]
+    way = np.stack([along * vx - across * vy, across * vx + along * vy], axis=-1)
+    return np.asarray(motion[..., None, :2] + times[:, None] * way)
 
 
 @functools.lru_cache(maxsize=8)
 def _filter_of(tracker: TargetTracker) -> InteractingMultipleModel:
-    straight, turn = find_model("constant-velocity"), find_model("coordinated-turn")
-    out = (1 - _STAY) / 2
+    """One mode is the plain filter; this form runs many records in one call."""
     return InteractingMultipleModel(
-        {
-            "straight": Mode(straight),
-            "port": Mode(turn, inputs={"omega": (-tracker.rate, "rad/s")}),
-            "starboard": Mode(turn, inputs={"omega": (tracker.rate, "rad/s")}),
-        },
-        [[_STAY, out, out], [1 - _STAY, _STAY, 0.0], [1 - _STAY, 0.0, _STAY]],
+        {"turning": Mode(find_model("turning-at-unknown-rate"))},
+        [[1.0]],
         measured={"x": (tracker.error, "m"), "y": (tracker.error, "m")},
-        noise={n: (tracker.acceleration, "m/s^2") for n in ("ax", "ay")},
+        noise={
+            "ax": (tracker.acceleration, "m/s^2"),
+            "ay": (tracker.acceleration, "m/s^2"),
+            "omega": (tracker.turning, "rad/s^1.5"),
+        },
+        initial={"omega": (tracker.rate, "rad/s")},
     )

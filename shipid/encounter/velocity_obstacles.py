@@ -27,7 +27,7 @@ class VelocityPlanner:
     speeds : int
         How many speeds, evenly from a share of full speed up to it.
     horizon : float
-        How far ahead the others are looked at, s.
+        How far ahead the others are looked at, s; not beyond the time to the goal.
     """
 
     domain: ShipDomain
@@ -79,7 +79,9 @@ class VelocityPlanner:
         way = goal - position
         wanted = self.full_speed * way / np.maximum(np.hypot(way[..., 0], way[..., 1]), 1e-9)[..., None]
         cost = np.sum((velocity - wanted[..., None, :]) ** 2, axis=-1)
-        worst = np.min(self._nearest(position, velocity, others, delay), axis=-1, initial=np.inf)
+        # What lies behind the goal does not count: there the way ends.
+        ahead = np.minimum(self.horizon, np.hypot(way[..., 0], way[..., 1])[..., None] / speeds)
+        worst = np.min(self._nearest(position, velocity, others, delay, ahead), axis=-1, initial=np.inf)
         clear = worst >= 1
         # A share of a domain costs nothing among clear velocities, and everything among the others.
         best = np.argmin(np.where(clear, cost, np.where(clear.any(axis=-1, keepdims=True), np.inf, -worst)), axis=-1)
@@ -90,10 +92,12 @@ class VelocityPlanner:
             np.take_along_axis(clear, pick, axis=-1)[..., 0],
         )
 
-    def _nearest(self, position: np.ndarray, velocity: np.ndarray, others: np.ndarray, delay: float) -> np.ndarray:
+    def _nearest(
+        self, position: np.ndarray, velocity: np.ndarray, others: np.ndarray, delay: float, ahead: np.ndarray
+    ) -> np.ndarray:
         """How near each candidate comes to each domain, shape (..., candidates, n)."""
         apart = others[..., None, :, :2] - position[..., None, None, :]
         moving = others[..., None, :, 2:] - velocity[..., :, None, :]
         relative = np.concatenate([apart + delay * moving, moving], axis=-1)
         course = np.arctan2(others[..., None, :, 3], others[..., None, :, 2])
-        return self.domain.nearest(relative, np.broadcast_to(course, relative.shape[:-1]), self.horizon)
+        return self.domain.nearest(relative, np.broadcast_to(course, relative.shape[:-1]), ahead[..., None])

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
     from shipid.encounter.tracking.tracking import Tracking
+    from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
     from shipid.identification.fit import Fit
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         Fit
         | FilterRun
         | Observability
+        | WhichShip
         | RecursiveIdentification
         | Autopilot
         | Judgement
@@ -45,6 +47,7 @@ _VIEWS = {
     "Fit": "fit.page:fit_page",
     "FilterRun": "filter.page:filter_page",
     "Observability": "filter.page:observability_page",
+    "WhichShip": "filter.which_ship:which_ship_page",
     "RecursiveIdentification": "filter.recursive:recursive_page",
     "Autopilot": "tuning.page:design_page",
     "Judgement": "tuning.page:tuning_page",
@@ -68,7 +71,7 @@ def write_report(
 
     Parameters
     ----------
-    result : Fit, FilterRun, Observability, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
+    result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
 TrialSheet, CampaignResult, FleetResult or Tracking
         What to report.
     path : str or Path

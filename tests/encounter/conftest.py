@@ -52,7 +52,8 @@ def scene() -> Callable[..., Detections]:
             np.array(t), place[:, 0], place[:, 1], sensors=(sensor,), looks=np.array(looks), looks_sensor=np.zeros(len(looks), int)
         )  # fmt: skip
         truth = tuple(
-            ShipPath(f"target {i + 1}", times, x + vx * times, y + vy * times) for i, (x, y, vx, vy) in enumerate(states)
+            ShipPath(f"target {i + 1}", times, x + vx * times, y + vy * times)
+            for i, (x, y, vx, vy) in enumerate(states)
         )
         own = ShipPath("own ship", times, np.zeros(scans), np.zeros(scans))
         return Detections("scene", plots, own, truth=truth)

@@ -54,6 +54,15 @@ def test_the_chosen_velocity_keeps_out_of_every_domain():
     assert np.abs(heading).max() <= np.deg2rad(40) + 1e-12
 
 
+def test_what_lies_behind_the_goal_does_not_count():
+    planner = VelocityPlanner(circle(230.0), 20.0)
+    behind = np.array([[1500.0, 0.0, 0.0, 0.0]])
+    heading, speed, clear = planner.choose(np.zeros(2), np.array(0.0), np.array([1000.0, 0.0]), behind)
+    assert clear and speed == 20.0 and heading == 0.0
+    heading, _, clear = planner.choose(np.zeros(2), np.array(0.0), np.array([1400.0, 0.0]), behind)
+    assert clear and heading != 0.0
+
+
 def test_inside_a_domain_it_leaves():
     planner = VelocityPlanner(circle(230.0), 20.0)
     other = np.array([[150.0, 10.0, 0.0, 0.0]])

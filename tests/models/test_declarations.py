@@ -36,7 +36,17 @@ IN_SECONDS = {("DeKeizerLag", "t_delta")}
 WITH_WIND = {"cubic-wind", "cross-flow-wind"}
 #: Declarations for filters and recursions: each holds only what it estimates.
 FILTERS = {"yaw-filter", "yaw-filter-seven", "position-filter", "own-ship-filter"}
-SHIP_MODELS = [n for n in MODELS if n not in FILTERS]
+#: Declarations of other ships as a radar sees them: points that move, and steer nothing.
+TARGETS = {
+    "constant-velocity",
+    "constant-velocity-augmented",
+    "coordinated-turn",
+    "coordinated-turn-augmented",
+    "turning-at-unknown-rate",
+    "target-turn",
+    "target-circle",
+}
+SHIP_MODELS = [n for n in MODELS if n not in FILTERS | TARGETS]
 FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")
 
 

@@ -49,6 +49,12 @@ class CourseChange:
     sea_filter: bool = False
     lost: bool = False
 
+    def without_measures(self) -> CourseChange:
+        """Return the change as one of which nothing is measured, as the run was lost."""
+        return CourseChange(
+            self.speed, self.change_deg, self.weather, *(None,) * 7, sea_filter=self.sea_filter, lost=True
+        )
+
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return with_units(asdict(self), speed="m/s")

@@ -37,7 +37,9 @@ class OnBoardRun:
     error_deg : float or None
         Root mean square of the heading fed back less the ship's heading, in degrees; None where the run diverged.
     histories : mapping of str to ndarray, shape (n,)
-        ``t``, ``psi_order``, ``psi``, ``delta`` of the whole voyage, thinned, SI.
+        ``t``, ``psi_order``, ``psi``, ``delta`` of the whole voyage, thinned, SI; not a number from a departure on.
+    departure : str or None
+        Where the run leaves the range in which the model is valid, and why; nothing is measured from there on.
     """
 
     feedback: Feedback
@@ -45,6 +47,7 @@ class OnBoardRun:
     changes: tuple[CourseChange, ...]
     error_deg: float | None
     histories: Mapping[str, np.ndarray]
+    departure: str | None = None
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, without the histories."""
@@ -53,6 +56,7 @@ class OnBoardRun:
             "weather": self.weather,
             "heading_error_rms": quantity(self.error_deg, "deg"),
             "changes": [c.to_dict() for c in self.changes],
+            "not_sailed": self.departure,
         }
 
 

@@ -39,9 +39,12 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown, to_display
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.notices import Notice
 from shipid.foundation.statistics import plain
+from shipid.generation.departure import first_departure
 from shipid.parameters.catalogue import model_of
 from shipid.parts.helm import DirectRudder
+from shipid.parts.manoeuvring_range import manoeuvring_range
 
 ADAPTATIONS: tuple[Adaptation, ...] = get_args(Adaptation)
 #: Course changes of a voyage in degrees, one after the other, each back to the first course; zero keeps it.
@@ -164,9 +167,8 @@ class _Voyage:
     @property
     def ship(self) -> Model:
         """The ship with its steering machine, in weather that may be calm."""
-        return join(
-            f"{self.pilot.model.name}-steered", steered_ship(self.pilot), *self.weather.components(self.pilot.model)
-        )
+        name, model = f"{self.pilot.model.name}-steered", self.pilot.model
+        return join(name, steered_ship(self.pilot), *self.weather.components(model), *manoeuvring_range(model))
 
     def samples(self, lengths: float) -> int:
         """Samples in a time given in L/u."""
@@ -244,7 +246,7 @@ def _loop(voyage: _Voyage, adaptation: Adaptation) -> SampledLoop:
         law,
         estimator_of(kalman, names, estimates, first),
         shown=sums,
-        outputs=("psi", "x", "y"),
+        outputs=("psi", "x", "y", *ship.guards),
         substeps=max(4, int(np.ceil(voyage.interval / stiffest(pilot, ship, np.array([voyage.speed]))))),
     )
 
@@ -287,6 +289,7 @@ def _run(voyage: _Voyage, loop: SampledLoop, feedback: Feedback, in_weather: boo
     start = loop.start({"u": voyage.speed}, {"a_ref": a, "b1_ref": b1})
     known = {n: v for n, v in inputs.items() if n in loop.inputs}
     run = loop(start, known, _coefficients(voyage, loop), voyage.interval, count)
+    departure = first_departure(loop.ship, t, {n: run[n] for n in loop.ship.guards})
     run |= {
         "t": t,
         "psi_order": psi_order,
@@ -297,16 +300,33 @@ def _run(voyage: _Voyage, loop: SampledLoop, feedback: Feedback, in_weather: boo
         measure_history({n: v[k : k + each] for n, v in run.items()}, voyage.speed, float(change)).one(0, words)
         for k, change in zip(begin, voyage.changes)
     ]
+    if departure is not None:
+        # From there on it is no run of a ship, and nothing is measured.
+        measured = [c if t[k + each - 1] < departure.time else c.without_measures() for k, c in zip(begin, measured)]
+        run = {n: np.where(t < departure.time, column, np.nan) for n, column in run.items()}
     seen = run["psi_hat" if feedback == "filter" else "psi_shown"]
     error = float(np.sqrt(np.mean((seen - run["psi"])[approach:] ** 2)))
     every = max(1, count // _POINTS)
     kept = {n: run[n][::every] for n in ("t", "psi_order", "psi", "delta")}
-    return OnBoardRun(feedback, words, tuple(measured), plain(to_display(error, "psi")), kept)
+    return OnBoardRun(
+        feedback,
+        words,
+        tuple(measured),
+        plain(to_display(error, "psi")),
+        kept,
+        None if departure is None else str(departure),
+    )
 
 
 def _warnings(runs: Sequence[OnBoardRun]) -> list[str]:
-    found = []
-    lost = [f"by the {r.feedback}, {r.weather}" for r in runs if any(c.lost for c in r.changes)]
+    found: list[str] = []
+    found += [
+        Notice(f"on board, by the {r.feedback}, {r.weather}: {r.departure}", "not-sailed", serious=True)
+        for r in runs
+        if r.departure is not None
+    ]
+    diverged = [r for r in runs if r.departure is None and any(c.lost for c in r.changes)]
+    lost = [f"by the {r.feedback}, {r.weather}" for r in diverged]
     if lost:
         found.append(f"on board: the loop diverged {'; '.join(lost)}. Give a filter tuned for this ship.")
     for shown_run, filtered in zip(runs[:2], runs[2:]):

@@ -146,7 +146,7 @@ def known(method: str, case: Case, truth: np.ndarray, seen: np.ndarray) -> np.nd
     if method == "truth":
         return truth[..., before:, :]
     if method.startswith("tracker"):
-        return TRACKER.motions(seen, case.period)[..., before:, :]
+        return TRACKER.motions(seen, case.period)[..., before:, :4]
     windows = np.swapaxes(sliding_window_view(seen, before + 1, axis=-2), -1, -2)
     apart, limit = case.every, None
     if method == "raw":

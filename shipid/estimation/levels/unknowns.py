@@ -303,7 +303,9 @@ class Unknowns:
             one = np.where(there, 1 / s, 0.0)[..., None]
             e, de, ds = e[..., None], de * np.sqrt(one), ds * one
             rows.append((0.5 * ds * (e**2 * one - (one > 0)) - e * np.sqrt(one) * de).sum(axis=1))
-            flat = np.concatenate([de.reshape(-1, index.size), ds.reshape(-1, index.size) / np.sqrt(2)])
+            # The sizes in full: where nothing is sought, NumPy cannot tell how many rows there are.
+            shape = (de.shape[0] * de.shape[1], index.size)
+            flat = np.concatenate([de.reshape(shape), ds.reshape(shape) / np.sqrt(2)])
             information[np.ix_(index, index)] += flat.T @ flat
         scores = np.zeros((sum(len(r) for r in rows), z.size))
         scores[:, index] = np.concatenate(rows)

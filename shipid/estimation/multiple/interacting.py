@@ -9,11 +9,12 @@ import numpy as np
 from shipid.declaration.units import to_si
 from shipid.estimation.design import FilterDesign, FilterSettings
 from shipid.estimation.errors import FilterDivergedError, ModeError
+from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.multiple.cycle.cycle import CycleSettings, Merging
 from shipid.estimation.multiple.cycle.maps import ModeMaps, make_maps
 from shipid.estimation.multiple.design import MultipleModelDesign, read_moves
 from shipid.estimation.multiple.first_state import FirstState
-from shipid.estimation.multiple.modes import ModeLike, design_modes
+from shipid.estimation.multiple.modes import ModeLike, check_modes, design_modes
 from shipid.estimation.multiple.multiple_run import MultipleModelRun
 from shipid.estimation.multiple.multiple_runs import MultipleModelRuns, filter_runs
 from shipid.estimation.multiple.online import OnlineMultipleModel
@@ -130,9 +131,7 @@ class InteractingMultipleModel:
             raise UnknownNameError("merging", merging, ("interacting", "pseudo-bayesian"))
         if not fading >= 1:
             raise ModeError(f"a fading of {fading:g} shrinks the covariance before each prediction; give 1 or more.")
-        interval = None if per is None else to_si(per, "s", "the interval of the transition probabilities")
-        if interval is not None and not interval > 0:
-            raise ModeError(f"the transition probabilities hold for {per}: an interval must be longer than zero.")
+        interval = _interval(per)
         numbers = {n: j for j, n in enumerate(names)}
         settings = CycleSettings(
             {(numbers[a], numbers[b]): m for (a, b), m in make_maps(modes, maps or {}).items()},
@@ -146,6 +145,46 @@ class InteractingMultipleModel:
         self.design = MultipleModelDesign(
             modes, matrix, interval, read_probabilities(probabilities, names), settings, compiled
         )
+
+    @classmethod
+    def of_filters(
+        cls,
+        filters: Mapping[str, ExtendedKalmanFilter],
+        transition: Sequence[Sequence[float]] | np.ndarray,
+        *,
+        per: Amount | None = None,
+        probabilities: Sequence[float] | None = None,
+    ) -> InteractingMultipleModel:
+        """Return the multiple-model filter over Kalman filters as they are, with their sensors and noise.
+
+        Parameters
+        ----------
+        filters : mapping of str to ExtendedKalmanFilter
+            The modes, made with ``gate=None`` and ``shared_noise=False``, with equal sensors and states.
+        transition, per, probabilities
+            See the class.
+
+        Raises
+        ------
+        ModeError
+            If the filters do not fit each other.
+        TransitionError
+            If the transition probabilities do not fit the modes.
+        """
+        modes = {n: f.design for n, f in filters.items()}
+        check_modes(modes)
+        made = cls.__new__(cls)
+        names = tuple(modes)
+        maps = {(names.index(a), names.index(b)): m for (a, b), m in make_maps(modes, {}).items()}
+        made.design = MultipleModelDesign(
+            modes,
+            read_transition(transition, names),
+            _interval(per),
+            read_probabilities(probabilities, names),
+            CycleSettings(maps, "interacting", 1.0, {}, None, False),
+            all(d.compiled for d in modes.values()),
+        )
+        return made
 
     def __repr__(self) -> str:
         return repr(self.design)
@@ -277,6 +316,13 @@ def run_cycles(design: MultipleModelDesign, record: MultipleRecord) -> np.ndarra
         lambda _, __: next(following),
     )
     return out
+
+
+def _interval(per: Amount | None) -> float | None:
+    interval = None if per is None else to_si(per, "s", "the interval of the transition probabilities")
+    if interval is not None and not interval > 0:
+        raise ModeError(f"the transition probabilities hold for {per}: an interval must be longer than zero.")
+    return interval
 
 
 def _leaders(led: Mapping[str, str], modes: Mapping[str, FilterDesign]) -> dict[str, str]:

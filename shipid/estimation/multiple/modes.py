@@ -79,15 +79,51 @@ def design_modes(models: Mapping[str, ModeLike], common: FilterSettings) -> dict
                 known = sorted({n for model in found.values() for n in model.entries})
                 raise UnknownNameError(f"quantity of any mode, named in {setting}, called", name, known)
     designs = {n: design_filter(found[n], m.ship, _own(m, found[n], common)) for n, m in modes.items()}
+    check_modes(designs)
+    return designs
+
+
+def check_modes(designs: Mapping[str, FilterDesign]) -> None:
+    """Raise an error for filters that cannot be the modes of one.
+
+    Parameters
+    ----------
+    designs : mapping of str to FilterDesign
+        The modes.
+
+    Raises
+    ------
+    ModeError
+        If there is none, or they do not read the same sensors, or are made with what a mode has not: a gate, shared noise, a square
+        root, a switch.
+    """
+    if not designs:
+        raise ModeError(
+            "a multiple-model filter needs at least one model, as in models={'straight': constant_velocity}."
+        )
     first = next(iter(designs.values()))
     for name, design in designs.items():
+        if (
+            design.gate is not None
+            or design.layout.joint != design.layout.n
+            or design.form != "covariance"
+            or design.switchable
+        ):
+            raise ModeError(
+                f"the filter of mode '{name}' is made with a gate, shared noise, a square root or a switch: make it with gate=None and "
+                "shared_noise=False, and leave the others out."
+            )
+        if design.measured != first.measured or (design.r != first.r).any():
+            raise ModeError(
+                f"mode '{name}' reads {', '.join(design.measured)} and the first mode {', '.join(first.measured)}: modes must read the "
+                "same sensors with the same noise."
+            )
         for sensor in first.measured:
             if design.model[sensor].unit != first.model[sensor].unit:
                 raise ModeError(
                     f"'{sensor}' is measured in {first.model[sensor].unit} by the first mode and in {design.model[sensor].unit} by "
                     f"mode '{name}': modes must read the same sensors."
                 )
-    return designs
 
 
 def _own(mode: Mode, model: Model, common: FilterSettings) -> FilterSettings:

@@ -17,7 +17,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.foundation.notices import Notice
+from shipid.foundation.notices import Notice, notice_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond
 from shipid.parts.manoeuvring_range import FASTEST_TURN, LEAST_SPEED
@@ -129,7 +129,7 @@ def sail_route(
         raise UsageError("an autopilot that holds a rate of turn steers no route: design one that holds a course.")
     steered, truth = steering(pilot, model, ship)
     check_flows(truth, current, wind)
-    told = list(route.notes)
+    told: list[str] = [*map(notice_of, route.notes)]
     u0 = _speed(pilot, route, speed, told)
     plan = plan_of(route, radius=_radius(pilot, route, radius, told))
     flows = flow_inputs(current, wind)

@@ -11,10 +11,14 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import checks, columns
 from shipid.trials.filling import usual_interval
 from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_trailing
+from shipid.trials.logs.drafting.names import meaning_of
 from shipid.trials.logs.following import with_following
 from shipid.trials.logs.missing import with_missing
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
+
+#: Fields without which most commands have nothing to do.
+_WANTED = ("psi", "r", "u", "delta", "delta_order", "x", "y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,4 +96,20 @@ def _remarks(table: pd.DataFrame) -> list[str]:
             "WARNING: positive rudder turns this ship to port. shipid counts delta and r positive to starboard: "
             "state sign = -1 for the column that is not, in a format file."
         )
-    return notes
+    return notes + _unread(table)
+
+
+def _unread(table: pd.DataFrame) -> list[str]:
+    """What columns look like fields of the vocabulary that the log does not hold under their names."""
+    found: dict[str, str] = {}
+    for header in table.columns:
+        meaning = meaning_of(str(header))
+        if header not in FIELDS and not meaning.doubtful and meaning.fields[:1] and meaning.fields[0] in _WANTED:
+            found.setdefault(meaning.fields[0], str(header))
+    lacking = {field: header for field, header in found.items() if field not in table}
+    if not lacking:
+        return []
+    return [
+        f"WARNING: {' and '.join(lacking.values())} look{'s' if len(lacking) == 1 else ''} like {' and '.join(lacking)}, and nothing "
+        "reads them under these names. Rename them, or write a format file: shipid format FILE drafts it."
+    ]

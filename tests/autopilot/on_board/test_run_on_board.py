@@ -152,3 +152,14 @@ def test_requests_that_are_none(container, integral):
         shipid.run_on_board(container, "position-filter")
     with pytest.raises(UsageError, match="not a ParameterSet"):
         shipid.judge(container.ship)
+
+
+def test_a_run_that_leaves_its_model_is_named_and_not_measured():
+    """Nomoto's linear ship of 45 m with 30 deg of rudder would turn in a circle of less than a length."""
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel", speeds=[5.0], rudder_limit="30 deg", omega_n="0.3 rad/s")
+    found = shipid.run_on_board(pilot, "yaw-filter", changes=(0.0, 900.0))
+    for run in found.runs:
+        assert run.departure is not None and "faster than any ship" in run.departure
+        assert run.changes[1].lost and run.changes[1].overshoot_deg is None
+    (notice, *_) = [w for w in found.warnings if "not sailed by this model" in w]
+    assert notice.serious and notice.kind == "not-sailed"

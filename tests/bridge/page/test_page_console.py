@@ -59,9 +59,11 @@ def test_a_key_that_is_held_down_arms_and_does_not_execute(bridge, open_page, un
 
 def test_turning_closes_the_lid_and_escape_cancels(bridge, open_page, until):
     page = open_page(bridge.address)
+    page.wait_for_selector(".execute:enabled")
     page.keyboard.press("Enter")
+    page.wait_for_selector(".execute[aria-pressed=true]")
     page.keyboard.press("ArrowRight")
-    page.wait_for_selector(".execute[aria-pressed=false]")
+    page.wait_for_selector(".execute[aria-pressed=false]", timeout=5000)  # by itself the lid closes after ten seconds
     page.keyboard.press("Enter")
     page.keyboard.press("Escape")
     wait_for(bridge, page, "cancel")
@@ -141,6 +143,29 @@ def test_a_refusal_is_said_and_the_setting_goes_back(bridge, open_page, until):
     page.wait_for_selector("#settings .message:not([hidden])")
     assert "not known at this speed" in page.locator("#settings .message").inner_text()
     until(page, "document.querySelector('.primary input').value === '075.0'")
+
+
+def test_a_key_pressed_with_the_pointer_leaves_the_keyboard_to_the_heading(bridge, open_page, until):
+    page = open_page(bridge.address)
+    page.get_by_role("radio", name="Rudder").click()
+    page.get_by_role("radio", name="Heading").click()
+    page.keyboard.press("ArrowRight")
+    wait_for(bridge, page, "trial", heading=76 * DEG)
+    page.get_by_role("button", name="Trial heading plus 5").click()
+    wait_for(bridge, page, "trial", heading=81 * DEG)
+    page.keyboard.press("Enter")
+    page.keyboard.press("Enter")
+    wait_for(bridge, page, "execute")
+    assert executed(bridge, "heading") == pytest.approx(81 * DEG)
+    # By the tabulator the row is a row of radio keys like any other.
+    page.get_by_role("radio", name="Heading").focus()
+    page.keyboard.press("ArrowRight")
+    until(
+        page,
+        "document.activeElement.textContent === 'Rudder' && document.activeElement.getAttribute('aria-checked') === 'true'",
+    )
+    page.keyboard.press("Enter")
+    assert page.locator(".execute").get_attribute("aria-pressed") == "false"
 
 
 def test_letters_can_be_switched_off_and_the_fields_keep_theirs(bridge, open_page, until):

@@ -81,6 +81,7 @@ def test_a_server_that_falls_silent_is_told(bridge, open_page, until):
     bridge.silent = True
     page.wait_for_selector("#lost:not([hidden])")
     assert page.locator(".readout .number.old").count() == 6
+    until(page, "document.querySelector('.readout .note').textContent === '3 s old'")
     bridge.silent = False
     page.wait_for_selector("#lost", state="hidden")
 

@@ -49,7 +49,9 @@ def test_two_targets_of_one_plot_share_it() -> None:
 def test_the_nearest_assignment_is_the_most_probable_hypothesis(seed: int) -> None:
     weights = np.exp(np.random.default_rng(seed).normal(0, 2, (3, 3)))
     found = nearest_assignment(weights)
-    assert set(np.unique(found)) <= {0.0, 1.0} and (found.sum(axis=1) == 1).all() and (found[:, 1:].sum(axis=0) <= 1).all()
+    assert (
+        set(np.unique(found)) <= {0.0, 1.0} and (found.sum(axis=1) == 1).all() and (found[:, 1:].sum(axis=0) <= 1).all()
+    )
     ours = np.prod(weights[found[:, 1:] > 0])
     best = max(
         np.prod([weights[i, c - 1] for i, c in enumerate(choice) if c])

@@ -147,7 +147,9 @@ def test_a_ship_says_how_sharply_targets_turn() -> None:
         (lambda: Motion(find_model("de-keizer"), (Mode("a"),)), "no motion of a target"),
         (lambda: Motion(MODEL, (Mode("a", acceleration=0.0),)), "positive acceleration noise"),
         (
-            lambda: Motion(MODEL, (Mode("port", low=-0.1, high=0.02), Mode("starboard", low=0.01, high=0.1)), "variable"),
+            lambda: Motion(
+                MODEL, (Mode("port", low=-0.1, high=0.02), Mode("starboard", low=0.01, high=0.1)), "variable"
+            ),
             "'port' and 'starboard' overlap",
         ),
         (lambda: motion_of("imm", find_ship("soesterberg")), "no mode that turns"),

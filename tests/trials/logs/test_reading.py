@@ -175,3 +175,14 @@ def test_from_frame_takes_units_beside_the_headers():
     assert trial["psi"][0] == pytest.approx(np.radians(10))
     with pytest.raises(e.NoUnitError, match="'delta'"):
         Trial.from_frame(frame, units={"t": "s", "psi": "deg"})
+
+
+def test_columns_that_are_named_otherwise_are_told(tmp_path):
+    """A log of headers such as Heading is read, and its reader learns why no command finds a heading in it."""
+    path = tmp_path / "log.csv"
+    rows = "\n".join(f"{k},{k % 7},0.1,{k % 5},8" for k in range(30))
+    path.write_text(f"t [s],Heading [deg],ROT [deg/min],Rudder [deg],Speed [kn]\n{rows}\n")
+    (note,) = [n for n in read_trial(path).source.notes if n.startswith("WARNING")]
+    assert "Heading and ROT and Rudder look like psi and r and delta" in note and "shipid format" in note
+    path.write_text(f"t [s],Heading [deg],r [deg/min],delta [deg],psi [deg]\n{rows}\n")
+    assert not any("look" in n for n in read_trial(path).source.notes)

@@ -26,6 +26,12 @@ export function createKeys({ settings, console, plan, letters }) {
     v: () => plan.toggle("vrm"),
   };
 
+  // A key of the page that was pressed with the pointer gives the keyboard back: otherwise Enter would press it again instead of
+  // executing, and an arrow would move through a row of keys instead of turning the heading.
+  document.addEventListener("click", (event) => {
+    if (event.detail > 0) event.target.closest("button")?.blur();
+  });
+
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || taken(event.target, event.key)) return;
     const turn = turns[event.key];

@@ -137,8 +137,8 @@ export function createPlan(model, settings) {
     }
     note.hidden = !words.length;
     note.textContent = words.join(" · ");
-    const ring = view.range / 4;
-    scaleNote.replaceChildren(`${ORIENTATIONS[view.orientation]} · ${view.range} nm`, document.createElement("br"), `rings ${ring} nm · vectors ${VECTOR[view.range] / 60} min`);
+    const scales = [view.markers.rings && `rings ${view.range / 4} nm`, (view.markers.vector && may.vector) && `vectors ${VECTOR[view.range] / 60} min`];
+    scaleNote.replaceChildren(`${ORIENTATIONS[view.orientation]} · ${view.range} nm`, document.createElement("br"), scales.filter(Boolean).join(" · "));
     vrmNote.hidden = !view.markers.vrm;
     vrmNote.textContent = `VRM ${distance(view.vrm.range)} ${direction(view.vrm.bearing)}`;
   }

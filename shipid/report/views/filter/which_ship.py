@@ -1,0 +1,62 @@
+"""Which of several ships a record was sailed by, as a page."""
+
+from __future__ import annotations
+
+from shipid.estimation.multiple.which_ship import WhichShip
+from shipid.foundation.numbers import fixed
+from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.page import Page, Section
+from shipid.report.typography.quantities import shown
+from shipid.report.views.equations import equations_section
+from shipid.report.views.words import versions_now
+
+
+def which_ship_page(found: WhichShip) -> Page:
+    """Return what the page says of the ships compared.
+
+    Parameters
+    ----------
+    found : WhichShip
+        The comparison.
+    """
+    run = found.run
+    return Page(
+        f"{run.design.first.base.name} on {run.record}: which ship sails",
+        [("", [found.answer])],
+        [_probabilities(found), _noise(found), equations_section(run.design.first.base)],
+        [str(n) for n in found.warnings if n.serious],
+        [
+            *(str(n) for n in found.warnings if not n.serious),
+            "The probabilities compare the ships given: that one is the most probable does not say that it is right.",
+            *run.arranged.words,
+        ],
+        f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s. {versions_now()}",
+    )
+
+
+def _probabilities(found: WhichShip) -> Section:
+    run, last = found.run, found.run.probabilities[-1]
+    rows = [
+        {
+            "name": n,
+            "end": fixed(last[j], 4),
+            "mean": fixed(run.probabilities[:, j].mean(), 4),
+            "alone": fixed(found.log_likelihoods[n], 1),
+        }
+        for j, n in enumerate(run.modes)
+    ]
+    panels = [
+        Panel(f"probability of {n}", "1", [Curve("estimate", run.t, run.probabilities[:, j])])
+        for j, n in enumerate(run.modes)
+    ]
+    figure = histories(panels, "ships", "Probability of each ship along the record")
+    return Section("Ships", "filter/ships.html", {"rows": rows, "figure": figure})
+
+
+def _noise(found: WhichShip) -> Section:
+    design = found.run.design.first
+    sensors = []
+    for name, level in zip(design.measured, design.r):
+        how = shown(design.model, name)
+        sensors.append({"name": name, "level": how.number(float(level)), "unit": how.unit})
+    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": []})
