@@ -225,6 +225,8 @@ class Statistic:
             told["expected_interval_95"] = _ends(self.expected_interval)
         if self.course is not None:
             told["course"] = {
+                "unit": unit,
+            } | {
                 name: [_ends(pair) for pair in np.transpose(value)]
                 if isinstance(value, tuple)
                 else [plain(float(v)) for v in np.atleast_1d(value)]

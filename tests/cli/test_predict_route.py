@@ -73,6 +73,17 @@ def test_from_the_first_waypoint_and_from_a_state(call, folder):
     assert json.loads(state.out)["route"]["off_track"]["value"] == pytest.approx(20)
 
 
+def test_what_the_route_leaves_open_is_told(call, tmp_path):
+    (tmp_path / "open.csv").write_text("lat,lon,note\n53.95,7.9,x\n54.00,7.9,y\n54.03,7.99,z\n")
+    known = json.loads(call(*SHIP, "--route", str(tmp_path / "open.csv"), "--json").out)
+    said = " ".join(w["message"] for w in known["warnings"])
+    assert (
+        "they are degrees" in said
+        and "columns that no route has were not read: note" in said
+        and "state no turn radius" in said
+    )
+
+
 def test_refusals(refused, folder):
     route = ("--route", str(folder / "elbe.csv"))
     refused(2, [*SHIP, *route, "--heading", "10 deg"], "leave out --heading, --rudder and --rate")

@@ -1,0 +1,60 @@
+"""The rows of a fleet: how coefficients scatter over the trials, which files are trials, and a worker that does not see them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shipid.campaign.campaign import Campaign, Measure, generator_of
+from shipid.campaign.errors import CampaignRequestError
+from shipid.campaign.fleet import PARTS, FleetRun, FleetSettings, trial_files
+from shipid.campaign.fleet_result import fleet_result
+from shipid.campaign.moments import Statistic
+from shipid.campaign.result import CampaignResult
+from shipid.campaign.store import open_store
+
+
+def result_of_values(folder, values, std):
+    """The result of a fleet with these values of K."""
+    count = len(values)
+    texts = {"trial": np.array([f"t{k}.csv" for k in range(count)]), "outcome": np.array(["identified"] * count)}
+    texts |= {"message": np.array([""] * count), "doctor": np.array([""] * count)}
+    numbers = {"samples": np.full(count, 100.0), "chi_square": np.ones(count), "K": np.array(values, float)}
+    numbers |= {f"K_{part}": np.full(count, std) for part in PARTS[:3]} | {"K_determined": np.ones(count)}
+    measures = {n: Measure("text") for n in texts} | {n: Measure("value", "1/s") for n in numbers}
+    store = open_store(
+        folder, Campaign("fleet", lambda rng: {}, measures, batch=count), 0, resume=False, overwrite=False, about={}
+    )
+    store.write(0, range(count), texts | numbers)
+    statistics = {n: Statistic(n, m, count, 0) for n, m in measures.items()}
+    return fleet_result(CampaignResult("fleet", count, 0, count, statistics, folder, {}), "nomoto", "")
+
+
+def test_trials_of_one_truth_do_not_differ_more_often_than_one_in_a_hundred(tmp_path):
+    rng = np.random.default_rng(0)
+    differing = 0
+    for k in range(200):
+        found = result_of_values(tmp_path / str(k), 0.5 + 0.01 * rng.normal(size=6), 0.01).coefficients["K"]
+        differing += found.differs
+    assert differing <= 7  # expected 2
+    assert found.mean_std == pytest.approx(0.01 / np.sqrt(6))
+
+
+def test_trials_that_differ_are_told(tmp_path):
+    found = result_of_values(tmp_path, [0.40, 0.50, 0.60], 0.01)
+    scatter = found.coefficients["K"]
+    assert scatter.differs and scatter.scatter == pytest.approx(0.1) and scatter.mean == pytest.approx(0.5)
+    assert [w.kind for w in found.warnings] == ["scatter"]
+
+
+def test_which_files_are_trials(tmp_path):
+    for name in ("b.csv", "a.dat", "ship.toml", "readme.md", ".hidden.csv", "page.html"):
+        (tmp_path / name).write_text("x")
+    (tmp_path / "folder.csv").mkdir()
+    assert trial_files(tmp_path) == ["a.dat", "b.csv"]
+
+
+def test_a_worker_that_does_not_see_the_folder_says_so():
+    run = FleetRun("/no/such/folder", ("a.csv",), FleetSettings("nomoto"), ("K",))
+    with pytest.raises(CampaignRequestError, match="does not see the folder"):
+        run(generator_of(0, 0))
