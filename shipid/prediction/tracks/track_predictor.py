@@ -16,6 +16,7 @@ from shipid.declaration.component import Component
 from shipid.declaration.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.parameters.parameter_set import missing_values
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.prediction.situations.situation import Situation
@@ -265,6 +266,12 @@ class TrackPredictor:
             if lost:
                 raise UnknownNameError(f"coefficient of model {model.name} called", lost[0], model.parameters)
             known |= self.values
+            if self.kind == "first-order":
+                lacking = missing_values(
+                    model, known | dict.fromkeys(model.constants, 0.0), f"ship {self.pilot.ships[self.condition].name}"
+                )
+                if lacking is not None:
+                    raise lacking
             self._coefficients[key] = {n: v for n, v in known.items() if n in model}
         return self._coefficients[key]
 

@@ -269,3 +269,10 @@ def test_the_wind_is_in_the_first_order_track_as_it_is_in_the_ships_own(pilot):
     assert turned["first"] == pytest.approx(turned["own"], rel=0.1)
     found = shipid.predict_track(pilot, known, rudder=0.0, horizon=2, model="first-order")
     assert found.track.psi[-1] == pytest.approx(turned["first"], abs=1e-9)
+
+
+def test_a_ship_without_coefficients_of_the_wind_is_told(pilot):
+    ship = replace(pilot.ship, sections={n: s for n, s in pilot.ship.sections.items() if n != "wind"})
+    known = {"psi": 0.0, "u": 9.5, "wind_speed": 15.0, "wind_direction": 2.0}
+    with pytest.raises(ParameterSetError, match="needs N_w"):
+        shipid.predict_track(replace(pilot, ships=(ship,)), known, rudder=0.0, model="first-order")
