@@ -37,7 +37,7 @@ def test_limits_run_beside_the_legs_and_meet_at_the_corners(bridge, open_page):
 
 def test_the_wheel_over_line_crosses_the_leg_at_right_angles(bridge, open_page):
     page = open_page(bridge.address)
-    route = {"waypoints": SQUARE, "leg": 2, "wheel_over": {"x": 1000, "y": 1500}}
+    route = {"waypoints": SQUARE, "leg": 1, "wheel_over": {"x": 1000, "y": 1500}}
     ends = run(page, "plan/route.js", "return m.wheelOverLine(a);", route)
     # The leg goes east: 200 m to port is north, 80 m to starboard south.
     assert [(round(p["x"]), round(p["y"])) for p in ends] == [(1200, 1500), (920, 1500)]

@@ -66,6 +66,7 @@ def test_the_readouts_show_the_ship(bridge, open_page, until):
     assert "P 2.1°" in bars and "order P 3.0°" in bars
     assert "not for navigation" in page.locator(".caveat").inner_text().lower()
     voyage = page.locator("#voyage").inner_text()
+    assert "1 of 6, to WP1" in voyage
     assert (
         "2.4 ± 0.2 kn to 225.0°" in voyage and "7.0 m/s from 315.0°" in voyage and "voyage.csv, 1 355 samples" in voyage
     )
