@@ -57,6 +57,15 @@ def test_time_ticks_stand_at_whole_times(bridge, open_page):
         [[480, 250], [480, 60], [480, 2000], [0, 10]],
     )
     assert steps == [60, 300, 10, 1200]
+    # Written are whole minutes where they have room, and nothing where not even the longest step has.
+    cases = [[60, 480, 250], [60, 480, 300], [20, 180, 270], [10, 480, 2000], [1200, 480, 2]]
+    numbers = run(
+        page,
+        "plan/tracks.js",
+        "return a.map(([step, seconds, length]) => String(m.numberStep(step, seconds, length)));",
+        cases,
+    )
+    assert numbers == ["120", "60", "60", "10", "Infinity"]
 
 
 def test_the_projection_turns_the_world_and_finds_it_back(bridge, open_page):
