@@ -74,12 +74,15 @@ class Setting:
         Cubic damping of the ship.
     disturbed : bool
         Whether current and wind act.
+    wind_known : bool
+        Whether the predictor is told the wind (3.79), as it is told the current.
     """
 
     delay: float = 5.0
     scatter: float = 0.1
     cubic: float = 2.0
     disturbed: bool = True
+    wind_known: bool = False
 
 
 @functools.cache
@@ -233,6 +236,7 @@ def voyage(track: str, condition: str, seed: int, setting: Setting, predictor: T
         situation = Situation({
             **{n: now[n] for n in ("x", "y", "psi", "r", "u", "v", "delta")}, "cruise": 9.5,
             "current_north": current[0], "current_east": current[1],
+            **({"wind_speed": WIND[0], "wind_direction": WIND[1]} if setting.wind_known else {}),
         })  # fmt: skip
         if condition == "D":
             order = pilot.steer(situation, TICK)

@@ -105,9 +105,16 @@ def pilot_of(settings: BridgeSettings) -> Autopilot:
     ----------
     settings : BridgeSettings
         What the bridge is opened with.
+
+    Raises
+    ------
+    UsageError
+        If the model has no position and heading.
     """
     ship = find_ship(settings.ship or SHIP)
     model = find_model(settings.model or preferred_model(ship))
+    if not {"x", "y", "psi"} <= set(model.states):
+        raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
     if settings.schedule is None:
         return design_autopilot(model, ship)
     return replace(read_schedule(settings.schedule, model.name), model=model, ships=(ship,))

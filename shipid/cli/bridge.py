@@ -93,7 +93,6 @@ def bridge(
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.bridge.bridge_settings import BridgeSettings
     from shipid.cli.simulate import flow_of
-    from shipid.declaration.units import to_si
 
     return _open(
         BridgeSettings(
@@ -108,8 +107,8 @@ def bridge(
             condition=condition,
             record=None if record is None else output_file(record, overwrite),
             clock_factor=clock_factor,
-            filter_interval=to_si(filter_interval, "s", "--filter-interval"),
-            prediction_interval=to_si(prediction_interval, "s", "--prediction-interval"),
+            filter_interval=_interval(filter_interval, "--filter-interval"),
+            prediction_interval=_interval(prediction_interval, "--prediction-interval"),
             current=flow_of(current, "current"),
             wind=flow_of(wind, "wind"),
             seed=seed,
@@ -118,6 +117,17 @@ def bridge(
         port,
         token,
     )
+
+
+def _interval(text: str, option: str) -> float:
+    """Seconds from 0.01 to 60: neither a filter nor a page runs at another pace."""
+    from shipid.declaration.units import to_si
+    from shipid.foundation.errors import UsageError
+
+    seconds = to_si(text, "s", option)
+    if not 0.01 <= seconds <= 60:
+        raise UsageError(f"{option} is {seconds:g} s; it lies between 0.01 and 60 s.")
+    return seconds
 
 
 def _open(settings: BridgeSettings, host: str, port: int, token: str | None) -> ExitCode:

@@ -95,10 +95,10 @@ def predict(
     from shipid.prediction.routes.read_route import read_route
     from shipid.report.write_report import write_report
 
-    orders = {"heading": heading, "rudder": rudder, "rate": rate}
-    if route is not None and any(orders.values()):
+    ordered = heading is not None or rudder is not None or rate is not None
+    if route is not None and ordered:
         raise UsageError("--route says what to steer: leave out --heading, --rudder and --rate.")
-    if route is None and not any(orders.values()):
+    if route is None and not ordered:
         raise UsageError("predict needs an order: --heading, --rudder, --rate or --route. See shipid predict --help.")
     plan = None if route is None else read_route(route)
     pilot = _pilot(model, ship, schedule)
@@ -126,7 +126,9 @@ def predict(
             found = predict_track(
                 pilot,
                 situation,
-                **orders,
+                heading=heading,
+                rudder=rudder,
+                rate=rate,
                 rudder_limit=rudder_limit,
                 horizon=horizon,
                 band=band,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import ship_option
+from shipid.cli.frame.options import format_option, ship_option
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -24,9 +24,7 @@ _TRACKERS = ("imm", "cv", "fs-aimm", "vs-aimm", "agimm", "alpha-beta")
     "--truth", metavar="FILE", help="True tracks: t, x, y (or lat, lon) and ship. The tracks are then judged."
 )
 @click.option("--own", metavar="FILE", help="Own ship's path, a trial: for plots that count from her, and for CPA.")
-@click.option(
-    "--format", "format_", metavar="FILE", help="Format file of the plots: columns or JSON keys, sensors, truth."
-)
+@format_option
 @click.option("--position-std", type=NumberWithUnit("m"), help="Standard deviation of a plot along each axis.")
 @click.option("--latency", type=NumberWithUnit("s"), help="How old a plot is at its time stamp; none by default.")
 @click.option("--scan", type=NumberWithUnit("s"), help="Time of a scan, where plots come one by one; found by default.")
@@ -48,7 +46,7 @@ def track(
     """Track other ships: from plots with clutter and without names to tracks with course, speed and closest approach.
 
     DETECTIONS is a table with t and range, bearing or x, y or lat, lon, each with its unit; a log of NMEA 0183 with TTM or AIS;
-    or what a format file describes. A track that is not sure any longer says that it is lost.
+    or what a format file describes: columns or JSON keys, sensors, the truth. A track that is not sure any longer says that it is lost.
 
     \b
     shipid track plots.csv --own trial.csv

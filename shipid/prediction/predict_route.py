@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
@@ -24,6 +23,8 @@ from shipid.trials.manoeuvres.flows import number
 
 #: A ship so far from the track, in radii of its turns or ship lengths, is not on the route.
 _FAR = 2.0
+#: A ship that turns faster than this, as r L/U, is in her turn.
+_TURNING = 0.02
 
 
 def predict_route(
@@ -106,15 +107,20 @@ def predict_route(
     else:
         heading, limit = found.heading, turn.rudder_limit
         horizon = max(horizon, float(found.track.s_star[-1]))
-        if found.due:
+        turning = (
+            known.values.get("r", 0.0) * turn.change > 0
+            and abs(known.values["r"]) > _TURNING * cruise_of(known) / pilot.length
+        )
+        if turning and abs(found.distance) < pilot.length:
+            told.append(Notice("the ship turns already: the track is the rest of her turn.", "turning"))
+        elif found.due:
             told.append(
                 Notice(f"the wheel-over point is passed by {-found.distance:.0f} m.", "wheel-over-passed", serious=True)
             )
         elif found.warning:
             told.append(Notice(f"wheel-over in {found.time:.0f} s.", "wheel-over-soon", seconds=found.time))
     track = predictor.predict(at, heading=heading, rudder_limit=limit, horizon=horizon, points=points, band=band)
-    turn = replace(turn, **against_plan(turn, track))
-    return prediction_of(pilot, at, track, horizon, band, source, told, turn=turn)
+    return prediction_of(pilot, at, track, horizon, band, source, told, turn=against_plan(turn, track))
 
 
 def _begun(values: Mapping[str, float], plan: PlannedTrack) -> Situation:

@@ -74,10 +74,10 @@ def predict_track(
         If the model reads an input that nothing states and that declares no default.
     """
     known = situation if isinstance(situation, Situation) else Situation(dict(situation))
-    parts = wind_parts(pilot, known)
+    parts = wind_parts(pilot, known, model)
     if model == "own" and band != "none":
         known = with_coefficients(known, pilot)
-    predictor = TrackPredictor(pilot, model=model, values=values, parts=parts if model == "own" else ())
+    predictor = TrackPredictor(pilot, model=model, values=values, parts=parts)
     told = list(warnings)
     found = None
     if leg is not None:
@@ -104,8 +104,8 @@ def predict_track(
     return prediction_of(pilot, known, track, horizon, band, origin, told, wheel_over=found)
 
 
-def wind_parts(pilot: Autopilot, known: Situation) -> tuple[type[Component], ...]:
-    """Return the wind as a component to join, where there is some and the ship's model reads it.
+def wind_parts(pilot: Autopilot, known: Situation, model: Predicting = "own") -> tuple[type[Component], ...]:
+    """Return the wind as a component to join, where there is some and the predicting model reads it.
 
     Parameters
     ----------
@@ -113,9 +113,11 @@ def wind_parts(pilot: Autopilot, known: Situation) -> tuple[type[Component], ...
         The autopilot with its ship.
     known : Situation
         What is known.
+    model : {"own", "first-order"}
+        What predicts; the first-order model reads the wind always.
     """
-    blows = known.values.get("wind_speed") and "r_disturbance" in pilot.model.inputs
-    return (Wind,) if blows else ()
+    reads = model != "own" or "r_disturbance" in pilot.model.inputs
+    return (Wind,) if reads and known.values.get("wind_speed") else ()
 
 
 def prediction_of(

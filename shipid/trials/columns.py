@@ -15,6 +15,7 @@ _SPELLINGS = (
     (re.compile(r"\brev\b"), "revolution"),
     (re.compile(r"\b([kM]?)Nm\b"), r"\1N*m"),
     (re.compile(r"\b(RPM|Rpm)\b"), "rpm"),
+    (re.compile(r"\bNM\b"), "nmi"),
     (re.compile(r"\b(DEG|Deg)\b"), "deg"),
     (re.compile(r"\b[Dd]ecimal [Dd]egrees\b|\bdegrees?_(north|east)\b|\b(DD|dd)\b"), "deg"),
 )

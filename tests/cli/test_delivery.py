@@ -55,7 +55,7 @@ def test_an_option_says_the_same_in_every_command():
         words = {f[option] for f in found.values() if option in f}
         assert len(words) == 1, (option, words)
     assert sum("--json" in f for f in found.values()) == len(COMMANDS) - 1  # a simulated trial is a table
-    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune", "predict", "campaign"}
+    assert {n for n, f in found.items() if "--out" in f} == {"identify", "filter", "tune", "predict", "campaign", "track"}
 
 
 def test_one_table_of_exit_codes():

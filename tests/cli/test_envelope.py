@@ -30,6 +30,7 @@ CALLS = {
     "filter": ["{}", "--model", "nomoto", "--ship", "zeefakkel"],
     "plan": ["--model", "nomoto", "--ship", "zeefakkel", "--time", "12min", "--draws", "0", "--repertoire", "zigzag"],
     "predict": ["de-keizer", "--ship", "soesterberg", "--from", "psi=10 deg,u=9 m/s", "--heading", "60 deg"],
+    "track": ["{}"],
     "tune": ["de-keizer", "--ship", "soesterberg", "--samples", "0", "--speeds", "7,9.5 m/s"],
 }
 HEAD = ["schema_version", "command", "provenance", "warnings"]

@@ -123,7 +123,7 @@ def test_wind_current_and_schedule(call, tmp_path):
 
 def test_refusals(refused, voyage):
     ship = ["predict", "de-keizer", "--ship", "soesterberg"]
-    refused(2, ship, "--heading, --rudder or --rate")
+    refused(2, ship, "--heading, --rudder, --rate or --route")
     refused(2, [*ship, "--heading", "60 deg", "--rudder", "5 deg"], "not heading with a rudder")
     refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,speed=9 m/s"], "speed")
     refused(2, [*ship, "--heading", "60 deg", "--from", "psi=10 deg,u=0 m/s"], "makes none")

@@ -30,6 +30,9 @@ BARE = {
     "--rudder": (PREDICT, "10", "10 deg"),
     "--rate": (PREDICT, "20", "20 deg/s"),
     "--length": (["measure", "trial.csv"], "45", "45 m"),
+    "--position-std": (["track", "plots.csv"], "5", "5 m"),
+    "--latency": (["track", "plots.csv"], "2", "2 s"),
+    "--scan": (["track", "plots.csv"], "3", "3 s"),
     "--wait": (["filter", "--follow", "trial.csv", "--model", "nomoto"], "5", "5 s"),
 }
 

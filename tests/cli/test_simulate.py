@@ -54,3 +54,28 @@ def test_refusals(refused, schedule):
         2, [*ship, "--autopilot", schedule, "--course", "60 deg", "--waves", "0.3 deg"], "does not say where it flows"
     )
     refused(3, [*ship, "--autopilot", schedule, "--course", "60 m"], "a course")
+
+
+PLAN = "name,lat [deg],lon [deg],radius [nm],xtd_port [m],xtd_starboard [m]\nA,53.95,7.9,,,\nB,53.97,7.9,0.7,90,90\nC,53.98,7.95,,90,90\n"
+
+
+def test_a_route_is_sailed(call, schedule, refused, tmp_path):
+    plan, out = tmp_path / "elbe.csv", tmp_path / "voyage.csv"
+    plan.write_text(PLAN)
+    ship = ("simulate", "de-keizer", "--ship", "soesterberg", "--route", str(plan))
+    answer = call(*ship, "--current", "1 kn to 90 deg", "-o", str(out))
+    assert answer.code == 0, answer
+    said = " ".join(answer.err.split())
+    assert "route 'elbe': 3 waypoints, its end after" in said and "off the track: all the way" in said
+    assert "before waypoint 2 'B': 71.2 deg to starboard" in said and "cross-track limits kept" in said
+    trial = shipid.read_trial(out)
+    assert np.rad2deg(trial.source.origin) == pytest.approx([53.95, 7.9], abs=1e-8)
+    assert np.abs(trial["off_track"]).max() < 60 and set(trial["waypoint"]) == {2.0, 3.0}
+    # The same under a schedule of one's own, printed.
+    printed = call(*ship, "--autopilot", schedule, "--current", "1 kn to 90 deg")
+    assert printed.code == 0 and printed.out.splitlines()[1].startswith("# Origin of x and y: latitude 53.95")
+    refused(2, [*ship, "--heading", "10 deg"], "leave out --heading")
+    refused(2, [*ship, "--manoeuvre", "turn:20"], "leave out --manoeuvre and --course")
+    refused(2, [*ship, "--course", "20 deg"], "leave out --manoeuvre and --course")
+    plan.write_text(PLAN.replace("53.97,7.9", "53.95,7.9"))
+    refused(3, list(ship), "are one place")

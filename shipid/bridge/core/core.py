@@ -52,7 +52,7 @@ class Recording(Protocol):
         """Return file, samples and message."""
 
 
-class Score(Protocol):
+class VoyageJudge(Protocol):
     """What judges a voyage: the tracking experiment."""
 
     def add(self, t: float, values: Mapping[str, float]) -> None:
@@ -83,7 +83,7 @@ class BridgeCore:
         The planned track.
     recording : Recording, optional
         What keeps the samples.
-    score : Score, optional
+    score : VoyageJudge, optional
         What judges the voyage.
     filter_interval, prediction_interval : float
         Between two steps of the filters, and between two predictions, in s.
@@ -117,7 +117,7 @@ class BridgeCore:
         *,
         route: BridgeRoute | None = None,
         recording: Recording | None = None,
-        score: Score | None = None,
+        score: VoyageJudge | None = None,
         filter_interval: float = 0.4,
         prediction_interval: float = 2.0,
         started: datetime | None = None,

@@ -11,7 +11,7 @@ import numpy as np
 from shipid.bridge.experiment.tracks import TrackExperiment
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
-from shipid.prediction.following.planned_track import PlannedTrack, distance_from
+from shipid.prediction.following.planned_track import PlannedTrack
 
 #: What the navigator sees: the planned track; the ground-speed vector as well; the predicted track; nothing, the track pilot sails.
 Condition: TypeAlias = Literal["A", "B", "C", "D"]
@@ -71,27 +71,15 @@ class VoyageScore:
             return
         self._last = t
         x, y = values["x"], values["y"]
-        legs = self._reference.legs
-        if self._leg + 1 < len(legs) and self._turned(values):
-            self._leg += 1
-        off = float(distance_from(self._reference.line, np.array([x]), np.array([y]))[0])
+        distance, leg = self._reference.off_track(x, y, self._leg)
+        off, self._leg = float(distance[0]), max(int(leg[0]), 0)
         self._squares[self._leg] += off**2
         self._samples[self._leg] += 1
         self._rates[self._leg].append(values.get("r", 0.0))
-        last = legs[-1]
-        self.done = self._leg == len(legs) - 1 and last.along(x, y) > _END * self._experiment.leg
+        last = self._reference.legs[-1]
+        self.done = self._leg == len(self._reference.legs) - 1 and last.along(x, y) > _END * self._experiment.leg
         if self.done and self._ended is not None:
             self._ended(self)
-
-    def _turned(self, values: Mapping[str, float]) -> bool:
-        """Whether the turn onto the next leg has begun: the ship turns to its side within half a leg of its waypoint."""
-        leg, following = self._reference.legs[self._leg], self._reference.legs[self._leg + 1]
-        if math.hypot(values["x"] - following.x, values["y"] - following.y) > 0.5 * self._experiment.leg:
-            return leg.along(values["x"], values["y"]) > leg.along(following.x, following.y)
-        change = following.course - leg.course
-        turned = (values.get("psi", leg.course) - leg.course) * math.copysign(1.0, change)
-        passed = leg.along(values["x"], values["y"]) >= leg.along(following.x, following.y)
-        return passed or turned > 0.5 * abs(change)
 
     @property
     def rms(self) -> float | None:

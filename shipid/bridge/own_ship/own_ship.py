@@ -42,7 +42,7 @@ class OwnShip:
     Parameters
     ----------
     pilot : Autopilot
-        The autopilot, with the model and the ship.
+        The autopilot, with the ship and her model, which has a position and a heading.
 
     Attributes
     ----------
@@ -50,17 +50,10 @@ class OwnShip:
         What is heard of her.
     message : str
         What there is to say of the filter.
-
-    Raises
-    ------
-    UsageError
-        If the model has no position and heading.
     """
 
     def __init__(self, pilot: Autopilot) -> None:
         model = pilot.model
-        if not {"x", "y", "psi"} <= set(model.states):
-            raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
         shown = {n: level for n, level in BRIDGE.items() if n in (*model.states, *model.derived)}
         adapts = [n for n in _ADAPTS if n in model.parameters]
         self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts)
@@ -230,12 +223,27 @@ class OwnShip:
                 "direction_to": number(math.atan2(east, north) % (2 * math.pi), 5),
                 "sd": number(sd, 3),
             }
+        return {"current": current, "wind": self._wind()}
+
+    def _wind(self) -> dict[str, Plain] | None:
+        """The true wind: as it is measured, or by the relative one and the ship's velocity over the ground."""
         speed, to = self.sensors.fresh("wind_speed"), self.sensors.fresh("wind_direction")
-        wind = None
-        if speed is not None and to is not None:
-            wind = {"speed": number(speed, 4), "direction_from": number((to + math.pi) % (2 * math.pi), 5)}
-            wind["measured"] = True
-        return {"current": current, "wind": wind}
+        measured = speed is not None and to is not None
+        if not measured:
+            relative, angle = self.sensors.fresh("wind_speed_relative"), self.sensors.fresh("wind_direction_relative")
+            known = self._situation
+            if relative is None or angle is None or known is None:
+                return None
+            north, east = known.ground_velocity
+            blows = angle + known.values["psi"]
+            north, east = north + relative * math.cos(blows), east + relative * math.sin(blows)
+            speed, to = math.hypot(north, east), math.atan2(east, north)
+        assert speed is not None and to is not None
+        return {
+            "speed": number(speed, 4),
+            "direction_from": number((to + math.pi) % (2 * math.pi), 5),
+            "measured": measured,
+        }
 
     def adaptation(self) -> list[Plain]:
         """Return the coefficients that adapt, with their standard deviations."""

@@ -15,7 +15,8 @@ _SENSORS: Mapping[str, tuple[str, str]] = {
     "x": ("position", "m"), "delta": ("rudder angle", "rad"), "delta_order": ("rudder order", "rad"),
     "SOG": ("speed over ground", "m/s"), "COG": ("course over ground", "rad"), "wind_speed": ("wind", "m/s"),
     "wind_direction": ("direction the wind blows to", "rad"),
-    "wind_speed_relative": ("relative wind", "m/s"), "v": ("sway speed", "m/s"),
+    "wind_speed_relative": ("relative wind", "m/s"),
+    "wind_direction_relative": ("direction the relative wind blows to, from the bow", "rad"), "v": ("sway speed", "m/s"),
 }  # fmt: skip
 #: Those that are missed where they were never heard.
 EXPECTED = ("psi", "r", "u", "x", "delta")

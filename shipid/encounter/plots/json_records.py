@@ -94,7 +94,14 @@ def plots_of_json(file: Path, format_: PlotFormat) -> RawPlots:
     columns = dict(zip("xy", np.array(z, float).reshape(-1, 2).T))
     if keys.own:
         columns |= dict(zip(("own_x", "own_y"), np.array(own, float).reshape(-1, 2).T))
-    return RawPlots(np.array(t, float), columns, np.array(sensor, int), np.array(looks, float), np.array(looked, int))
+    return RawPlots(
+        np.array(t, float),
+        columns,
+        np.array(sensor, int),
+        np.array(looks, float),
+        np.array(looked, int),
+        one_by_one=False,
+    )
 
 
 def _key(value: Plain) -> Plain:

@@ -159,6 +159,7 @@ def make_plots(
     sensors: Sequence[Sensor] = (Sensor(),),
     looks: np.ndarray | None = None,
     looks_sensor: np.ndarray | None = None,
+    one_by_one: bool = True,
     frame: str = "the origin of the log",
     origin: tuple[float, float] | None = None,
     start: float | None = None,
@@ -177,6 +178,8 @@ def make_plots(
         The sensors.
     looks, looks_sensor : ndarray, shape (K,), optional
         Times at which a sensor looked and saw nothing, s, and which sensor.
+    one_by_one : bool
+        Whether plots may come one after the other as an antenna turns; False takes those of one time as a scan.
     frame, origin, start
         See `Plots`.
 
@@ -229,7 +232,7 @@ def make_plots(
     for k, one in enumerate(sensors):
         mine = rows[sensor[rows] == k]
         z = np.stack([x[mine], y[mine]], axis=1)
-        edges = _scan_starts(t[mine], z - own[mine], one.period)
+        edges = _scan_starts(t[mine], z - own[mine], one.period, one_by_one)
         for a, b in zip(edges, [*edges[1:], mine.size]):
             last = float(t[mine[b - 1]])
             scans.append(Scan(last, k, z[a:b], last - t[mine[a:b]], own[mine[b - 1]]))
@@ -246,12 +249,12 @@ def _count(which: np.ndarray) -> str:
     return f"{n} plot{'s' * (n > 1)}"
 
 
-def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None) -> list[int]:
+def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None, one_by_one: bool) -> list[int]:
     """Where a new scan begins: with a new time, or with a new turn of the antenna."""
     if not t.size:
         return []
     if period is None:
-        turned = _turns(t, away) if np.isfinite(away).all() else None
+        turned = _turns(t, away) if one_by_one and np.isfinite(away).all() else None
         new = np.diff(t) > 0 if turned is None else np.diff(np.floor(turned)) > 0
         return [0, *(np.flatnonzero(new) + 1).tolist()]
     edges = [0]

@@ -24,6 +24,8 @@ class RawPlots:
         Which sensor.
     looks, looks_sensor : ndarray, shape (K,)
         When a sensor looked and saw nothing, and which.
+    one_by_one : bool
+        Whether plots may come one after the other, as an antenna turns.
     sensors : tuple of Sensor
         What the file tells of the sensors; empty where it tells nothing.
     notes : tuple of str
@@ -35,5 +37,6 @@ class RawPlots:
     sensor: np.ndarray
     looks: np.ndarray = field(default_factory=lambda: np.zeros(0))
     looks_sensor: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
+    one_by_one: bool = True
     sensors: tuple[Sensor, ...] = ()
     notes: tuple[str, ...] = ()

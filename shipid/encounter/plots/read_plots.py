@@ -134,7 +134,7 @@ def read_detections(
         known = tuple(replace(s, **values) for s in known)
     plots = make_plots(
         raw.t - begin, x, y, own=here, sensor=raw.sensor, sensors=known, looks=raw.looks - begin,
-        looks_sensor=raw.looks_sensor, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),
+        looks_sensor=raw.looks_sensor, one_by_one=raw.one_by_one, frame=frame, origin=None if origin is None else tuple(np.rad2deg(origin).tolist()),
         start=begin,
     )  # fmt: skip
     if not len(plots):

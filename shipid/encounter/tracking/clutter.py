@@ -10,8 +10,9 @@ import numpy as np
 _SCANS, _FULL = 40, 20
 #: Widths of the map, in standard deviations of a plot: returns of one buoy, of a shore.
 _WIDTHS = (6.0, 20.0)
-#: Weight of the newest scan in the mean number of false plots, and the number that is expected at first.
-_NEWEST, _AT_FIRST = 0.1, 1.0
+#: Weight of the newest scan in the mean number of false plots, the number that is expected at first, and the
+#: fewest: none at all is never sure.
+_NEWEST, _AT_FIRST, _FEWEST = 0.1, 1.0, 0.1
 #: The smallest reach of a sensor whose place is not known, in standard deviations of a plot.
 _LEAST = 100.0
 
@@ -97,6 +98,6 @@ class ClutterMap:
         unexplained : ndarray, shape (m,)
             Probability that each belongs to no track that is nearly sure.
         """
-        self.count += _NEWEST * (float(false.sum()) + 0.5 - self.count)
+        self.count += _NEWEST * (float(false.sum()) + _FEWEST - self.count)
         self.scans.append((z, unexplained))
         del self.scans[:-_SCANS]

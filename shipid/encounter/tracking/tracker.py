@@ -22,7 +22,7 @@ from shipid.encounter.tracking.latency import Latency
 
 #: Existence is never certain: a sure track could not be lost.
 _SURE = 1 - 1e-6
-#: A track explains a plot to the map of false ones above this existence: a ship at anchor would else become a part of it.
+#: Existence above which a track explains a plot to the map of false ones.
 _EXPLAINS = 0.99
 
 
@@ -199,8 +199,9 @@ class Tracker:
         self.filters = self.filters.update(expected, delay, shares)
         unseen = self.in_sight[:, k] * (1 - sensor.detection) / np.maximum(1 - chance, 1e-12)
         self.in_sight[:, k] = np.clip(found + (1 - found) * unseen, 1e-3, 1 - 1e-3)
-        sure = self.existence > _EXPLAINS
         self.existence = np.minimum(exists, _SURE)
+        # A ship at anchor would else become a part of the map of false plots before her track is confirmed.
+        sure = self.existence > _EXPLAINS
         self.plots = self.plots + (found > 0.5)
         seen = found > 0.5
         self.last = np.where(seen, self._t, self.last)

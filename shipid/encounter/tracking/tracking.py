@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.encounter.closest_approach import ClosestApproach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.scoring import Score
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -119,7 +121,7 @@ class Tracking:
             "existence": float(one.existence[-1]),
             "state": known,
             "mode_probabilities": dict(zip(self.modes, map(float, one.mu[-1]))),
-            "closest_approach": None if one.approach is None else one.approach.to_dict(),
+            "closest_approach": None if one.approach is None else _plain_approach(one.approach),
         }
 
     def __repr__(self) -> str:
@@ -152,3 +154,20 @@ class Tracking:
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
             f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{np.rad2deg(one.course[-1]):03.0f}", *cpa,
         )  # fmt: skip
+
+
+def _plain_approach(near: ClosestApproach) -> dict[str, Plain]:
+    """The closest approach with units; what is not known is null."""
+
+    def known(value: float, unit: str, std: float | None, interval: tuple[float, float] | None) -> dict[str, Plain]:
+        ends = None if interval is None else [float(end) for end in interval]
+        return {"value": plain(value), "unit": unit, "std": std, "interval_95": ends}
+
+    return {
+        "motion": near.motion,
+        "range": {"value": near.range, "unit": "m"},
+        "relative_speed": {"value": near.relative_speed, "unit": "m/s"},
+        "cpa": known(near.cpa, "m", near.cpa_std, near.cpa_interval),
+        "tcpa": known(near.tcpa, "s", near.tcpa_std, near.tcpa_interval),
+        "nearest": known(near.nearest, "m", None, near.nearest_interval),
+    }

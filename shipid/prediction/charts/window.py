@@ -46,7 +46,7 @@ class ChartWindow:
         for shifted in self._about(points):
             ring = shifted[:-1] if len(shifted) > 1 and np.array_equal(shifted[0], shifted[-1]) else shifted
             for edge in self._edges:
-                ring = _cut_ring(ring, *edge)
+                ring = cut_ring(ring, *edge)
             if len(ring) > 2:
                 found.append(self._local(ring))
         return found
@@ -67,7 +67,7 @@ class ChartWindow:
         found = []
         for line in self._about(points):
             for edge in self._edges:
-                line = _cut_line(line, *edge)
+                line = cut_line(line, *edge)
             gaps = np.flatnonzero(np.isnan(line[:, 0]))
             parts = [part[~np.isnan(part[:, 0])] for part in np.split(line, gaps)]
             found += [self._local(part) for part in parts if len(part) > 1]
@@ -114,16 +114,34 @@ def _crossings(at: np.ndarray, after: np.ndarray, axis: int, side: float, bound:
     return before >= 0, crossing, at[crossing] + share[:, None] * (after[crossing] - at[crossing])
 
 
-def _cut_ring(ring: np.ndarray, axis: int, side: float, bound: float) -> np.ndarray:
-    """A ring on one side of an edge (Sutherland and Hodgman 1974)."""
+def cut_ring(ring: np.ndarray, axis: int, side: float, bound: float) -> np.ndarray:
+    """Return the part of a ring on one side of an edge (Sutherland and Hodgman 1974).
+
+    Parameters
+    ----------
+    ring : ndarray, shape (N, 2)
+        Its points, open.
+    axis : {0, 1}
+        Which coordinate the edge bounds.
+    side, bound : float
+        What is kept has side times the coordinate at most at the bound.
+    """
     if not len(ring):
         return ring
     inside, crossing, where = _crossings(ring, np.roll(ring, -1, axis=0), axis, side, bound)
     return _woven(ring, inside, crossing, where)
 
 
-def _cut_line(line: np.ndarray, axis: int, side: float, bound: float) -> np.ndarray:
-    """A line on one side of an edge; NaN where it has a gap."""
+def cut_line(line: np.ndarray, axis: int, side: float, bound: float) -> np.ndarray:
+    """Return the part of a line on one side of an edge; NaN where it has a gap.
+
+    Parameters
+    ----------
+    line : ndarray, shape (N, 2)
+        Its points.
+    axis, side, bound
+        See `cut_ring`.
+    """
     if len(line) < 2:
         return line
     inside, crossing, where = _crossings(line[:-1], line[1:], axis, side, bound)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -42,6 +43,8 @@ class RouteTurn:
         Its track in local metres.
     leg : int
         Number of the leg of the plan the ship is on.
+    now : tuple of float
+        Where the ship is now, to the north and to the east in m.
     off_track : float
         Of the ship now, in m, positive to starboard.
     waypoint : int or None
@@ -67,6 +70,7 @@ class RouteTurn:
     route: Route
     plan: PlannedTrack
     leg: int
+    now: tuple[float, float]
     off_track: float
     waypoint: int | None
     left: float
@@ -188,9 +192,9 @@ def next_turn(
     ends = [(w.x, w.y) for w in plan.legs[leg + 1 : last + 1]]
     ends.append(tuple(plan.line[-1]) if last + 1 == len(plan.legs) else (plan.legs[last + 1].x, plan.legs[last + 1].y))
     left = plan.legs[leg].along(*ends[0]) - plan.legs[leg].along(x, y)
-    left += sum(math.hypot(b[0] - a[0], b[1] - a[1]) for a, b in zip(ends, ends[1:]))
+    left += sum(math.hypot(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(ends))
     if last + 1 == len(plan.legs):
-        return RouteTurn(route, plan, leg, float(off[0]), None, float(left)), situation
+        return RouteTurn(route, plan, leg, (x, y), float(off[0]), None, float(left)), situation
     there = _on_leg(predictor, situation, plan, leg, last, float(left))
     helm = TrackPilot(predictor, plan, rudder_limit=rudder_limit)
     helm.leg = last
@@ -217,6 +221,7 @@ def next_turn(
         route,
         plan,
         leg,
+        (x, y),
         float(off[0]),
         plan.waypoints[last],
         float(left),
@@ -256,8 +261,8 @@ def _moved(situation: Situation, values: dict[str, float]) -> Situation:
     )
 
 
-def against_plan(turn: RouteTurn, track: PredictedTrack) -> dict[str, float | None]:
-    """Return how a predicted track keeps to the plan, by the names of `RouteTurn`.
+def against_plan(turn: RouteTurn, track: PredictedTrack) -> RouteTurn:
+    """Return a turn with how its predicted track keeps to the plan.
 
     Parameters
     ----------
@@ -273,18 +278,15 @@ def against_plan(turn: RouteTurn, track: PredictedTrack) -> dict[str, float | No
     rows = slice(0, _end_on(plan, onto, track))
     off, on = plan.off_track(track.x[rows], track.y[rows], onto)
     outward = -math.copysign(1.0, turn.change) * off
-    known: dict[str, float | None] = {
-        "overshoot": max(float(outward.max()), 0.0),
-        "inside": max(float(-outward.min()), 0.0),
-    }
+    found = replace(turn, overshoot=max(float(outward.max()), 0.0), inside=max(float(-outward.min()), 0.0))
     if plan.limits is None or not np.isfinite(plan.limits[np.unique(on)]).any():
-        return known
-    known["beyond"] = float(plan.beyond_limits(off, on).max())
+        return found
+    found = replace(found, beyond=float(plan.beyond_limits(off, on).max()))
     width = track.half_width
-    if width is not None:
-        edges = [plan.beyond_limits(off + side * width[rows], on).max() for side in (1, -1)]
-        known["beyond_band"] = float(max(edges))
-    return known
+    if width is None:
+        return found
+    edges = [float(plan.beyond_limits(off + side * width[rows], on).max()) for side in (1, -1)]
+    return replace(found, beyond_band=max(edges))
 
 
 def _end_on(plan: PlannedTrack, onto: int, track: PredictedTrack) -> int:

@@ -257,6 +257,10 @@ class TrackPredictor:
                 if not {"K", "tau", "gamma"} <= set(self.values):
                     known |= first_order_coefficients(self.pilot, speed, self.condition)
                 known["L"] = self.pilot.length
+                # What acts on her besides, the wind, has coefficients of its own in her set.
+                ship = self.pilot.ships[self.condition]
+                found = {n: ship.find(model, n) for n in (*model.parameters, *model.constants) if n not in known}
+                known |= {n: v.at(speed, model[n].unit, f"ship {ship.name}") for n, v in found.items() if v is not None}
             lost = [n for n in self.values if n not in (*model.parameters, *model.constants)]
             if lost:
                 raise UnknownNameError(f"coefficient of model {model.name} called", lost[0], model.parameters)

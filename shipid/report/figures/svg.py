@@ -147,6 +147,17 @@ def legend(figure: Figure, axes: Iterable[Panels]) -> None:
         )
 
 
+def panel_size(size: tuple[float, float]) -> tuple[float, float]:
+    """Return width and height of the panel of a figure with a single one, in inches.
+
+    Parameters
+    ----------
+    size : tuple of float
+        Of the figure, in inches.
+    """
+    return size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
+
+
 def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
     """Return a figure as inline SVG.
 

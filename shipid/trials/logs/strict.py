@@ -101,11 +101,11 @@ def _remarks(table: pd.DataFrame) -> list[str]:
 
 def _unread(table: pd.DataFrame) -> list[str]:
     """What columns look like fields of the vocabulary that the log does not hold under their names."""
-    found = {}
+    found: dict[str, str] = {}
     for header in table.columns:
         meaning = meaning_of(str(header))
         if header not in FIELDS and not meaning.doubtful and meaning.fields[:1] and meaning.fields[0] in _WANTED:
-            found.setdefault(meaning.fields[0], header)
+            found.setdefault(meaning.fields[0], str(header))
     lacking = {field: header for field, header in found.items() if field not in table}
     if not lacking:
         return []

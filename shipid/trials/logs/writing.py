@@ -11,6 +11,7 @@ import pandas as pd
 
 from shipid.foundation.errors import MissingExtraError
 from shipid.foundation.replacing import check_place, replacing
+from shipid.trials.source import origin_in, origin_words
 from shipid.trials.trial import Trial
 
 
@@ -37,7 +38,7 @@ def write_trial(
     overwrite : bool
         Whether a file of that name may be replaced.
     comment : str, optional
-        Lines to put before the header, each behind a ``#``; by default those the trial was read with. A first line
+        Lines to put before the header, each behind a ``#``; by default those the trial was read with, and where x and y are 0. A first line
         with the word "simulated" marks a simulation.
 
     Returns
@@ -59,7 +60,7 @@ def write_trial(
         return Path(path)
     check_place(Path(path), overwrite)
     with replacing(Path(path), overwrite) as temporary:
-        _parquet(frame, temporary, trial.source.comment if comment is None else comment)
+        _parquet(frame, temporary, _comment_of(trial) if comment is None else comment)
     return Path(path)
 
 
@@ -91,10 +92,18 @@ def text_file(trial: Trial, path: str | Path, overwrite: bool, comment: str | No
         If the folder does not exist or cannot be written to.
     """
     check_place(Path(path), overwrite)
-    comment = trial.source.comment if comment is None else comment
+    comment = _comment_of(trial) if comment is None else comment
     with replacing(Path(path), overwrite) as temporary, open(temporary, "w", encoding="utf-8", newline="") as file:
         file.writelines(f"# {line}\n" for line in comment.splitlines())
         yield file
+
+
+def _comment_of(trial: Trial) -> str:
+    """The comment the trial was read with, and where its x and y are 0."""
+    said, origin = trial.source.comment, trial.source.origin
+    if origin is None or origin_in(said) is not None:
+        return said
+    return f"{said}\n{origin_words(origin)}" if said else origin_words(origin)
 
 
 def _parquet(frame: pd.DataFrame, temporary: Path, comment: str) -> None:

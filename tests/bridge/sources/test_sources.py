@@ -106,6 +106,17 @@ def test_the_filter_follows_the_sentences(nmea):
     assert told["flow"]["wind"]["direction_from"] == pytest.approx(math.radians(120), abs=0.01)
 
 
+def test_the_true_wind_is_worked_out_of_the_relative_one(nmea):
+    source, core = nmea
+    voyage(source, core, 30, lambda line: b"" if b",T,15.0" in line else line)
+    wind = shown(core)["flow"]["wind"]
+    # 20 kn from 45 degrees on the bow of a ship that makes 10 kn to the east.
+    north, east = -20 * math.cos(math.radians(135)), -20 * math.sin(math.radians(135)) + 10
+    assert not wind["measured"] and wind["speed"] == pytest.approx(math.hypot(north, east) * KNOT, rel=0.02)
+    blows_from = (math.atan2(east, north) + math.pi) % (2 * math.pi)
+    assert wind["direction_from"] == pytest.approx(blows_from, abs=0.05)
+
+
 @pytest.mark.parametrize(
     ("kind", "lost"),
     [("THS", "heading"), ("ROT", "rate of turn"), ("VBW", "speed through the water"), ("RSA", "rudder angle"), ("GGA", "position")],

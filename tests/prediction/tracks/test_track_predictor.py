@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import shipid
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.parts.wind import Wind
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import COLUMNS
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -252,3 +253,19 @@ def test_the_distance_to_a_track_has_a_side(predictor):
     assert node[0] == pytest.approx(500 / 22.6, rel=1e-3) and node[2] == 0
     assert track.at_time(10.0)["x"] == pytest.approx(95.0, rel=1e-6)
     assert np.isnan(track.at_time(1e6)["x"])
+
+
+def test_the_wind_is_in_the_first_order_track_as_it_is_in_the_ships_own(pilot):
+    """A moment of the wind acts as so much rudder does: K*/tau* of it, with the ship's own coefficient of the wind."""
+    first = TrackPredictor(pilot, model="first-order", parts=(Wind,))
+    known = {"psi": 0.0, "u": 9.5, "wind_speed": 15.0, "wind_direction": 2.0}
+    turned = {}
+    for name, predictor in (("first", first), ("own", TrackPredictor(pilot, parts=(Wind,)))):
+        calm = predictor.predict(Situation({"psi": 0.0, "u": 9.5}), rudder=0.0, horizon=2)
+        windy = predictor.predict(Situation(known), rudder=0.0, horizon=2)
+        assert abs(calm.psi[-1]) < 1e-9
+        turned[name] = windy.psi[-1]
+    assert abs(turned["own"]) > 0.01
+    assert turned["first"] == pytest.approx(turned["own"], rel=0.1)
+    found = shipid.predict_track(pilot, known, rudder=0.0, horizon=2, model="first-order")
+    assert found.track.psi[-1] == pytest.approx(turned["first"], abs=1e-9)

@@ -8,6 +8,8 @@ from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.logs.geodesy import to_geographic
 from shipid.trials.logs.reading import read_trial
+from shipid.trials.logs.writing import write_trial
+from shipid.trials.source import origin_in
 from shipid.trials.trial import Trial
 
 N = 40
@@ -76,3 +78,17 @@ def test_degrees_and_minutes_in_one_number_are_refused():
     table["lat [deg]"] = 5954.123
     with pytest.raises(e.ColumnUnitError, match=r"row 0: lat 5954\.123 deg, .*dddmm"):
         Trial.from_frame(table)
+
+
+def test_where_x_and_y_are_zero_is_kept_and_written(tmp_path):
+    path = tmp_path / "voyage.csv"
+    rows = "\n".join(f"{k},{53.5 + 1e-5 * k},{8.1 + 1e-5 * k}" for k in range(20))
+    path.write_text(f"t [s],lat [deg],lon [deg]\n{rows}\n")
+    trial = read_trial(path)
+    assert np.rad2deg(trial.source.origin) == pytest.approx([53.5, 8.1])
+    assert trial.source.to_dict()["origin"]["lat"] == {"value": pytest.approx(53.5), "unit": "deg"}
+    again = read_trial(write_trial(trial, tmp_path / "local.csv"))
+    assert again.source.origin == pytest.approx(trial.source.origin, abs=1e-10)
+    assert again.table["x"].tolist() == pytest.approx(trial.table["x"].tolist())
+    assert read_trial(write_trial(trial, tmp_path / "bare.csv", comment="")).source.origin is None
+    assert origin_in("Origin of x and y: latitude 95.0 deg, longitude 8.1 deg (WGS84)") is None

@@ -44,6 +44,8 @@ def prediction_page(found: Prediction) -> Page:
         f"The track is {number(track.s_star[-1], 3)} ship lengths and {fixed(last.t, 0)} s long; at its end the ship is "
         f"{_away(last.ahead, 'ahead', 'astern')} and {_away(last.aside, 'to starboard', 'to port')} of where she was.",
     ]
+    if found.turn is not None:
+        answer += [f"{sentence(line)}." for line in found.turn.words]
     if last.half_width is not None:
         answer.append(f"The 95 % band reaches {fixed(last.half_width, 0)} m to each side there.")
     serious = [sentence(w) for w in found.warnings if w.serious]
@@ -52,7 +54,7 @@ def prediction_page(found: Prediction) -> Page:
         f"Predicted track of {found.ship}",
         [("", answer)],
         [
-            Section("Track", "prediction/plan.html", {"figure": track_figure(track, "track")}),
+            Section("Track", "prediction/plan.html", _plan(found)),
             Section("Stages", "prediction/stages.html", {"columns": _COLUMNS, "rows": _stages(found)}),
             Section("Along the track", "prediction/along.html", {"figure": _along(found)}),
             Section(
@@ -63,6 +65,14 @@ def prediction_page(found: Prediction) -> Page:
         cautions=others,
         footer=f"shipid {shipid.__version__}",
     )
+
+
+def _plan(found: Prediction) -> Row:
+    """The figure, and what it shows below the track."""
+    turn, chart, track = found.turn, found.chart, found.track
+    now = None if turn is None or turn.wheel_over is None or turn.wheel_over.due else turn.now
+    figure = track_figure(track, "track", turn=turn, chart=chart, now=now)
+    return {"figure": figure, "route": turn is not None, "chart": None if chart is None else chart.name}
 
 
 def _away(metres: float, forward: str, back: str) -> str:

@@ -1,0 +1,269 @@
+"""Plots out of every kind of log: the same target in a table, in JSON, in MATLAB, in TTM and in AIS."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shipid.encounter.errors import EncounterRequestError, TargetError
+from shipid.encounter.plots.plot_format import read_plot_format
+from shipid.encounter.plots.read_plots import read_detections
+from shipid.encounter.plots.ship_path import ShipPath
+from shipid.encounter.tracking.track import track
+from shipid.foundation.errors import MissingExtraError, MissingFileError
+from shipid.trials.errors import (
+    DamagedFileError,
+    EmptyFileError,
+    FormatFileError,
+    NonFiniteError,
+    NoUnitError,
+    UnknownColumnError,
+)
+from shipid.trials.logs.nmea.sentences.lines import checksum
+
+T = np.arange(0, 120, 3.0)
+NORTH, EAST = 1000 - 4 * T, 500 + 3 * T
+
+
+def table(path: Path, head: str, *columns: np.ndarray) -> Path:
+    rows = [",".join(f"{v:.9g}" for v in row) for row in zip(*columns)]
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def is_the_target(found, tolerance: float = 1.0) -> None:
+    (one,) = track(found).tracks
+    k = -1
+    assert one.x[k, :2] == pytest.approx([NORTH[k], EAST[k]], abs=tolerance)
+    assert one.x[k, 2:] == pytest.approx([-4.0, 3.0], abs=0.5)
+
+
+def test_positions(tmp_path):
+    found = read_detections(table(tmp_path / "p.csv", "t [s],x [m],y [m]", T, NORTH, EAST))
+    is_the_target(found)
+    assert found.own is None and not found.relative
+
+
+def test_ranges_and_bearings_from_own_ship(tmp_path):
+    range_, bearing = np.hypot(NORTH, EAST), np.rad2deg(np.arctan2(EAST, NORTH))
+    found = read_detections(table(tmp_path / "p.csv", "t [s],range [NM],bearing [deg]", T, range_ / 1852, bearing))
+    is_the_target(found)
+    assert found.relative
+
+
+def test_own_ship_from_a_file_of_her_own(tmp_path):
+    own = table(tmp_path / "own.csv", "t [s],x [m],y [m]", T, 5 * T, 0 * T)
+    north = NORTH - 5 * T
+    log = table(
+        tmp_path / "p.csv",
+        "t [s],range [m],bearing [deg]",
+        T,
+        np.hypot(north, EAST),
+        np.rad2deg(np.arctan2(EAST, north)),
+    )
+    found = read_detections(log, own=own)
+    is_the_target(found)
+    (one,) = track(found).tracks
+    # Relative motion -9 m/s north, 3 m/s east.
+    assert one.approach is not None and one.approach.relative_speed == pytest.approx(math.hypot(9, 3), abs=0.5)
+
+
+def test_degrees_and_the_truth(tmp_path):
+    lat, lon = 50 + np.rad2deg(NORTH / 6_390_000), 1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50)))
+    log = table(tmp_path / "p.csv", "t [s],lat [deg],lon [deg]", T, lat, lon)
+    truth = tmp_path / "truth.csv"
+    rows = [f"{t},{a:.9f},{o:.9f},Gull" for t, a, o in zip(T, lat, lon)]
+    truth.write_text("\n".join(["t [s],lat [deg],lon [deg],ship", *rows]))
+    result = track(read_detections(log, truth=truth))
+    assert result.score.ships[0].name == "Gull" and result.score.ships[0].rmse[0] < 1.0
+    assert result.plots.origin == pytest.approx((lat[0], lon[0]))
+
+
+def test_a_column_that_is_not_asked_for_needs_no_unit(tmp_path):
+    is_the_target(read_detections(table(tmp_path / "p.csv", "t [s],x [m],y [m],level", T, NORTH, EAST, T)))
+    with pytest.raises(NoUnitError, match="'x'"):
+        read_detections(table(tmp_path / "q.csv", "t [s],x,y [m]", T, NORTH, EAST))
+
+
+def test_json_as_a_format_file_describes(tmp_path):
+    """One plot, several in rows of norths and easts, none, and a sensor that is not named."""
+    records = []
+    for k, t in enumerate(T):
+        here = [10.0 * k, 0.0]
+        north, east = NORTH[k] - here[0], EAST[k]
+        plot = [north, east] if k % 3 else [[north, 5000.0], [east, 100.0 * k]]
+        records.append({"id": 2, "when": t + 1.6e9, "own": here, "z": plot})
+        records.append({"id": 7, "when": t + 1.6e9, "own": here, "z": [0.3]})
+    records.append({"id": 2, "when": 130.0 + 1.6e9, "own": [0, 0], "z": []})
+    (tmp_path / "log.json").write_text(json.dumps(records))
+    truth = [[{"who": 1, "when": t + 1.6e9, "at": [x, y, 0]}] for t, x, y in zip(T, NORTH, EAST)]
+    (tmp_path / "truth.json").write_text(json.dumps(truth))
+    (tmp_path / "f.toml").write_text(
+        "[records]\ntime = 'when'\nposition = 'z'\nown = 'own'\nsensor = 'id'\nrelative = true\n"
+        "[sensors.radar]\nvalue = 2\nposition_std = '5 m'\nlatency = '0 s'\n"
+        "[truth]\ntime = 'when'\nposition = 'at'\nname = 'who'\n"
+    )
+    found = read_detections(tmp_path / "log.json", format=tmp_path / "f.toml", truth=tmp_path / "truth.json")
+    assert len(found.plots) == T.size + sum(1 for k in range(T.size) if k % 3 == 0)
+    assert len(found.plots.scans) == T.size + 1 and len(found.plots.scans[-1].z) == 0
+    assert found.truth[0].name == "target 1" and found.own is not None
+    result = track(found)
+    assert result.score.ships[0].held > 0.85 and result.score.ships[0].rmse[0] < 3.0
+
+
+def test_matlab_as_a_format_file_describes(tmp_path):
+    from scipy.io import savemat
+
+    range_, bearing = np.hypot(NORTH, EAST), np.arctan2(EAST, NORTH)
+    log = {"azimuth": bearing, "range": range_, "time": 1000 * (T + 40000)}
+    savemat(tmp_path / "d.mat", {"detections": log}, oned_as="column")
+    lonlat = np.column_stack(
+        [1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50))), 50 + np.rad2deg(NORTH / 6_380_000)]
+    )
+    ships = np.empty((1, 2), object)
+    ships[0, 0] = {"numTime": T + 40000, "geoLonLat": np.tile([1.0, 50.0], (T.size, 1)), "shipName": "OWN  @@"}
+    ships[0, 1] = {"numTime": T + 40000, "geoLonLat": lonlat, "shipName": "GULL"}
+    savemat(tmp_path / "a.mat", {"tracks": ships}, oned_as="column")
+    (tmp_path / "f.toml").write_text(
+        "[table]\nstruct = 'detections'\n[columns.t]\ncolumn = 'time'\nunit = 'ms'\n"
+        "[columns.range]\ncolumn = 'range'\nunit = 'm'\n[columns.bearing]\ncolumn = 'azimuth'\nunit = 'rad'\n"
+        "[sensors.radar]\nrange_std = '5 m'\nbearing_std = '0.5 deg'\n"
+        "[truth]\nstruct = 'tracks'\ntime = 'numTime'\nlonlat = 'geoLonLat'\nname = 'shipName'\n[own]\nname = 'OWN'\n"
+    )
+    a = tmp_path / "a.mat"
+    found = read_detections(tmp_path / "d.mat", format=tmp_path / "f.toml", own=a, truth=a)
+    assert [p.name for p in found.truth] == ["GULL"] and found.own.name == "OWN"
+    result = track(found)
+    assert result.score.ships[0].rmse[0] < 12.0  # the sphere of this test is not the ellipsoid
+    with pytest.raises(FormatFileError, match="no ship called"):
+        text = (tmp_path / "f.toml").read_text().replace("'OWN'", "'GONE'")
+        (tmp_path / "g.toml").write_text(text)
+        read_detections(tmp_path / "d.mat", format=tmp_path / "g.toml", own=a)
+
+
+def sentence(text: str) -> str:
+    return f"${text}*{checksum(text)}"
+
+
+def ttm(k: int, relative: bool = False) -> str:
+    range_, bearing = math.hypot(NORTH[k], EAST[k]) / 1852, math.degrees(math.atan2(EAST[k], NORTH[k]))
+    bearing = (bearing - 30) % 360 if relative else bearing
+    at = int(T[k])
+    clock = f"10{at // 60:02d}{at % 60:02d}.00"
+    return sentence(f"RATTM,01,{range_:.5f},{bearing:.3f},{'R' if relative else 'T'},9.7,143.1,T,,,N,,T,,{clock},A")
+
+
+def test_ttm(tmp_path):
+    log = tmp_path / "radar.nmea"
+    lost = sentence("RATTM,02,1.0,10.0,T,,,T,,,N,,L,,100000.00,A")
+    log.write_text("\n".join([lost, *(ttm(k) for k in range(T.size))]))
+    found = read_detections(log)
+    is_the_target(found, 8.0)
+    assert any("1 targets left out" in n for n in found.plots.notes)
+
+
+def test_ttm_from_the_bow_needs_the_heading(tmp_path):
+    log = tmp_path / "radar.nmea"
+    bow = [ttm(k, relative=True) for k in range(T.size)]
+    log.write_text("\n".join([sentence("HEHDT,30.0,T"), *bow]))
+    is_the_target(read_detections(log), 8.0)
+    log.write_text("\n".join(bow))
+    with pytest.raises(EmptyFileError, match="no target with a position"):
+        read_detections(log)
+
+
+def test_ttm_without_a_time(tmp_path):
+    log = tmp_path / "radar.nmea"
+    log.write_text("\n".join([sentence("RATTM,01,1.0,10.0,T,,,T,,,N,,T,,,A")] * 4))
+    with pytest.raises(NonFiniteError, match="tells the time"):
+        read_detections(log)
+
+
+def ais(tmp_path: Path) -> Path:
+    from pyais.encode import encode_dict
+
+    lines = []
+    for k, t in enumerate(T):
+        lat = 50 + math.degrees(NORTH[k] / 6_390_000)
+        lon = 1 + math.degrees(EAST[k] / 6_378_137 / math.cos(math.radians(50)))
+        for mmsi, place in ((244000001, (lat, lon)), (244000002, (91.0, 181.0))):
+            message = {"type": 1, "mmsi": mmsi, "lat": place[0], "lon": place[1], "speed": 9.7, "course": 143.0}
+            stamp = f"2026-01-01T10:{int(t) // 60:02d}:{int(t) % 60:02d}.000Z "
+            lines.append(stamp + encode_dict(message, talker_id="AI", sentence_type="VDM")[0])
+    log = tmp_path / "log.ais"
+    log.write_text("\n".join(lines))
+    return log
+
+
+def test_ais(tmp_path):
+    found = read_detections(ais(tmp_path))
+    assert found.plots.sensors[0].name == "AIS"
+    (one,) = track(found).tracks
+    assert one.x[-1, :2] == pytest.approx([NORTH[-1] - NORTH[0], EAST[-1] - EAST[0]], abs=15)
+    assert one.x[-1, 2:] == pytest.approx([-4, 3], abs=0.5)
+
+
+def test_ais_without_its_package(tmp_path, monkeypatch):
+    log = ais(tmp_path)
+    monkeypatch.setitem(sys.modules, "pyais", None)
+    with pytest.raises(MissingExtraError, match=r"shipid\[ais\]"):
+        read_detections(log)
+
+
+def test_what_cannot_be_read(tmp_path):
+    log = table(tmp_path / "p.csv", "t [s],x [m],y [m]", T, NORTH, EAST)
+    with pytest.raises(MissingFileError, match="is not there"):
+        read_detections(tmp_path / "gone.csv")
+    with pytest.raises(MissingFileError, match="is a folder"):
+        read_detections(tmp_path)
+    with pytest.raises(UnknownColumnError, match="no positions of targets"):
+        read_detections(table(tmp_path / "q.csv", "t [s],psi [deg]", T, NORTH))
+    with pytest.raises(EmptyFileError, match="no plot with a time"):
+        read_detections(table(tmp_path / "r.csv", "t [s],x [m],y [m]", T[:3], np.full(3, np.nan), EAST[:3]))
+    late = table(tmp_path / "own.csv", "t [s],x [m],y [m]", T + 5000, NORTH, EAST)
+    with pytest.raises(EncounterRequestError, match="no plot lies in it"):
+        read_detections(log, own=late)
+    with pytest.raises(UnknownColumnError, match="no positions of own ship"):
+        read_detections(log, own=table(tmp_path / "o.csv", "t [s],psi [deg]", T, NORTH))
+    with pytest.raises(UnknownColumnError, match="no true positions"):
+        read_detections(log, truth=table(tmp_path / "o2.csv", "t [s],psi [deg]", T, NORTH))
+    with pytest.raises(TargetError, match="rising times"):
+        ShipPath("Gull", np.zeros(2), np.zeros(2), np.zeros(2))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[records]\ntime = 't'\n", "'position' is missing"),
+        ("[records]\ntime = 't'\nposition = 'z'\nlayout = 'columns'\n", "'layout' is 'columns'"),
+        ("[records]\ntime = 't'\nposition = 'z'\n[sensors.a]\nrange_std = '5 m'\n", "belong together"),
+        ("[records]\ntime = 't'\nposition = 'z'\n[sensors.a]\ndetection = 1.5\n", "probability between"),
+        ("[records]\ntime = 't'\nposition = 'z'\n[sensors.a]\nvalue = 1\n[sensors.b]\nvalue = 1\n", "no other sensor"),
+        ("[records]\ntime = 't'\nposition = 'z'\n[truth]\ntime = 't'\n", "either position"),
+    ],
+)
+def test_formats_that_cannot_be_meant(tmp_path, text, words):
+    (tmp_path / "f.toml").write_text(text)
+    with pytest.raises(FormatFileError, match=words):
+        read_plot_format(tmp_path / "f.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "words"),
+    [
+        ("{", DamagedFileError, "is no JSON"),
+        ("{}", FormatFileError, "no list of records"),
+        ("[{}]", FormatFileError, "record 0, has no 't'"),
+        ('[{"t": "x", "z": []}]', FormatFileError, "is no number"),
+    ],
+)
+def test_json_that_is_not_as_its_format_says(tmp_path, text, error, words):
+    (tmp_path / "f.toml").write_text("[records]\ntime = 't'\nposition = 'z'\n[truth]\ntime = 't'\nposition = 'z'\n")
+    (tmp_path / "log.json").write_text(text)
+    with pytest.raises(error, match=words):
+        read_detections(tmp_path / "log.json", format=tmp_path / "f.toml")
