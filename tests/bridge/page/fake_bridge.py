@@ -78,7 +78,7 @@ def planned() -> dict:
         "name": "T1",
         "waypoints": waypoints,
         "line": np.round(np.array(line), 1).tolist(),
-        "leg": 1,
+        "leg": 0,
         "off_track": 12.0,
         "wheel_over": {"seconds": 102.0, "distance": 981.0, "x": 3500.0, "y": 0.0, "course": 75 * DEG},
         "overshoot": 35.0,

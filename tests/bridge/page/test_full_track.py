@@ -18,7 +18,7 @@ FACTOR = 64
 #: How far ahead a correction aims, in m.
 AIM = 600.0
 #: Seconds to the wheel-over at which the turn is tried, at which the clock is slowed down, and at which the wheel goes over.
-BUSY, SOON, EARLY = 120.0, 40.0, 1.0
+BUSY, SOON, EARLY = 150.0, 80.0, 2.0
 #: The rate of turn in degrees a minute below which the ship is on her leg, and the seconds between two corrections.
 STEADY, LOOKS = 2.0, 40.0
 #: The legs of the track in degrees, and the largest drift angle in a current of 2.5 kn at 17 kn.

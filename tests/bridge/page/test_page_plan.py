@@ -37,7 +37,7 @@ def test_limits_run_beside_the_legs_and_meet_at_the_corners(bridge, open_page):
 
 def test_the_wheel_over_line_crosses_the_leg_at_right_angles(bridge, open_page):
     page = open_page(bridge.address)
-    route = {"waypoints": SQUARE, "leg": 2, "wheel_over": {"x": 1000, "y": 1500}}
+    route = {"waypoints": SQUARE, "leg": 1, "wheel_over": {"x": 1000, "y": 1500}}
     ends = run(page, "plan/route.js", "return m.wheelOverLine(a);", route)
     # The leg goes east: 200 m to port is north, 80 m to starboard south.
     assert [(round(p["x"]), round(p["y"])) for p in ends] == [(1200, 1500), (920, 1500)]
@@ -57,6 +57,15 @@ def test_time_ticks_stand_at_whole_times(bridge, open_page):
         [[480, 250], [480, 60], [480, 2000], [0, 10]],
     )
     assert steps == [60, 300, 10, 1200]
+    # Written are whole minutes where they have room, and nothing where not even the longest step has.
+    cases = [[60, 480, 250], [60, 480, 300], [20, 180, 270], [10, 480, 2000], [1200, 480, 2]]
+    numbers = run(
+        page,
+        "plan/tracks.js",
+        "return a.map(([step, seconds, length]) => String(m.numberStep(step, seconds, length)));",
+        cases,
+    )
+    assert numbers == ["120", "60", "60", "10", "Infinity"]
 
 
 def test_the_projection_turns_the_world_and_finds_it_back(bridge, open_page):

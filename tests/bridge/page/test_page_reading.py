@@ -66,6 +66,7 @@ def test_the_readouts_show_the_ship(bridge, open_page, until):
     assert "P 2.1°" in bars and "order P 3.0°" in bars
     assert "not for navigation" in page.locator(".caveat").inner_text().lower()
     voyage = page.locator("#voyage").inner_text()
+    assert "1 of 6, to WP1" in voyage
     assert (
         "2.4 ± 0.2 kn to 225.0°" in voyage and "7.0 m/s from 315.0°" in voyage and "voyage.csv, 1 355 samples" in voyage
     )
@@ -130,3 +131,22 @@ def test_missing_numbers_inside_a_track_break_nothing(bridge, open_page, until):
     bridge.state["own"]["psi"] = None
     until(page, "document.querySelector('.readout .number').textContent === '–––.–'")
     assert page.get_by_role("radio", name="Heading").is_enabled()
+
+
+def test_every_sensor_is_listed_with_its_age(bridge, open_page, until):
+    bridge.state["sensors"].append(
+        {"name": "position", "label": "position", "value": None, "unit": "m", "age": 0.4, "lost": False}
+    )
+    page = open_page(bridge.address)
+    page.get_by_role("button", name="Details").click()
+    rows = {
+        row.locator("th").inner_text(): row.inner_text().split("\t")[1:]
+        for row in page.locator("#drawer tr:has(th)").all()
+    }
+    assert (
+        rows["heading"] == ["007.5°", "0 s"]
+        and rows["position"] == ["received", "0 s"]
+        and rows["rudder angle"] == ["P 2.1°", "0 s"]
+    )
+    bridge.state["sensors"][-1].update(lost=True, age=130.0)
+    until(page, "document.querySelector('#drawer').textContent.includes('lost 2:10')")

@@ -5,8 +5,9 @@ import { age, DASH, degrees, known, knots, perMinute, plain, rudder } from "../f
 
 const SIDED = ["delta", "delta_order", "rudder"];
 
-function written({ name, value, unit }) {
-  if (!known(value)) return DASH;
+function written({ name, value, unit, age: old, lost }) {
+  // A position has no one number: that it comes is what there is to say.
+  if (!known(value)) return known(old) && !lost ? "received" : DASH;
   if (unit === "rad/s") return `${perMinute(value)}°/min`;
   if (unit === "rad") return SIDED.includes(name) ? rudder(value) : `${degrees(value)}°`;
   if (unit === "m/s") return name.startsWith("wind") ? `${plain(value, 1)} m/s` : `${knots(value)} kn`;

@@ -16,8 +16,8 @@ function wind(flow) {
 
 function leg(route) {
   const count = route.waypoints.length - 1;
-  const towards = route.waypoints[route.leg];
-  return `${route.leg} of ${count}${towards?.name ? `, to ${towards.name}` : ""}`;
+  const towards = route.waypoints[route.leg + 1];
+  return `${route.leg + 1} of ${count}${towards?.name ? `, to ${towards.name}` : ""}`;
 }
 
 function recording({ file, samples, message }) {

@@ -24,7 +24,7 @@ export function createMasthead() {
 }
 
 function line({ scenario, condition, leg, of, rms, done }) {
-  const parts = [`Track ${scenario}`, `condition ${condition}`, done ? "finished" : `leg ${leg} of ${of}`];
+  const parts = [`Track ${scenario}`, `condition ${condition}`, done ? "finished" : `leg ${leg + 1} of ${of}`];
   if (known(rms)) parts.push(`RMS ${plain(rms, 0)} m`);
   return parts.join(" · ");
 }

@@ -63,7 +63,7 @@ export function createPlan(model, settings) {
   function upward({ own, route }) {
     if (view.orientation === "head") return own?.psi ?? 0;
     if (view.orientation !== "course") return 0;
-    const [from, to] = [route?.waypoints[route.leg - 1], route?.waypoints[route.leg]];
+    const [from, to] = [route?.waypoints[route.leg], route?.waypoints[route.leg + 1]];
     if (from && to) return Math.atan2(to.y - from.y, to.x - from.x);
     return settings.executed()?.heading ?? own?.psi ?? 0;
   }

@@ -43,7 +43,7 @@ export function limitLine(waypoints, side) {
   return out;
 }
 
-/** Draw the route. */
+/** Draw the route; leg k runs from waypoint k to waypoint k + 1. */
 export function drawRoute(ctx, view, route, colours) {
   const at = ({ x, y }) => view.point(x, y);
   ctx.strokeStyle = colours.route;
@@ -69,7 +69,7 @@ export function drawRoute(ctx, view, route, colours) {
   route.waypoints.forEach((waypoint, i) => {
     const [x, y] = at(waypoint);
     ctx.beginPath();
-    ctx.arc(x, y, i === route.leg ? 7 : 5, 0, 2 * Math.PI);
+    ctx.arc(x, y, i === route.leg + 1 ? 7 : 5, 0, 2 * Math.PI);
     ctx.fillStyle = colours.sea;
     ctx.fill();
     ctx.stroke();
@@ -79,7 +79,7 @@ export function drawRoute(ctx, view, route, colours) {
 
 // The ends of the wheel-over line, in the world: across the leg, as far as its limits.
 export function wheelOverLine(route) {
-  const [from, to] = [route.waypoints[route.leg - 1], route.waypoints[route.leg]];
+  const [from, to] = [route.waypoints[route.leg], route.waypoints[route.leg + 1]];
   const along = from && to ? unit(from, to) : null;
   const { wheel_over: wheel } = route;
   if (!along || !wheel || !Number.isFinite(wheel.x) || !Number.isFinite(wheel.y)) return null;
@@ -104,6 +104,6 @@ export function labelRoute(view, route, colours, labels) {
     labels.write(`wheel-over ${clock(seconds)}`, view.point(ends[1].x, ends[1].y), colours.route, { bold: true, away: 6 });
   }
   route.waypoints.forEach((waypoint, i) => {
-    labels.write(waypoint.name || `WP ${i}`, view.point(waypoint.x, waypoint.y), colours.route, { bold: i === route.leg, away: 10 });
+    labels.write(waypoint.name || `WP ${i}`, view.point(waypoint.x, waypoint.y), colours.route, { bold: i === route.leg + 1, away: 10 });
   });
 }

@@ -6,8 +6,8 @@ import { hull } from "./ship.js";
 const TICKS = [10, 20, 30, 60, 120, 300, 600, 1200];
 /** Pixels that two time ticks, and two dots of the past track, keep apart at least. */
 const [APART, DOTS] = [24, 7];
-/** Pixels between ticks below which only every second one has its time written. */
-const NUMBERED = { minutes: 34, seconds: 46 };
+/** Pixels that two written times keep apart at least. */
+const NUMBERED = 34;
 
 // One side of the band and back on the other, square to the track.
 function bandOf(view, track) {
@@ -24,6 +24,11 @@ function bandOf(view, track) {
     sides[1].push(view.point(x[i] - nx, y[i] - ny));
   }
   return [...sides[0], ...sides[1].reverse()];
+}
+
+/** Choose which time ticks have their time written: those at a multiple of the answer, in s. */
+export function numberStep(step, seconds, length) {
+  return TICKS.find((candidate) => candidate % step === 0 && candidate / seconds * length >= NUMBERED) ?? Infinity;
 }
 
 /** Choose how far apart time ticks stand, in s. */
@@ -74,22 +79,24 @@ export function drawTrack(ctx, view, track, { kind, side, band, labels, ship, co
   for (let i = 1; i < points.length; i++) length += Math.hypot(points[i][0] - points[i - 1][0], points[i][1] - points[i - 1][1]);
   const step = tickStep(track.t.at(-1), length);
   const ticks = ticksOf(track, step);
-  const every = step / track.t.at(-1) * length < NUMBERED[step % 60 ? "seconds" : "minutes"] ? 2 : 1;
-  ticks.forEach((tick, i) => {
+  const numbers = numberStep(step, track.t.at(-1), length);
+  const last = ticks.findLast(({ t }) => t % numbers === 0);
+  ticks.forEach((tick) => {
     const middle = view.point(tick.x, tick.y);
     const across = tick.slope + Math.PI / 2;
     trace(ctx, [view.offset(middle, across, 6), view.offset(middle, across, -6)]);
     ctx.strokeStyle = colour;
     ctx.lineWidth = 2;
     ctx.stroke();
-    if ((ticks.length - 1 - i) % every) return;
-    const text = step % 60 ? `${Math.floor(tick.t / 60)}:${String(tick.t % 60).padStart(2, "0")}` : String(tick.t / 60);
-    labels.beside(step % 60 === 0 && i === ticks.length - 1 ? `${text} min` : text, middle, across - view.up + (side < 0 ? Math.PI : 0), colour);
+    if (tick.t % numbers) return;
+    const whole = numbers % 60 === 0;
+    const text = whole ? String(tick.t / 60) : `${Math.floor(tick.t / 60)}:${String(tick.t % 60).padStart(2, "0")}`;
+    labels.beside(whole && tick === last ? `${text} min` : text, middle, across - view.up + (side < 0 ? Math.PI : 0), colour);
   });
-  const last = track.x.length - 1;
+  const end = track.x.length - 1;
   // Where she will lie: her outline at the end of the track, where it can be seen.
-  if (ship.length * view.scale > 14 && Number.isFinite(track.psi?.[last])) {
-    trace(ctx, hull(view, { x: track.x[last], y: track.y[last], psi: track.psi[last] }, ship), true);
+  if (ship.length * view.scale > 14 && Number.isFinite(track.psi?.[end])) {
+    trace(ctx, hull(view, { x: track.x[end], y: track.y[end], psi: track.psi[end] }, ship), true);
     ctx.strokeStyle = colour;
     ctx.lineWidth = 1.5;
     ctx.setLineDash(kind === "executed" ? [] : [4, 3]);
