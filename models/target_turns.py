@@ -78,5 +78,5 @@ class SteadyCircle(Component):
         return 0.0
 
 
-target_turn = join("target-turn", GroundTrack, SteadyTurn)
-target_circle = join("target-circle", GroundTrack, SteadyCircle)
+target_turn = join("target-turn", SteadyTurn, GroundTrack)
+target_circle = join("target-circle", SteadyCircle, GroundTrack)
