@@ -18,9 +18,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @ship_option(required=False)
-@click.option(
-    "--model", metavar="MODEL", help="A model's name, or path/to/file.py:Class; by default one that the ship knows."
-)
+@click.option("--model", metavar="MODEL", help="A model's name, or path/to/file.py:Class.")
 @click.option(
     "--schedule", metavar="FILE", help="The autopilot, a schedule.toml of shipid tune; one is designed by default."
 )

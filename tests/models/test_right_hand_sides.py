@@ -368,7 +368,43 @@ def own_ship_filter(n: Numbers) -> Numbers:
     return {**position_filter(n), **yaw_filter_seven(n)}
 
 
+def moving_point(n: Numbers, a: float, extra: Numbers) -> Numbers:
+    """A point that turns by an angle within an interval, the accelerations held over it."""
+    n |= {"vx": 5.3, "vy": -2.7, "ax": 0.11, "ay": -0.07, "omega": 0.013, "domega": -0.004}
+    t, vx, vy = n["T_s"], n["vx"], n["vy"]
+    way = (t, 0.0) if a == 0 else (t * sin(a) / a, t * (1 - cos(a)) / a)
+    return {
+        "x": n["x"] + way[0] * vx - way[1] * vy + t**2 / 2 * n["ax"],
+        "y": n["y"] + way[1] * vx + way[0] * vy + t**2 / 2 * n["ay"],
+        "vx": cos(a) * vx - sin(a) * vy + t * n["ax"],
+        "vy": sin(a) * vx + cos(a) * vy + t * n["ay"],
+        "SOG": hypot(vx, vy),
+        "COG": atan2(vy, vx),
+        **extra,
+    }
+
+
+def turning_point(n: Numbers, rate: float) -> Numbers:
+    return {"vx": -rate * n["vy"], "vy": rate * n["vx"], "more": 0.0, "x": n["vx"], "y": n["vy"]}
+
+
+def target_turn(n: Numbers) -> Numbers:
+    n |= {"vx": 5.3, "vy": -2.7, "turn": 0.012, "more": -0.003}
+    return turning_point(n, 0.012 - 0.003)
+
+
+def target_circle(n: Numbers) -> Numbers:
+    n |= {"vx": 5.3, "vy": -2.7, "curvature": 2.1e-3, "more": -4.0e-4}
+    return turning_point(n, (2.1e-3 - 4.0e-4) * hypot(5.3, -2.7))
+
+
 MODELS: dict[str, Case] = {
+    "constant-velocity": lambda n: moving_point(n, 0.0, {}),
+    "constant-velocity-augmented": lambda n: moving_point(n, 0.0, {"domega": -0.004}),
+    "coordinated-turn": lambda n: moving_point(n, 3.0 * 0.013, {}),
+    "coordinated-turn-augmented": lambda n: moving_point(n, 3.0 * (0.013 - 0.004), {"domega": -0.004}),
+    "turning-at-unknown-rate": lambda n: moving_point(n, 3.0 * 0.013, {"omega": 0.013}),
+    "target-turn": target_turn, "target-circle": target_circle,
     "nomoto": nomoto, "nomoto-second-order": nomoto_second_order, "norrbin": norrbin, "bech": bech,
     "de-keizer": de_keizer, "de-keizer-minimal": de_keizer_minimal, "de-keizer-cubic": de_keizer_cubic,
     "gain-scheduled": gain_scheduled, "van-leeuwen": van_leeuwen, "pershitz": pershitz,
