@@ -42,7 +42,7 @@ def test_read_only_working_directory(zigzag, fitted, tmp_path):
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
 @pytest.mark.parametrize(
-    "arguments", [["models"], ["simulate", "nomoto", "--ship", "zeefakkel", "--manoeuvre", "turn:20"]]
+    "arguments", [["models"], ["simulate", "de-keizer", "--ship", "soesterberg", "--manoeuvre", "turn:10"]]
 )
 def test_reader_that_closes_the_pipe(arguments):
     with subprocess.Popen([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:

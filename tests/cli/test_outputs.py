@@ -106,7 +106,7 @@ def test_simulated_trial_is_not_overwritten(call, refused, tmp_path):
 
 
 def test_trial_on_stdout(call, tmp_path):
-    answer = call("simulate", "nomoto", "--ship", "zeefakkel", "--manoeuvre", "turn:20")
+    answer = call("simulate", "de-keizer", "--ship", "soesterberg", "--manoeuvre", "turn:10")
     assert (answer.code, answer.err) == (0, "")
     (tmp_path / "trial.csv").write_text(answer.out)
     trial = shipid.read_trial(tmp_path / "trial.csv")

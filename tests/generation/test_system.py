@@ -51,8 +51,9 @@ def test_functions_equal_the_expressions(continuous: Any, plain: Any, rng: Any) 
 
 
 def differentiate(plain: Any, model: Any, point: dict[str, float], by: str, kinds: tuple[str, ...]) -> dict[str, float]:
-    """Complex step, exact to rounding; five-point differences where an equation takes a size or a sign."""
-    if not model.name.startswith(("pershitz", "cross-flow")) or "track" in model.name:
+    """Complex step, exact to rounding; five-point differences where an equation takes a size, a sign or an angle."""
+    whole = ("pershitz", "cross-flow", "constant-velocity", "coordinated-turn", "turning-at")
+    if not model.name.startswith(whole) or "track" in model.name:
         size = 1e-30
         sides = plain(model, point | {"T_s": T, by: point[by] + 1j * size}, *kinds)
         return {n: np.imag(v) / size for n, v in sides.items()}
@@ -97,7 +98,7 @@ def test_the_jacobian_functions_are_those_derivatives(continuous: Any, rng: Any)
     for by in "xup":
         whole = ca.Function("J", [system.x, system.u, system.p], [ca.jacobian(system.rates, getattr(system, by))])
         assert np.array_equal(system.jacobian("rates", by)(*at).full(), whole(*at).full())
-    quantity = system.jacobian("r", "x")(*at).full()
+    quantity = system.jacobian("r" if "r" in system.states else "vx", "x")(*at).full()
     assert quantity.shape == (1, len(system.states))
     assert np.abs(quantity).sum() > 0
 

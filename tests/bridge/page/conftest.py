@@ -18,7 +18,8 @@ def _fake():
     return module
 
 
-@pytest.fixture(scope="session")
+# Of a module: while Playwright runs, its event loop is that of the process, and other tests need one of their own.
+@pytest.fixture(scope="module")
 def browser():
     """Debian's Chromium, driven by Playwright; where one of them is not installed there is nothing to test with."""
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
