@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from math import cos, isfinite, nan, pi, sin
+from typing import ClassVar
 
 from shipid.declaration import units
 from shipid.trials.errors import EmptyFileError
@@ -22,11 +23,8 @@ from shipid.trials.logs.nmea.sources import answers
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
 _PATIENCE = 200
-#: What a signal is called by the sentences of `SIGNALS`, in the order of preference.
-_KINDS = {
-    signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED)
-    for signal in ("psi", "r", "delta", "delta_order", "u", "course", "position", "wind")
-}
+#: The signals that are followed.
+FOLLOWED = ("psi", "r", "delta", "delta_order", "u", "course", "position", "wind")
 
 
 class LiveNmea:
@@ -50,7 +48,13 @@ class LiveNmea:
     ----------
     names : tuple of str
         The channels that were heard so far, after ``t``.
+    kinds : dict of str to tuple of str
+        The sentences that a signal may come from, in the order of preference.
     """
+
+    kinds: ClassVar[dict[str, tuple[str, ...]]] = {
+        signal: tuple(kind for kind in SIGNALS[signal] if kind in CARRIED) for signal in FOLLOWED
+    }
 
     def __init__(
         self, fmt: NmeaFormat, where: str, tell: Callable[[str], None], origin: tuple[float, float] | None = None
@@ -178,9 +182,13 @@ class LiveNmea:
 
     def _hear(self, kind: str, talker: str, fields: dict[str, float]) -> None:
         """Put what a sentence says into the sample, where it is the source of the signal."""
-        if kind in ("HDG", "RMC") and self._fmt.variation is None and isfinite(fields.get("variation", nan)):
+        if (
+            kind in ("HDG", "RMC", "127250", "127258")
+            and self._fmt.variation is None
+            and isfinite(fields.get("variation", nan))
+        ):
             self._variation = fields["variation"] * _DEG
-        for signal, kinds in _KINDS.items():
+        for signal, kinds in self.kinds.items():
             if kind not in kinds or signal in self._fmt.leave_out:
                 continue
             found = self._read(signal, kind, fields)
@@ -191,17 +199,21 @@ class LiveNmea:
     def _is_source(self, signal: str, kind: str, talker: str) -> bool:
         wanted = self._fmt.sources.get(signal)
         if wanted is not None:
-            return answers(Origin(kind, talker), wanted)
-        order = list(_KINDS[signal])
-        if signal == "psi" and self._fmt.reference == "magnetic":
+            return answers(self._origin_of(kind, talker), wanted)
+        order = list(self.kinds[signal])
+        if signal == "psi" and kind in CARRIED and self._fmt.reference == "magnetic":
             order = ["HDG", "HDM", "THS", "HDT", "VHW"]
         source = (order.index(kind), talker)
         best = self._source.get(signal)
         if best is None or source[0] < best[0]:
             self._source[signal] = source
-            self._tell(f"{self._where}: {signal} is of {talker}{kind}.")
+            self._tell(f"{self._where}: {signal} is of {self._origin_of(kind, talker).name}.")
             return True
         return source == best
+
+    def _origin_of(self, kind: str, talker: str) -> Origin:
+        """The source as a log names it."""
+        return Origin(kind, talker)
 
     def _read(self, signal: str, kind: str, fields: dict[str, float]) -> dict[str, float]:
         """What a sentence says of a signal, SI; nothing where it is not valid."""

@@ -1,13 +1,13 @@
-"""A log as it is written, of whatever kind: a table or NMEA 0183, by the format or by its first line."""
+"""A log as it is written, of whatever kind: a table, NMEA 0183 or NMEA 2000, by the format or by its first line."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
-from shipid.trials.errors import NotALiveLogError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.live.following import LiveFollowing
+from shipid.trials.logs.live.messages import LiveMessages
 from shipid.trials.logs.live.nmea import LiveNmea
 from shipid.trials.logs.live.table import LiveSample, LiveTable
 from shipid.trials.logs.nmea.messages.canboat import is_message
@@ -88,10 +88,7 @@ class LiveLog:
     def _choose(self, line: str) -> LiveTable | LiveNmea:
         fmt, text = self._format, line.strip()
         if is_message(text) and (fmt is None or isinstance(fmt, NmeaFormat)):
-            raise NotALiveLogError(
-                f"{self._where} holds NMEA 2000 messages, and only NMEA 0183 and tables are followed line by line. Read it whole: "
-                "shipid filter FILE."
-            )
+            return LiveMessages(fmt or NmeaFormat("nmea", {}), self._where, self._tell)
         if isinstance(fmt, NmeaFormat) or (fmt is None and is_sentence(text)):
             fmt = fmt if isinstance(fmt, NmeaFormat) else NmeaFormat("nmea", {})
             return LiveNmea(fmt, self._where, self._tell)

@@ -1,6 +1,7 @@
 """A log read line by line gives what the whole log gives."""
 
 import datetime as dt
+import struct
 
 import numpy as np
 import pandas as pd
@@ -156,9 +157,61 @@ def test_nmea_that_is_broken():
         live("$HEHDT,10.0,T\n")
 
 
-def test_nmea_2000_is_named():
-    with pytest.raises(e.NotALiveLogError, match="log holds NMEA 2000 messages"):
-        live("2026-05-04-10:00:00.000,2,127251,27,255,8,01,00,00,00,00,ff,ff,ff\n")
+def n2k(t, pgn, layout, *values, source=27):
+    """A message in canboat's text form."""
+    data = struct.pack(layout, *values)
+    stamp = (dt.datetime(2026, 5, 4, 9) + dt.timedelta(seconds=t)).isoformat(timespec="milliseconds")
+    return f"{stamp}Z,3,{pgn},{source},255,{len(data)},{','.join(f'{b:02x}' for b in data)}"
+
+
+def a_turn(reference=0xFC):
+    """Heading, rate, rudder and its order, course over the ground, speed: a ship that turns by 1 deg/s through north."""
+    lines = []
+    for k in range(40):
+        t, angle = float(k), round(np.radians((350 + k) % 360) * 1e4)
+        lines += [
+            n2k(t, 127250, "<BHhhB", 0, angle, 0x7FFF, 0x7FFF, reference),
+            n2k(t + 0.2, 127251, "<BiBH", 0, round(np.radians(1.0) / 3.125e-8), 0xFF, 0xFFFF),
+            n2k(t + 0.4, 127245, "<BBhhH", 0, 0xF8, round(np.radians(10) * 1e4), round(np.radians(8) * 1e4), 0xFFFF),
+            n2k(t + 0.6, 128259, "<BHHBH", 0, 450, 0xFFFF, 0, 0xFFFF),
+            n2k(t + 0.8, 129026, "<BBHHH", 0, 0xFC, angle, 400, 0xFFFF),
+        ]
+    return lines
+
+
+def test_nmea_2000_followed_gives_what_the_whole_log_gives(tmp_path):
+    text = "\n".join(["# format=FAST", *a_turn()]) + "\n"
+    (tmp_path / "log.raw").write_text(text)
+    record = read_trial(tmp_path / "log.raw")
+    samples, told = live(text)
+    found = pd.DataFrame(samples)
+    assert set(found) == set(record.table) == {"t", "psi", "r", "delta", "delta_order", "u", "SOG", "COG"}
+    for name in record.table.columns[1:]:
+        shown, wanted = (v[np.isfinite(v)] for v in (found[name].to_numpy(), record[name]))
+        turn = 2 * np.pi if name in ("psi", "COG") else np.inf
+        off = shown - wanted
+        np.testing.assert_allclose(off - (np.round(off / turn) * turn if turn < 7 else 0), 0, atol=1e-9, err_msg=name)
+    assert any("psi is of 127250#27" in words for words in told)
+
+
+def test_a_magnetic_heading_of_nmea_2000_is_told_and_corrected_where_the_variation_is_sent():
+    samples, told = live("\n".join(a_turn(reference=0xFD)))
+    assert np.degrees(samples[0]["psi"]) == pytest.approx(350, abs=0.01)
+    assert sum("psi is the magnetic heading" in words for words in told) == 1
+    variation = n2k(0.0, 127258, "<BBHhH", 0, 0xFF, 0xFFFF, round(np.radians(-4) * 1e4), 0xFFFF)
+    samples, told = live("\n".join([variation, *a_turn(reference=0xFD)[1:]]))
+    assert np.degrees(next(s["psi"] for s in samples if "psi" in s)) == pytest.approx(347, abs=0.01)
+    assert not any("magnetic" in words for words in told)
+
+
+def test_a_broken_message_is_told_and_left_out():
+    lines = a_turn()[:4]
+    samples, told = live("\n".join([*lines[:2], lines[2][:40], "rubbish", lines[3]]))
+    assert [set(s) for s in samples] == [{"t", "psi"}, {"t", "r"}, {"t", "u"}]
+    assert [words for words in told if "no whole message" in words] == [
+        "log, line 3: no whole message; left out.",
+        "log, line 4: no whole message; left out.",
+    ]
 
 
 def test_what_is_told_and_left_out():

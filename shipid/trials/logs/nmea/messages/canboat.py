@@ -9,6 +9,7 @@ import re
 from array import array
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -63,15 +64,100 @@ def read_messages(lines: Iterable[tuple[int, str]], where: str, fmt: NmeaFormat)
     return collector.log(where)
 
 
+class BrokenMessageError(ValueError):
+    """A line that is no whole message."""
+
+
+@dataclass(frozen=True)
+class Message:
+    """One line of a log.
+
+    Attributes
+    ----------
+    time : float
+        In s since 1970.
+    pgn, source : int
+        Number of the parameter group, and address of the device.
+    data : bytes or None
+        What is read of it; None for a PGN that is not read, and for a frame that does not complete a message.
+    """
+
+    time: float
+    pgn: int
+    source: int
+    data: bytes | None
+
+    @property
+    def stream(self) -> str:
+        """The device, and which of several behind one address: an instance of its own is a source of its own."""
+        instance = self.data[0] if self.data is not None and self.pgn in INSTANCES else 0
+        return f"{self.source}.{instance}" if 0 < instance < 250 else str(self.source)
+
+
+class MessageReader:
+    """Takes lines apart, and puts the frames of a message together."""
+
+    def __init__(self) -> None:
+        self._stamp = stamp_reader("iso")
+        self._packets: dict[tuple[int, int, int], bytearray] = {}
+
+    def take(self, text: str) -> Message:
+        """Return the message of a line.
+
+        Parameters
+        ----------
+        text : str
+            The line.
+
+        Returns
+        -------
+        Message
+
+        Raises
+        ------
+        BrokenMessageError
+            If it is no whole message.
+        """
+        match = _MESSAGE.match(text)
+        stamp = self._stamp(match[1]) if match else None
+        if match is None or stamp is None:
+            raise BrokenMessageError
+        pgn, source, data = int(match[3]), int(match[4]), bytes.fromhex(match[7].replace(",", ""))
+        if len(data) != int(match[6]):
+            raise BrokenMessageError
+        whole: bytes | None = data
+        if pgn not in CARRIED:
+            return Message(stamp.time, pgn, source, None)
+        if pgn in FAST_PACKETS and len(data) == 8:
+            whole = self._put_together(pgn, source, data)
+        if whole is not None and len(whole) < CARRIED[pgn][0]:
+            raise BrokenMessageError
+        return Message(stamp.time, pgn, source, whole)
+
+    def _put_together(self, pgn: int, source: int, frame: bytes) -> bytes | None:
+        """Keep a frame; the message, where it is the last one. Byte 0: sequence and number of the frame; then the length."""
+        key, number = (pgn, source, frame[0] >> 5), frame[0] & 31
+        if number == 0:
+            self._packets[key] = bytearray(frame[1:])
+        elif key in self._packets and len(self._packets[key]) == 7 * number:
+            self._packets[key].extend(frame[1:])
+        else:
+            self._packets.pop(key, None)  # a frame is lost, and with it the message
+            return None
+        packet = self._packets[key]
+        if len(packet) - 1 < packet[0]:
+            return None
+        return bytes(self._packets.pop(key)[1 : packet[0] + 1])
+
+
 class _Collector:
     """Sorts messages by PGN as they come; their bytes are decoded all at once."""
 
     def __init__(self) -> None:
-        self.read = stamp_reader("iso")
+        self.reader = MessageReader()
         self.head: list[str] = []
         self.numbers, self.stamps, self.broken = array("q"), array("d"), array("q")
         self.found: dict[int, tuple[array[int], array[int], bytearray]] = {}
-        self.packets: dict[tuple[int, int, int], bytearray] = {}
         self.others: Counter[str] = Counter()
         self.lines = 0
 
@@ -83,49 +169,22 @@ class _Collector:
                 self.head.append(text.lstrip("# "))
             return
         self.lines += 1
-        match = _MESSAGE.match(text)
-        stamp = self.read(match[1]) if match else None
-        if match is None or stamp is None:
+        try:
+            message = self.reader.take(text)
+        except BrokenMessageError:
             self.broken.append(number)
             return
-        pgn, source, data = int(match[3]), int(match[4]), bytes.fromhex(match[7].replace(",", ""))
-        if len(data) != int(match[6]):
-            self.broken.append(number)
-            return
+        pgn, data = message.pgn, message.data
         if pgn not in CARRIED:
             self.others[f"PGN {pgn}"] += 1
-            return
-        if pgn in FAST_PACKETS and len(data) == 8:
-            whole = self._put_together(pgn, source, data)
-            if whole is None:
-                return
-            data = whole
-        width = CARRIED[pgn][0]
-        if len(data) < width:
-            self.broken.append(number)
+        if data is None:
             return
         order, sources, content = self.found.setdefault(pgn, (array("q"), array("q"), bytearray()))
         order.append(len(self.numbers))
-        # An instance of its own is a source of its own.
-        sources.append(source * 256 + (data[0] if pgn in INSTANCES else 0))
-        content.extend(data[:width])
+        sources.append(message.source * 256 + (data[0] if pgn in INSTANCES else 0))
+        content.extend(data[: CARRIED[pgn][0]])
         self.numbers.append(number)
-        self.stamps.append(stamp.time)
-
-    def _put_together(self, pgn: int, source: int, frame: bytes) -> bytes | None:
-        """Keep a frame; the message, where it is the last one. Byte 0: sequence and number of the frame; then the length."""
-        key, number = (pgn, source, frame[0] >> 5), frame[0] & 31
-        if number == 0:
-            self.packets[key] = bytearray(frame[1:])
-        elif key in self.packets and len(self.packets[key]) == 7 * number:
-            self.packets[key].extend(frame[1:])
-        else:
-            self.packets.pop(key, None)  # a frame is lost, and with it the message
-            return None
-        packet = self.packets[key]
-        if len(packet) - 1 < packet[0]:
-            return None
-        return bytes(self.packets.pop(key)[1 : packet[0] + 1])
+        self.stamps.append(message.time)
 
     def log(self, where: str) -> NmeaLog:
         if not self.lines:
