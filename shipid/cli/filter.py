@@ -127,7 +127,7 @@ def filter_trial(
         return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
-        from shipid.cli.following import follow as run_follow
+        from shipid.cli.frame.following import follow as run_follow
 
         return run_follow(follow, found, known, measured, settings, read.format, wait, delivery)
     with delivery.progress() as tell:
