@@ -287,6 +287,11 @@ def cubic_sway(n: Numbers) -> Numbers:
     return {"v": -n["u"] * (0.31 * 0.37**3 + 0.5 * 0.37)}
 
 
+def actuator_lag(n: Numbers) -> Numbers:
+    n |= {"t_delta": 0.93, "delta_lagged": -0.16}
+    return {"delta_lagged": (n["delta"] + 0.16) / 0.93}
+
+
 def speed_scaled(n: Numbers) -> Numbers:
     return {"way": n["u"], "way_kept": n["u"] - 0.05 * n["cruise"]}
 
@@ -431,7 +436,7 @@ MODELS: dict[str, Case] = {
     "own-ship-filter": own_ship_filter,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
-    "SpeedScaled": speed_scaled,
+    "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
     "WindMoment": wind_moment,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,

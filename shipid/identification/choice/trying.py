@@ -153,7 +153,6 @@ def _fitted(candidate: Candidate, trials: Sequence[Trial], validate: Sequence[Tr
         candidate.model,
         trials,
         ship=candidate.ship,
-        purpose="prediction",
         validate=validate,
         starts=candidate.starts,
         seed=candidate.seed,

@@ -87,7 +87,7 @@ def _problem_of(
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
     known = identified.problem
     data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), unit_time)
-    return make_problem(known.model, [data], known.signals, (), identified.values, known.sigma, biases, offset)
+    return make_problem(known.model, [data], known.signals, (), identified.values, identified.noise, biases, offset)
 
 
 def mean_biases(identified: Identified) -> dict[str, float]:
