@@ -15,7 +15,8 @@ from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
-from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines
+from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.fit_text import bias_lines, coefficient_lines, comparison_lines, ladder_lines, noise_lines
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -80,6 +81,8 @@ class Fit:
         Bands, null directions, residuals and findings, where they were requested (`shipid.assess`).
     posterior : Posterior or None
         A sampled posterior, where one was requested (`sample_posterior`).
+    bias_spread : BiasSpread or None
+        How far the rudder biases of the trials are spread; None where there is one trial, or a method that does not estimate it.
     """
 
     model: Model
@@ -104,6 +107,7 @@ class Fit:
     levels: NoiseLevels | None = None
     assessment: Assessment | None = None
     posterior: Posterior | None = None
+    bias_spread: BiasSpread | None = None
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -242,6 +246,7 @@ class Fit:
             "rudder_bias": {
                 c.trial.name: {"value": c.bias, "refitted": c.refitted_bias, "unit": "rad"} for c in compared
             },
+            "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
             "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
             **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
@@ -271,6 +276,8 @@ class Fit:
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
+        if self.bias_spread is not None and self.bias_spread.notice is not None:
+            found.append(self.bias_spread.notice)
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
@@ -291,6 +298,7 @@ class Fit:
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),
