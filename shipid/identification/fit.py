@@ -16,7 +16,14 @@ from shipid.foundation.numbers import quantity
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.fit_text import bias_lines, coefficient_lines, comparison_lines, ladder_lines, noise_lines
+from shipid.identification.fit_text import (
+    bias_lines,
+    coefficient_lines,
+    comparison_lines,
+    ladder_lines,
+    noise_lines,
+    range_lines,
+)
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -27,6 +34,7 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
+from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
@@ -211,6 +219,7 @@ class Fit:
             "checked": findings is not None,
             "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
+            "seen": seen_by(self.ship.joint.get(self.model.name)),
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
                 c.trial.name: {s: {"rmse": plain(v), "unit": units[s]} for s, v in c.rmse.items()} for c in self.fitted
@@ -295,6 +304,7 @@ class Fit:
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *range_lines(self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
