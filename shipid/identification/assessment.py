@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from shipid.foundation.result import Result
 from shipid.identification.uncertainty.directions import NullDirection
 from shipid.identification.uncertainty.residuals import Residuals
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.identification.validation.trial_findings import TrialFinding
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Result):
     """The assessment of a fit, made by `shipid.assess`.
 
     Attributes

@@ -15,6 +15,7 @@ from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity, with_units
+from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,8 +35,8 @@ LIMITS = {
 _LEAST_OVERSHOOT = 1.0
 
 
-@dataclass(frozen=True)
-class Robustness:
+@dataclass(frozen=True, repr=False)
+class Robustness(Result):
     """The disk margin when the ship differs from that of the design.
 
     Attributes
@@ -126,8 +127,8 @@ class Weakest:
         return asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class LoopResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopResponse(Result):
     """The loop, opened at the rudder order, against frequency: a Nyquist curve.
 
     Attributes
@@ -145,8 +146,8 @@ class LoopResponse:
     response: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(DrawnResult):
     """A design, judged; made by `shipid.judge`.
 
     Attributes
@@ -281,8 +282,9 @@ class Judgement:
         ]
         return pd.DataFrame(rows).set_index(["condition", "speed [m/s]"])
 
-    def __repr__(self) -> str:
-        lines = [repr(self.pilot), self.weakest.sentence]
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        lines = [self.pilot.text(), self.weakest.sentence]
         for name, robust in zip(self.pilot.conditions, self.robust):
             lines.append(
                 f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
@@ -290,7 +292,7 @@ class Judgement:
                 else f"  {name}: disk margin {robust.disk_worst:.3g} at worst; {robust.source}"
             )
         if self.on_board is not None:
-            lines.append(repr(self.on_board))
+            lines.append(self.on_board.text())
         said = (*self.pilot.warnings, *(self.on_board.warnings if self.on_board else ()))
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in said)])
 

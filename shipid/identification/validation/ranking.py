@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,8 +34,8 @@ MEASURES = {
 _SHOWN = ("rate", "heading_refitted_bias", "overshoot", "speed", "sway", "heading_warm", "heading")
 
 
-@dataclass(frozen=True)
-class Rank:
+@dataclass(frozen=True, repr=False)
+class Rank(Result):
     """One model of a comparison.
 
     Attributes
@@ -89,8 +90,8 @@ class Rank:
         }
 
 
-@dataclass(frozen=True)
-class Ranking:
+@dataclass(frozen=True, repr=False)
+class Ranking(Result):
     """Models ranked by how they predict what they were not fitted to.
 
     Attributes
@@ -144,7 +145,8 @@ class Ranking:
         ]
         return pd.DataFrame(rows).set_index("model")
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [f"predictions of what was left out ({', '.join(self.folds)}); a smaller score is better"]
         lines.append(
             f"  {'model':<22s}{'score':>14s}{'rate':>9s}{'bias':>9s}{'overshoot':>11s}{'speed':>9s}{'sway':>9s}{'warm':>9s}{'as it is':>10s}"

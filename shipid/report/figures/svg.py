@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -158,7 +160,40 @@ def panel_size(size: tuple[float, float]) -> tuple[float, float]:
     return size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
 
 
-def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
+class Drawing(Markup):
+    """A figure as inline SVG, with what draws it again.
+
+    Attributes
+    ----------
+    draw : callable
+        Draws into the matplotlib figure it is given.
+    size : tuple of float
+        Width and height in inches.
+    key, title : str
+        Its name in the page, and what a screen reader says.
+    """
+
+    draw: Callable[[Figure], None]
+    size: tuple[float, float]
+    key: str
+    title: str
+
+
+#: Whether figures are only collected: nobody reads their SVG.
+_UNDRAWN: ContextVar[bool] = ContextVar("undrawn", default=False)
+
+
+@contextmanager
+def undrawn() -> Iterator[None]:
+    """Figures made inside know how they are drawn, but have no SVG: for a page that is searched and not shown."""
+    token = _UNDRAWN.set(True)
+    try:
+        yield
+    finally:
+        _UNDRAWN.reset(token)
+
+
+def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Drawing:
     """Return a figure as inline SVG.
 
     Parameters
@@ -172,28 +207,55 @@ def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, tit
     title : str
         What a screen reader says.
     """
-    from matplotlib import rc_context, rcParamsDefault
+    drawing = Drawing("<svg/>" if _UNDRAWN.get() else _drawn(draw, size, key, title))
+    drawing.draw, drawing.size, drawing.key, drawing.title = draw, size, key, title
+    return drawing
+
+
+def _drawn(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
-    with rc_context(settings | _SETTINGS):
+    with look():
         figure = Figure(figsize=size)
         FigureCanvasSVG(figure)
-        draw(figure)
-        # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
-        rows = len(figure.axes)
-        panel = (size[1] - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
-        figure.subplots_adjust(
-            left=_LEFT / size[0],
-            right=1 - _RIGHT / size[0],
-            bottom=_BOTTOM / size[1],
-            top=1 - _TOP / size[1],
-            hspace=_GAP / panel,
-        )
+        fill(figure, draw, size)
         buffer = io.StringIO()
         figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
     return _inline(buffer.getvalue(), key, title)
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Settings of matplotlib for figures of reports, whatever the user's are."""
+    from matplotlib import rc_context, rcParamsDefault
+
+    settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
+    with rc_context(settings | _SETTINGS):
+        yield
+
+
+def fill(figure: Figure, draw: Callable[[Figure], None], size: tuple[float, float]) -> None:
+    """Draw into an empty figure and set its margins.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    draw, size : callable, tuple of float
+        As for `svg`.
+    """
+    draw(figure)
+    # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
+    rows = len(figure.axes)
+    panel = (size[1] - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
+    figure.subplots_adjust(
+        left=_LEFT / size[0],
+        right=1 - _RIGHT / size[0],
+        bottom=_BOTTOM / size[1],
+        top=1 - _TOP / size[1],
+        hspace=_GAP / panel,
+    )
 
 
 _HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)
