@@ -46,9 +46,9 @@ def plot(result: Reported, which: str | None = None) -> Figure:
         raise UsageError(f"the report of this {type(result).__name__} has no figure.")
     words = (which or "").lower().split()
     for drawing in drawings:
-        if all(word in f"{drawing.key} {drawing.title}".lower() for word in words):
+        if all(word in f"{drawing.key} {drawing.words}".lower() for word in words):
             return _figure(drawing)
-    listed = "; ".join(f"{d.title} ({d.key})" for d in drawings)
+    listed = "; ".join(f"{d.words} ({d.key})" for d in drawings)
     raise UsageError(f"no figure of this {type(result).__name__} is called '{which}'. There are: {listed}.")
 
 

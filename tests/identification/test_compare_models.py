@@ -110,7 +110,7 @@ def test_the_result_is_json_without_nan_and_a_table(ranking):
     assert ranking.to_frame().loc["norrbin", "rate [deg/s]"] == pytest.approx(
         np.rad2deg(ranking.ranks[0].measures["rate"])
     )
-    assert "to take: norrbin" in repr(ranking)
+    assert "to take: norrbin" in ranking.text()
 
 
 @pytest.mark.parametrize(("models", "trials"), [([], [1]), (["nomoto"], [])])

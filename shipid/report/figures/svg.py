@@ -169,14 +169,14 @@ class Drawing(Markup):
         Draws into the matplotlib figure it is given.
     size : tuple of float
         Width and height in inches.
-    key, title : str
+    key, words : str
         Its name in the page, and what a screen reader says.
     """
 
     draw: Callable[[Figure], None]
     size: tuple[float, float]
     key: str
-    title: str
+    words: str
 
 
 #: Whether figures are only collected: nobody reads their SVG.
@@ -185,7 +185,7 @@ _UNDRAWN: ContextVar[bool] = ContextVar("undrawn", default=False)
 
 @contextmanager
 def undrawn() -> Iterator[None]:
-    """Figures made inside know how they are drawn, but have no SVG: for a page that is searched and not shown."""
+    """Return a context in which figures know how they are drawn, but have no SVG: for a page that is searched and not shown."""
     token = _UNDRAWN.set(True)
     try:
         yield
@@ -208,7 +208,7 @@ def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, tit
         What a screen reader says.
     """
     drawing = Drawing("<svg/>" if _UNDRAWN.get() else _drawn(draw, size, key, title))
-    drawing.draw, drawing.size, drawing.key, drawing.title = draw, size, key, title
+    drawing.draw, drawing.size, drawing.key, drawing.words = draw, size, key, title
     return drawing
 
 
@@ -227,7 +227,7 @@ def _drawn(draw: Callable[[Figure], None], size: tuple[float, float], key: str, 
 
 @contextmanager
 def look() -> Iterator[None]:
-    """Settings of matplotlib for figures of reports, whatever the user's are."""
+    """Return a context with the settings of matplotlib for figures of reports, whatever the user's are."""
     from matplotlib import rc_context, rcParamsDefault
 
     settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
