@@ -13,6 +13,7 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
@@ -43,8 +44,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(DrawnResult):
     """An identified model.
 
     Attributes
@@ -293,7 +294,8 @@ class Fit:
             ]
         return tuple(found)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         trials = ", ".join(c.trial.name for c in self.fitted)
         findings = (None if self.assessment is None else self.assessment.findings) or ()
@@ -312,6 +314,6 @@ class Fit:
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),
-                *(f"  {line}" for line in ([] if self.posterior is None else repr(self.posterior).splitlines())),
+                *(f"  {line}" for line in ([] if self.posterior is None else self.posterior.text().splitlines())),
             ]
         )
