@@ -15,8 +15,8 @@ from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
-    from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
     from shipid.autopilot.course_changes.weather import Weather
+    from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
     from shipid.autopilot.judgement.judgement import Judgement
     from shipid.autopilot.on_board.on_board_runs import Adaptation, OnBoardRuns
 
