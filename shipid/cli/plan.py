@@ -86,7 +86,8 @@ def plan(
 ) -> ExitCode:
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
-    Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
+    The timetable holds every rudder order with its time or its condition, and the sea room. Each manoeuvre is one of
+    ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
     Standard deviations are Cramer-Rao bounds, which hold for a ship that the model describes exactly.
 
     \b
@@ -115,4 +116,5 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    return delivery.hand_over(result)
+    orders = "" if result.timetable is None else f"\n{result.timetable!r}"
+    return delivery.hand_over_parts(result.to_dict(), f"{result!r}{orders}")

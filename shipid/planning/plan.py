@@ -15,6 +15,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
 from shipid.planning.selection import Criterion
+from shipid.planning.timetable import Timetable, clock
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -136,6 +137,8 @@ class Plan:
         Number of draws and of candidates.
     warnings : tuple of str
         Manoeuvres left out, and coefficients that stay undetermined.
+    timetable : Timetable or None
+        Its rudder orders, and the sea room it takes; None where a manoeuvre could not be simulated for it.
     """
 
     model: Model
@@ -158,6 +161,7 @@ class Plan:
     draws: int
     candidates: int
     warnings: tuple[str, ...]
+    timetable: Timetable | None = None
 
     @property
     def duration(self) -> float:
@@ -184,6 +188,7 @@ class Plan:
             "criterion": self.criterion,
             "robust": "worst case" if self.worst_case else "average",
             "plan": [leg.to_dict() for leg in self.legs],
+            "timetable": None if self.timetable is None else self.timetable.to_dict(),
             "standard": [leg.to_dict() for leg in self.standard],
             "gain_over_standard": {"det": self.det_gain, **{n: f.ratio for n, f in self.parameters.items()}},
             "determinant": {
@@ -205,13 +210,13 @@ class Plan:
             f"{'the worst' if self.worst_case else 'the average'} of {self.draws} draws" if self.draws else "no draws"
         )
         lines = [
-            f"{_clock(self.duration)} of trials for {self.model.name} of {self.ship} ({self.criterion}-optimal over {over}; "
+            f"{clock(self.duration)} of trials for {self.model.name} of {self.ship} ({self.criterion}-optimal over {over}; "
             f"{', '.join(self.noise)} measured)"
         ]
         for leg in self.legs:
             seed = f"  seed {leg.seed}" if leg.manoeuvre.startswith("telegraph") else ""
             lines.append(
-                f"  at {_clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
+                f"  at {clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
             )
         beside = " + ".join(f"{leg.manoeuvre} {leg.duration:.0f} s" for leg in self.standard) or "no standard"
         lines.append(f"  standard deviations, planned beside {beside}:")
@@ -230,10 +235,3 @@ class Plan:
 
 def _spread(std: float | None) -> str:
     return "any" if std is None else f"{std:.2g}"
-
-
-def _clock(seconds: float) -> str:
-    """Minutes and seconds, or hours too."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

@@ -23,6 +23,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.planning.plan import Forecast, Leg, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
+from shipid.planning.timetable import Sailed, Timetable, timetable_of
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -354,13 +355,14 @@ def _result(
         )
         for j, n in enumerate(experiment.estimated)
     }
+    legs = _legs(problem, rows, chosen)
     return Plan(
         model=experiment.model,
         ship=problem.ship.name,
         time=problem.time,
         criterion=table.criterion,
         worst_case=table.worst,
-        legs=_legs(problem, rows, chosen),
+        legs=legs,
         standard=_legs(problem, rows, pair),
         parameters=forecasts,
         covariance=covariance,
@@ -374,8 +376,18 @@ def _result(
         independent=1 / experiment.rate,
         draws=len(problem.draws) - 1,
         candidates=len(rows.candidates),
+        timetable=_timetable(problem, legs, warnings),
         warnings=tuple(warnings),
     )
+
+
+def _timetable(problem: PlanningProblem, legs: Sequence[Leg], warnings: list[str]) -> Timetable | None:
+    sailed = [Sailed(leg.manoeuvre, leg.speed, leg.duration, leg.start, leg.seed) for leg in legs]
+    try:
+        return timetable_of(problem.experiment.model, problem.ship, sailed)
+    except NotSailedError as error:
+        warnings.append(f"there is no timetable: {error}")
+        return None
 
 
 def _words(names: Sequence[str]) -> str:
