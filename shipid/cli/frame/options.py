@@ -23,6 +23,7 @@ Window: TypeAlias = "tuple[float | None, float | None]"
 
 _MODEL = "A model's name, or path/to/file.py:Class."
 _SHIP = "A ship's name, or the path of a parameter set (TOML)"
+_SET = "Replace a value of the ship, with its unit: L='45 m', a coefficient, or one of wind or steering machine."
 #: How levels are written, for the help of options that take them.
 LEVELS = "'psi=0.2 deg,r=0.02 deg/s'"
 
@@ -205,7 +206,7 @@ values_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     callback=lambda _context, _parameter, texts: assignments(texts),
-    help="Replace a value of the ship, with its unit.",
+    help=_SET,
 )
 set_option = click.option(
     "--set",
@@ -213,7 +214,7 @@ set_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     callback=lambda _context, _parameter, texts: assignments(texts),
-    help="Replace a value of the ship, with its unit: L='45 m', a coefficient, or one of wind or steering machine.",
+    help=_SET,
 )
 input_option = click.option(
     "--input",

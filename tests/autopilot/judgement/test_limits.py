@@ -31,6 +31,7 @@ def test_limits_and_weather_are_those_stated(judged):
     assert points["disk margin"].limit == 1.9 and points["steady error in wind"].limit == pytest.approx(1.0)
     assert judged.to_dict()["limits"]["disk margin"] == 1.9
     assert any(w.startswith("disk margin") and "below 1.9" in w for w in judged.warnings)
+    assert any(w.startswith("sea filter: while it is on") and "below 1.9" in w for w in judged.warnings)
 
 
 def test_what_is_not_reached_is_in_the_summary(judged):
