@@ -116,5 +116,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    orders = "" if result.timetable is None else f"\n{result.timetable!r}"
-    return delivery.hand_over_parts(result.to_dict(), f"{result!r}{orders}")
+    return delivery.hand_over(result)

@@ -14,6 +14,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
+from shipid.foundation.result import Result
 from shipid.planning.selection import Criterion
 from shipid.planning.timetable import Timetable, clock
 
@@ -96,8 +97,8 @@ class Forecast:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Result):
     """Trials to sail.
 
     Attributes
@@ -205,7 +206,8 @@ class Plan:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         over = (
             f"{'the worst' if self.worst_case else 'the average'} of {self.draws} draws" if self.draws else "no draws"
         )
@@ -230,7 +232,8 @@ class Plan:
             lines.append(
                 f"  determinant {self.det_gain:.3g} times better for each coefficient ({self.det_ratio:.3g} in all)"
             )
-        return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+        orders = [] if self.timetable is None else [self.timetable.text()]
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings), *orders])
 
 
 def _spread(std: float | None) -> str:

@@ -15,6 +15,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import Result
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
 from shipid.trials.manoeuvres.simulate import simulate
@@ -22,7 +23,7 @@ from shipid.trials.trial import Trial
 
 
 @dataclass(frozen=True)
-class Order:
+class Order(Result):
     """One line of a timetable.
 
     Attributes
@@ -57,7 +58,7 @@ class Order:
 
 
 @dataclass(frozen=True)
-class SeaRoom:
+class SeaRoom(Result):
     """How far a ship goes from where it begins, along its first heading and across it, in m.
 
     Attributes
@@ -75,7 +76,8 @@ class SeaRoom:
         """Return plain values."""
         return {n: quantity(round(getattr(self, n), 1), "m") for n in ("ahead", "astern", "port", "starboard")}
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the four distances in words."""
         return (
             f"{self.ahead:.0f} m ahead, {self.astern:.0f} m astern, {self.port:.0f} m to port, "
             f"{self.starboard:.0f} m to starboard"
@@ -83,7 +85,7 @@ class SeaRoom:
 
 
 @dataclass(frozen=True)
-class Timetable:
+class Timetable(Result):
     """The orders of a plan, and its sea room; made by `timetable_of`.
 
     Attributes
@@ -108,7 +110,8 @@ class Timetable:
             "sea_room_of_each": [r.to_dict() for r in self.rooms],
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return a line for each order, and the sea room."""
         lines = [
             "  timetable, in calm, by what is known of the ship; an order with a condition is given when it is met:"
         ]
@@ -116,8 +119,8 @@ class Timetable:
         if self.room is not None:
             lines.append("  sea room, from the first position and heading:")
             if len(self.rooms) > 1:
-                lines += [f"           {k}  {r}" for k, r in enumerate(self.rooms, start=1)]
-            lines.append(f"         all  {self.room}")
+                lines += [f"           {k}  {r.text()}" for k, r in enumerate(self.rooms, start=1)]
+            lines.append(f"         all  {self.room.text()}")
         return "\n".join(lines)
 
 

@@ -67,5 +67,6 @@ def test_a_plan_holds_its_timetable():
     plan = shipid.plan_trials("norrbin", "zeefakkel", "8 min", draws=0, repertoire=["zigzag:20/20"])
     assert plan.timetable is not None and plan.to_dict()["timetable"]["sea_room"]["ahead"]["unit"] == "m"
     assert {o.leg for o in plan.timetable.orders} == set(range(1, len(plan.legs) + 1))
-    text = repr(plan.timetable)
+    text = plan.text()
+    assert plan.timetable.text() in text
     assert "rudder 20 deg to port, when the heading has changed by 20 deg to starboard" in text and "sea room" in text

@@ -18,6 +18,7 @@ from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, with_units
+from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,8 +65,8 @@ class Weakest:
         return asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class LoopResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopResponse(Result):
     """The loop, opened at the rudder order, against frequency: a Nyquist curve.
 
     Attributes
@@ -83,8 +84,8 @@ class LoopResponse:
     response: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(DrawnResult):
     """A design, judged; made by `shipid.judge`.
 
     Attributes
@@ -232,8 +233,9 @@ class Judgement:
         ]
         return pd.DataFrame(rows).set_index(["condition", "speed [m/s]"])
 
-    def __repr__(self) -> str:
-        lines = [repr(self.pilot), self.weakest.sentence]
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        lines = [self.pilot.text(), self.weakest.sentence]
         for name, robust in zip(self.pilot.conditions, self.robust):
             lines.append(
                 f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
@@ -242,7 +244,7 @@ class Judgement:
             )
         lines += [f"  {words}" for words in self.not_reached]
         if self.on_board is not None:
-            lines.append(repr(self.on_board))
+            lines.append(self.on_board.text())
         said = (*self.pilot.warnings, *(self.on_board.warnings if self.on_board else ()))
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in said)])
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity, with_units
+from shipid.foundation.result import Result
 
 
-@dataclass(frozen=True)
-class Robustness:
+@dataclass(frozen=True, repr=False)
+class Robustness(Result):
     """The disk margin when the ship differs from that of the design.
 
     Attributes

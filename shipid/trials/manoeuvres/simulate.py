@@ -16,12 +16,11 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.notices import Notice
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.parameters.validity import UNKNOWN, beyond
+from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
@@ -164,9 +163,11 @@ def simulate(
     )
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
+        steered = {n: run[n] for n in ("delta",) if n in run.columns}
         raise NotSailedError(
             f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
+            + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
     columns = {n: c for n, c in run.columns.items() if n in RECORDED}
@@ -185,20 +186,12 @@ def simulate(
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
         f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{met}"
     )
-    notes = _beyond(model, ship, u0, run.columns)
+    # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
+    notes = beyond_in_run(model, ship, u0, run.columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
-
-
-def _beyond(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> list[Notice]:
-    """What has to be said of a run beyond the range that the coefficients come from."""
-    largest = {n: float(np.abs(run[n]).max()) for n in ("delta", "r") if n in run}
-    drift = float(np.abs(np.arctan2(-run["v"], run["u"])).max()) if "v" in run and "u" in run else None
-    found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
-    # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
-    return [n for n in found if n.kind != UNKNOWN]
 
 
 def _with_waves(

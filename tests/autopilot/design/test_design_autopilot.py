@@ -209,7 +209,7 @@ def test_a_result_says_what_it_is(container, integral):
     found = integral.to_dict()
     assert set(found["gains"]) == {"Kp", "Kd", "Ki"}
     assert len(found["poles"]) == len(found["speeds"]) and len(found["poles"][0]) == 3
-    assert "autopilot of soesterberg (de-keizer), pid" in repr(integral)
+    assert "autopilot of soesterberg (de-keizer), pid" in integral.text()
     assert pickle.loads(pickle.dumps(container)).to_dict() == container.to_dict()
 
 

@@ -39,7 +39,7 @@ def test_what_is_not_reached_is_in_the_summary(judged):
     assert missed
     (sentence,) = [w for w in judged.not_reached if w.startswith("The new course is not reached")]
     assert all(s.weather.removeprefix("weather from ") in sentence for s in missed)
-    assert f"({len(missed)} of 8 directions)" in sentence and sentence in repr(judged)
+    assert f"({len(missed)} of 8 directions)" in sentence and sentence in judged.text()
     assert sentence in judged.to_dict()["not_reached"]
     unsettled = tuple(dataclasses.replace(s, settling_s=None) for s in judged.steps)
     robust = dataclasses.replace(

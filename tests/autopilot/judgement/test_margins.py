@@ -172,7 +172,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     assert {"what", "where", "value"} <= set(found["weakest"])
     assert any("outside the identified range" in w["message"] for w in found["warnings"])
     assert judgement.to_frame().shape[0] == count
-    assert "worst disk margin" in repr(judgement) and "The weakest point" in repr(judgement)
+    assert "worst disk margin" in judgement.text() and "The weakest point" in judgement.text()
 
 
 def test_the_worst_draw_is_worse_than_the_ship_itself(judgement):

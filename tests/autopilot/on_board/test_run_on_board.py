@@ -91,12 +91,12 @@ def test_a_filter_of_ones_own(container):
 
 
 def test_what_the_result_says(runs):
-    assert "diverged" not in repr(runs)
+    assert "diverged" not in runs.text()
     found = json.loads(json.dumps(runs.to_dict(), allow_nan=False))
     assert found["filter"] == "yaw-filter" and len(found["runs"]) == 4
     assert [c["change"]["value"] for c in found["runs"][0]["changes"]] == list(CHANGES)
     assert runs.to_frame().shape[0] == 12
-    assert repr(runs).count("\n") == 13 and "gains of the schedule" in repr(runs)
+    assert runs.text().count("\n") == 13 and "gains of the schedule" in runs.text()
     assert runs.warnings == ()
 
 
