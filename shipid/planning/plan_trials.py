@@ -20,10 +20,11 @@ from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.planning.plan import Forecast, Leg, Plan
+from shipid.planning.leg import Leg
+from shipid.planning.plan import Forecast, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
-from shipid.planning.timetable import Sailed, Timetable, timetable_of
+from shipid.planning.timetable import sailed_timetable
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -376,18 +377,9 @@ def _result(
         independent=1 / experiment.rate,
         draws=len(problem.draws) - 1,
         candidates=len(rows.candidates),
-        timetable=_timetable(problem, legs, warnings),
+        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings),
         warnings=tuple(warnings),
     )
-
-
-def _timetable(problem: PlanningProblem, legs: Sequence[Leg], warnings: list[str]) -> Timetable | None:
-    sailed = [Sailed(leg.manoeuvre, leg.speed, leg.duration, leg.start, leg.seed) for leg in legs]
-    try:
-        return timetable_of(problem.experiment.model, problem.ship, sailed)
-    except NotSailedError as error:
-        warnings.append(f"there is no timetable: {error}")
-        return None
 
 
 def _words(names: Sequence[str]) -> str:

@@ -17,13 +17,14 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.planning.leg import Leg
 from shipid.trials.manoeuvres.manoeuvre import parse_manoeuvre
-from shipid.trials.manoeuvres.simulate import simulate
+from shipid.trials.manoeuvres.simulate import NotSailedError, simulate
 from shipid.trials.trial import Trial
 
 
 @dataclass(frozen=True)
-class Order(Result):
+class TimetableOrder(Result):
     """One line of a timetable.
 
     Attributes
@@ -90,7 +91,7 @@ class Timetable(Result):
 
     Attributes
     ----------
-    orders : tuple of Order
+    orders : tuple of TimetableOrder
         In the order of time.
     rooms : tuple of SeaRoom
         Of each manoeuvre, from its approach; empty for a model without a position.
@@ -98,7 +99,7 @@ class Timetable(Result):
         Of all of them one after the other, with the steady runs between them straight ahead.
     """
 
-    orders: tuple[Order, ...]
+    orders: tuple[TimetableOrder, ...]
     rooms: tuple[SeaRoom, ...]
     room: SeaRoom | None
 
@@ -137,28 +138,7 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
-@dataclass(frozen=True)
-class Sailed:
-    """What one manoeuvre of a plan is, for its timetable.
-
-    Attributes
-    ----------
-    manoeuvre : str
-        As ``shipid simulate --manoeuvre`` takes it.
-    speed, duration, start : float
-        In m/s, s, and s of the plan.
-    seed : int
-        Of the random telegraph.
-    """
-
-    manoeuvre: str
-    speed: float
-    duration: float
-    start: float
-    seed: int = 0
-
-
-def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Sailed]) -> Timetable:
+def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Leg]) -> Timetable:
     """Return the timetable of manoeuvres sailed one after the other.
 
     Parameters
@@ -167,7 +147,7 @@ def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Sailed]) -> Ti
         The ship's model, with a heading.
     ship : ParameterSet
         The ship.
-    legs : sequence of Sailed
+    legs : sequence of Leg
         The manoeuvres.
 
     Raises
@@ -175,21 +155,42 @@ def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Sailed]) -> Ti
     NotSailedError
         If the model does not sail one of them.
     """
-    orders: list[Order] = []
+    orders: list[TimetableOrder] = []
     tracks: list[np.ndarray] = []
     for k, leg in enumerate(legs, start=1):
         trial = simulate(model, ship, leg.manoeuvre, speed=leg.speed, duration=leg.duration, seed=leg.seed)
         before = "" if k == 1 or legs[k - 2].speed == leg.speed else "new speed, "
-        orders.append(Order(leg.start, k, f"{before}steady on a straight course at {leg.speed:.3g} m/s"))
+        orders.append(TimetableOrder(leg.start, k, f"{before}steady on a straight course at {leg.speed:.3g} m/s"))
         orders += _orders(trial, leg, k)
-        orders.append(Order(leg.start + leg.duration, k, "end; steady the ship on a straight course"))
+        orders.append(TimetableOrder(leg.start + leg.duration, k, "end; steady the ship on a straight course"))
         if "x" in trial.table and "y" in trial.table:
             tracks.append(np.stack([trial["x"], trial["y"], trial["psi"]]))
     rooms = tuple(_room(_turned(track, 0.0, 0.0, 0.0)) for track in tracks)
     return Timetable(tuple(orders), rooms, _whole(tracks, legs) if len(tracks) == len(legs) and tracks else None)
 
 
-def _orders(trial: Trial, leg: Sailed, number: int) -> list[Order]:
+def sailed_timetable(model: Model, ship: ParameterSet, legs: Sequence[Leg], warnings: list[str]) -> Timetable | None:
+    """Return the timetable of manoeuvres; None, and a warning that says why, where the model does not sail one of them.
+
+    Parameters
+    ----------
+    model : Model
+        The ship's model, with a heading.
+    ship : ParameterSet
+        The ship.
+    legs : sequence of Leg
+        The manoeuvres.
+    warnings : list of str
+        It is added to.
+    """
+    try:
+        return timetable_of(model, ship, legs)
+    except NotSailedError as error:
+        warnings.append(f"there is no timetable: {error}")
+        return None
+
+
+def _orders(trial: Trial, leg: Leg, number: int) -> list[TimetableOrder]:
     """The steps of the rudder order; one line for a helmsman who steers all the time."""
     manoeuvre = parse_manoeuvre(leg.manoeuvre)
     order, t = trial["delta_order"], trial["t"]
@@ -210,22 +211,22 @@ def _orders(trial: Trial, leg: Sailed, number: int) -> list[Order]:
             turn = manoeuvre.numbers[1] if len(manoeuvre.numbers) > 1 else 3 * np.pi
             when = f"when the ship has turned by {angle(float(turn), 4)}"
         action = f"rudder {_sided(value)}" if value else "rudder amidships"
-        found.append(Order(leg.start + float(t[i]), number, action, when, value))
+        found.append(TimetableOrder(leg.start + float(t[i]), number, action, when, value))
     return found
 
 
-def _steered(kind: str, numbers: Sequence[float], time: float, number: int) -> Order:
+def _steered(kind: str, numbers: Sequence[float], time: float, number: int) -> TimetableOrder:
     if kind == "course":
         most = f" with at most {angle(numbers[1], 3)} of rudder" if len(numbers) > 1 else ""
-        return Order(time, number, f"change course by {_sided(numbers[0])}{most}, and steer it")
-    return Order(time, number, f"steer steady rates of turn up to r L/U = {numbers[0]:g}, one after the other")
+        return TimetableOrder(time, number, f"change course by {_sided(numbers[0])}{most}, and steer it")
+    return TimetableOrder(time, number, f"steer steady rates of turn up to r L/U = {numbers[0]:g}, one after the other")
 
 
 def _sided(value: float) -> str:
     return f"{angle(abs(float(value)), 4)} to {'starboard' if value > 0 else 'port'}"
 
 
-def _whole(tracks: Sequence[np.ndarray], legs: Sequence[Sailed]) -> SeaRoom:
+def _whole(tracks: Sequence[np.ndarray], legs: Sequence[Leg]) -> SeaRoom:
     """All tracks one after the other, each from where the steady run behind the one before ends."""
     north = east = heading = 0.0
     pieces = []

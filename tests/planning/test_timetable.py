@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.planning.timetable import Sailed, timetable_of
+from shipid.parameters.replaced import with_values
+from shipid.planning.leg import Leg
+from shipid.planning.timetable import sailed_timetable, timetable_of
 
 MODEL, SHIP = shipid.find_model("norrbin"), shipid.find_ship("zeefakkel")
 
 
 def test_a_zigzag_is_ordered_as_it_is_sailed():
     """The executes of the trial that the same manoeuvre gives, each with the heading it waits for."""
-    found = timetable_of(
-        MODEL, SHIP, [Sailed("zigzag:-20/10", 5.0, 200.0, 0.0), Sailed("turn:25/180", 5.0, 150.0, 300.0)]
-    )
+    found = timetable_of(MODEL, SHIP, [Leg("zigzag:-20/10", 5.0, 200.0, 0.0), Leg("turn:25/180", 5.0, 150.0, 300.0)])
     trial = shipid.simulate(MODEL, SHIP, "zigzag:-20/10", speed=5.0, duration=200.0)
     steps = trial["t"][1:][np.diff(trial["delta_order"]) != 0]
     first = [o for o in found.orders if o.leg == 1 and o.rudder is not None]
@@ -35,7 +35,7 @@ def test_orders_by_the_clock_and_by_a_helmsman():
     found = timetable_of(
         MODEL,
         SHIP,
-        [Sailed("telegraph:10", 5.0, 200.0, 0.0, seed=3), Sailed("course:60/15", 4.0, 200.0, 260.0)],
+        [Leg("telegraph:10", 5.0, 200.0, 0.0, seed=3), Leg("course:60/15", 4.0, 200.0, 260.0)],
     )
     trial = shipid.simulate(MODEL, SHIP, "telegraph:10", speed=5.0, duration=200.0, seed=3)
     held = [o for o in found.orders if o.leg == 1 and o.rudder is not None]
@@ -47,7 +47,7 @@ def test_orders_by_the_clock_and_by_a_helmsman():
 
 def test_the_sea_room():
     """Half a circle twice, with 500 m straight between: out on the first heading, back, and out again on the other side."""
-    legs = [Sailed("turn:20/180", 5.0, 120.0, 0.0), Sailed("turn:-20/180", 5.0, 120.0, 220.0)]
+    legs = [Leg("turn:20/180", 5.0, 120.0, 0.0), Leg("turn:-20/180", 5.0, 120.0, 220.0)]
     found = timetable_of(MODEL, SHIP, legs)
     first = shipid.simulate(MODEL, SHIP, "turn:20/180", speed=5.0, duration=120.0)
     assert found.rooms[0].starboard == pytest.approx(first["y"].max()) and found.rooms[0].port == pytest.approx(
@@ -70,3 +70,10 @@ def test_a_plan_holds_its_timetable():
     text = plan.text()
     assert plan.timetable.text() in text
     assert "rudder 20 deg to port, when the heading has changed by 20 deg to starboard" in text and "sea room" in text
+
+
+def test_a_manoeuvre_that_is_not_sailed_gives_a_reason():
+    """A damping that pushes: the ship runs away."""
+    wild, said = with_values(SHIP, {"b1": "-1 1/s", "b3": "0 s/rad^2"}, [MODEL]), []
+    assert sailed_timetable(MODEL, wild, [Leg("turn:30", 5.0, 300.0, 0.0)], said) is None
+    assert said[0].startswith("there is no timetable: turn:30 of ship zeefakkel")

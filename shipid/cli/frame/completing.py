@@ -31,6 +31,10 @@ def complete_file(_context: click.Context, _parameter: click.Parameter, incomple
         As click calls it.
     incomplete : str
         What is typed so far.
+
+    Returns
+    -------
+    list of CompletionItem
     """
     return [CompletionItem(incomplete, type="file")]
 
@@ -44,6 +48,10 @@ def complete_model(_context: click.Context, _parameter: click.Parameter, incompl
         As click calls it.
     incomplete : str
         What is typed so far; of a list separated by commas its last name.
+
+    Returns
+    -------
+    list of CompletionItem
     """
     return _named(model_names(), incomplete)
 
@@ -57,6 +65,10 @@ def complete_ship(_context: click.Context, _parameter: click.Parameter, incomple
         As click calls it.
     incomplete : str
         What is typed so far.
+
+    Returns
+    -------
+    list of CompletionItem
     """
     return _named(ship_names(), incomplete)
 
@@ -72,6 +84,10 @@ def complete_model_or_ship(
         As click calls it.
     incomplete : str
         What is typed so far.
+
+    Returns
+    -------
+    list of CompletionItem
     """
     return _named([*model_names(), *ship_names()], incomplete)
 
@@ -85,6 +101,10 @@ def complete_manoeuvre(_context: click.Context, _parameter: click.Parameter, inc
         As click calls it.
     incomplete : str
         What is typed so far.
+
+    Returns
+    -------
+    list of CompletionItem
     """
     return [CompletionItem(e) for examples in MANOEUVRES.values() for e in examples if e.startswith(incomplete)]
 

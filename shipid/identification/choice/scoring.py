@@ -91,9 +91,7 @@ def score_of(measures: Mapping[str, float | None], size: Mapping[str, float]) ->
     return float(np.exp(np.average(np.log(shares), weights=weights)))
 
 
-def counted_measures(
-    left_out: Sequence[LeftOut], model: Model
-) -> list[tuple[dict[str, float | None], float, float | None]]:
+def counted_measures(left_out: Sequence[LeftOut], model: Model) -> list[tuple[dict[str, float | None], float, float | None]]:
     """Return for each trial its measures, its score, and the error of the rate of turn in shares of its size.
 
     Parameters
@@ -108,9 +106,7 @@ def counted_measures(
         measures, sizes = measures_of(model, one.comparison, one.swings)
         rate = measures["rate"]
         known = rate is not None and sizes["rate"] > 0
-        found.append(
-            (measures, score_of(measures, sizes), rate / sizes["rate"] if known and rate is not None else None)
-        )
+        found.append((measures, score_of(measures, sizes), rate / sizes["rate"] if known and rate is not None else None))
     return found
 
 
