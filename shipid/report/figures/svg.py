@@ -255,7 +255,8 @@ def collected() -> Iterator[Mapping[str, Drawing]]:
 _HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)
 _METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
 _NAME = re.compile(r"(\sid=\"|url\(#|href=\"#)")
-_LONG = re.compile(r"(-?\d+\.\d\d)\d+")
+#: A coordinate with more than two decimals; the label of an axis, which ends at a tag, keeps all of its own.
+_LONG = re.compile(r"(-?\d+\.\d\d)\d+(?![\d<])")
 _FONT = re.compile(r"font: ([\d.]+px)[^;\"]*|font-family:[^;\"]*;?")
 
 
