@@ -182,6 +182,7 @@ class Drawing:
     def figure(self) -> Figure:
         """Return it as a figure of matplotlib, for a notebook or a file of one's own."""
         from matplotlib import rc_context, rcParamsDefault
+
         from shipid.report.notebook_figure import NotebookFigure
 
         settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
