@@ -145,9 +145,9 @@ def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
     UsageError
         If there is no report for this kind of result.
     """
-    kind = type(result).__name__
-    if kind not in _VIEWS:
-        raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")
+    kind = next((c.__name__ for c in type(result).__mro__ if c.__name__ in _VIEWS), None)
+    if kind is None:
+        raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)
     page: Page = view(result, criteria) if kind == "Fit" else view(result)
