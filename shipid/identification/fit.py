@@ -19,7 +19,15 @@ from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
-from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines
+from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.fit_text import (
+    bias_lines,
+    coefficient_lines,
+    comparison_lines,
+    ladder_lines,
+    noise_lines,
+    range_lines,
+)
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -30,6 +38,7 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
+from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
@@ -84,6 +93,8 @@ class Fit(DrawnResult):
         Bands, null directions, residuals and findings, where they were requested (`shipid.assess`).
     posterior : Posterior or None
         A sampled posterior, where one was requested (`sample_posterior`).
+    bias_spread : BiasSpread or None
+        How far the rudder biases of the trials are spread; None where there is one trial, or a method that does not estimate it.
     """
 
     model: Model
@@ -108,6 +119,7 @@ class Fit(DrawnResult):
     levels: NoiseLevels | None = None
     assessment: Assessment | None = None
     posterior: Posterior | None = None
+    bias_spread: BiasSpread | None = None
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -255,6 +267,7 @@ class Fit(DrawnResult):
             "checked": findings is not None,
             "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
+            "seen": seen_by(self.ship.joint.get(self.model.name)),
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
                 c.trial.name: {s: {"rmse": plain(v), "unit": units[s]} for s, v in c.rmse.items()} for c in self.fitted
@@ -290,6 +303,7 @@ class Fit(DrawnResult):
             "rudder_bias": {
                 c.trial.name: {"value": c.bias, "refitted": c.refitted_bias, "unit": "rad"} for c in compared
             },
+            "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
             "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
             **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
@@ -319,6 +333,8 @@ class Fit(DrawnResult):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
+        if self.bias_spread is not None and self.bias_spread.notice is not None:
+            found.append(self.bias_spread.notice)
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
@@ -337,9 +353,11 @@ class Fit(DrawnResult):
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *range_lines(self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),

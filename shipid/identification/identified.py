@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.estimation.estimate import Estimate
@@ -40,6 +42,8 @@ class Identified(Result):
         Fitted coefficients, then published ones that follow from them.
     method : str
         Name of the method that found them (`shipid.identification.methods`).
+    noise : ndarray, shape (signals,)
+        Standard deviation of each signal, SI: that of its residuals where it was estimated. The weights of the search may differ.
     spreads : mapping of str to float
         Standard deviation, stated beforehand, of coefficients about which the trials say nothing.
     """
@@ -50,6 +54,7 @@ class Identified(Result):
     covariance: Covariance
     parameters: Mapping[str, Estimate]
     method: Method
+    noise: np.ndarray
     spreads: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -14,7 +14,9 @@ from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 from shipid.criteria.spiral import spiral_of
 from shipid.declaration.guard import NOT_SAILED
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
+from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
+from shipid.parameters.validity import BEYOND
 
 L, U = 226.0, 9.5
 
@@ -124,6 +126,15 @@ def test_bands_from_a_fit_and_words_of_extrapolation(sail):
     assert "90 % of the speed at 85 %" in notes and "100 m and longer" in notes
     assert "compliant" not in result.text() + str(plain)
     assert set(result.to_frame().columns) >= {"value", "interval_95", "limit"}
+
+
+def test_a_circle_that_turns_faster_than_what_was_fitted():
+    """The 35/5 zig-zag has the rudder angle of the circle, but not its rate of turn."""
+    own = shipid.find_ship("soesterberg")
+    known = replace(own.joint.get("de-keizer") or Joint((), ()), speeds=(9.5, 9.5), rudder=0.62, rate=np.deg2rad(0.3))
+    found = manoeuvring_criteria("de-keizer", ship=replace(own, joint={"de-keizer": known}), draws=0).notes
+    (said,) = [n for n in found if getattr(n, "kind", "") == BEYOND]
+    assert said.known["quantity"] == "r" and "rates of turn up to 0.3 deg/s" in said
 
 
 def test_bands_from_the_standard_deviations_of_a_set():

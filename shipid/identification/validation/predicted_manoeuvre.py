@@ -63,6 +63,9 @@ class PredictedManoeuvre(Result):
         95 % bands of both predictions, in rad.
     turn : mapping of str to PredictedQuantity
         Quantities of a turning circle; empty where it is none.
+    growth : float
+        How far the prediction goes beyond the amplitudes that were fitted, 1 where it does not: the part of the bands that is due to
+        the structure is so many times as wide.
     """
 
     trial: str
@@ -72,6 +75,7 @@ class PredictedManoeuvre(Result):
     band95: tuple[Band, ...] = ()
     closed_loop_band95: tuple[Band, ...] = ()
     turn: Mapping[str, PredictedQuantity] = field(default_factory=dict)
+    growth: float = 1.0
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values: angles in degrees, None where something was not reached."""
@@ -80,6 +84,7 @@ class PredictedManoeuvre(Result):
             "predicted_overshoots": _with_bands(self.open_loop, self.band95),
             "predicted_overshoots_closed_loop": _with_bands(self.closed_loop, self.closed_loop_band95),
             **{key: value.to_dict() | {"unit": TURN[key][0]} for key, value in self.turn.items()},
+            "times_beyond_fitted": None if self.growth == 1 else round(self.growth, 3),
         }
 
 

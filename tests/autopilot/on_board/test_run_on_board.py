@@ -65,7 +65,12 @@ def test_gains_follow_the_ship_that_is_estimated(container, sized):
         for a in ("none", "gains")
     )
     own = shipid.design_autopilot(
-        "de-keizer", weak.ship, omega_n=container.request["omega_n"], damping=0.9, speeds=container.speeds
+        "de-keizer",
+        weak.ship,
+        design="pole",
+        omega_n=container.request["omega_n"],
+        damping=0.9,
+        speeds=container.speeds,
     )
     asked = run_course_changes(own, [9.5], [np.deg2rad(20)])
     miss = [abs(c[2].settling_s - asked.settling[0]) for c in (adapted, plain)]
