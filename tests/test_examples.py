@@ -28,9 +28,8 @@ def commands(path: Path) -> list[list[str]]:
     found = []
     for text in [*blocks(path, "sh"), *(re.sub(r"^\$ ", "", t, flags=re.MULTILINE) for t in blocks(path, "console"))]:
         for line in text.replace("\\\n", " ").splitlines():
-            for part in re.split(r"&&|\|(?!\|)", line):
-                if part.strip().startswith("shipid "):
-                    found.append(shlex.split(part, comments=True)[1:])
+            calls = [part for part in re.split(r"&&|\|(?!\|)", line) if part.strip().startswith("shipid ")]
+            found += [shlex.split(part, comments=True)[1:] for part in calls]
     return found
 
 
