@@ -32,7 +32,7 @@ STUDIES: dict[str, tuple[str, ...]] = {
     "passenier_fig6_18": (),
     "passenier_fig6_21": (),
     "passenier_fig6_22": (),
-    "passenier_table6_4": ("--runs", "1"),
+    "passenier_table6_4": (),
     "semerdjiev_2000_ship": (),
     "semerdjiev_2000_ct": (),
     "song_2018": ("--short",),

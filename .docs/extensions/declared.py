@@ -21,7 +21,7 @@ from sphinx.util.docutils import SphinxDirective
 from shipid.cli import main
 
 PAPERS = Path(__file__).resolve().parents[1] / "papers"
-_HEADS = (("claim", "Claim"), ("published", "Published, or asked"), ("ours", "Here"), ("spread", "Spread"))
+_HEADS = (("verdict", "Verdict"), ("published", "Published, or asked"), ("ours", "Here"), ("spread", "Spread"))
 #: How a row that belongs to a claim of a paper begins; the others compare with other programs, or go beyond the paper.
 _CLAIM = re.compile(r"[A-DP]\d")
 
@@ -98,10 +98,9 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> nodes.table:
     return nodes.table("", group, classes=["verdicts"])
 
 
-def _rows(rows: list[dict[str, str]]) -> list[nodes.Node]:
-    heads = [(key, h) for key, h in _HEADS if any(r.get(key) for r in rows)]
-    cells = [[r.get(key, "") for key, _ in heads] + [r["verdict"]] for r in rows]
-    return [table([h for _, h in heads] + ["Verdict"], cells)] if rows else []
+def _rows(first: str, rows: list[dict[str, str]]) -> list[nodes.Node]:
+    heads = [("claim", first), *((key, head) for key, head in _HEADS if any(r.get(key) for r in rows))]
+    return [table([head for _, head in heads], [[r.get(key, "") for key, _ in heads] for r in rows])] if rows else []
 
 
 class Equations(SphinxDirective):
@@ -137,9 +136,9 @@ class Verdicts(SphinxDirective):
         if study is None:
             raise self.error(f"{kept.name} holds no study '{name}'. Run studies/papers.py {name}.")
         claimed = [r for r in study["rows"] if _CLAIM.match(r["claim"])]
-        made = _rows(claimed)
+        made = _rows("Claim", claimed)
         if beside := [r for r in study["rows"] if r not in claimed]:
-            made += [nodes.paragraph("", "Beside the claims:"), *_rows(beside)]
+            made += [nodes.paragraph("", "Beside the claims:"), *_rows("What", beside)]
         readings = list(dict.fromkeys(r["reading"] for r in study["rows"] if r.get("reading")))
         if readings:
             made.append(nodes.paragraph("", "Readings:"))
