@@ -80,19 +80,24 @@ def test_pictures_are_small():
     assert all(p.stat().st_size < 80_000 for p in pictures)
 
 
-@pytest.fixture
-def faults():
-    """The check of links that the build of the site makes."""
+def extension(name: str):
+    """An extension of the build of the site, from its file."""
     pytest.importorskip("sphinx", reason="the extra docs is not installed")
-    spec = importlib.util.spec_from_file_location("site_links", DOCS / "extensions" / "links.py")
+    spec = importlib.util.spec_from_file_location(f"site_{name}", DOCS / "extensions" / f"{name}.py")
     assert spec and spec.loader
     module = importlib.util.module_from_spec(spec)
-    sys.modules["site_links"] = module
+    sys.modules[spec.name] = module
     spec.loader.exec_module(module)
-    return module.faults
+    return module
 
 
-def test_links_that_lead_nowhere_are_found(faults, tmp_path):
+def test_what_a_keyboard_reaches():
+    page = extension("accessible").mended('<p class="caption" role="heading">Learn</p><pre>code</pre>')
+    assert page == '<p class="caption" role="heading" aria-level="2">Learn</p><pre tabindex="0">code</pre>'
+
+
+def test_links_that_lead_nowhere_are_found(tmp_path):
+    faults = extension("links").faults
     (tmp_path / "sub").mkdir()
     good = '<a href="sub/b.html#here">b</a><a href="https://example.org/x">far</a><link rel="canonical" href="https://example.org">'
     (tmp_path / "a.html").write_text(good + '<img src="p.png">', encoding="utf-8")
