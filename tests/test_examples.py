@@ -86,9 +86,11 @@ def test_a_bare_number_is_refused_as_the_readme_prints_it(clone, capsys):
     assert capsys.readouterr().err.split() == printed.split()
 
 
-def test_the_python_of_the_filter_page(clone):
-    """Filter, smoother, one sample at a time, and several models at once."""
+@pytest.mark.parametrize(
+    ("page", "made"), [("filters.md", {"run", "smoothed", "estimate", "tracker"}), ("notebook.md", {"table", "figure"})]
+)
+def test_the_python_of_a_guide(page, made, clone):
     names: dict[str, object] = {}
-    for text in blocks(ROOT / ".docs" / "guide" / "filters.md", "python"):
-        exec(compile(text, "filters.md", "exec"), names)
-    assert {"run", "smoothed", "estimate", "tracker"} <= names.keys()
+    for text in blocks(ROOT / ".docs" / "guide" / page, "python"):
+        exec(compile(text, page, "exec"), names)
+    assert made <= names.keys()
