@@ -117,3 +117,11 @@ def test_links_that_lead_nowhere_are_found(tmp_path):
         "a.html leads to c.html, which is not there",
         "s.css fetches //example.org/font.css from another host",
     ]
+
+
+@pytest.mark.parametrize("page", ["README.md", *(p.relative_to(ROOT).as_posix() for p in DOCS.rglob("*.md"))])
+def test_links_lead_to_files(page):
+    """Also where the pages are read as they are, without a build of the site."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    targets = {t.partition("#")[0] for t in re.findall(r"\]\(([^)\s]+)\)", text) if "://" not in t}
+    assert {t for t in targets if t and not ((ROOT / page).parent / t).exists()} == set()
