@@ -31,7 +31,8 @@ SHIPS = sorted(known_ships())
 SECTIONS = [(ship, section) for ship in SHIPS for section in find_ship(ship).models]
 MODELS = sorted(known_models())
 #: Time constants of machinery, which know nothing of ship lengths: R/V Gunnerus showed one lag in seconds at two speeds.
-IN_SECONDS = {("DeKeizerLag", "t_delta"), ("FaultyCompass", "tau_compass")}
+IN_SECONDS = {(n, "t_delta") for n in ("ActuatorLag", "CubicYawLag", "DeKeizerLag", "SlipstreamYawLag")}
+IN_SECONDS |= {("FaultyCompass", "tau_compass")}
 #: Faults of instruments, which know nothing of ships.
 OF_INSTRUMENTS = {("FaultyCompass", "psi_offset"), ("FaultyGyro", "r_bias")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
