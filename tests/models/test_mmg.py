@@ -1,8 +1,7 @@
 """The MMG model of KVLCC2 beside the free-running tests of the same hull, and the limits it states.
 
-The measured numbers are those of MARIN's free-running model, 7 m, printed with SIMMAN 2008 (Stern et al. 2011): the coefficients
-come from captive tests and know nothing of them. Yasukawa and Yoshimura (2015) find the same differences: circles that fit, and
-overshoots that come out too small.
+The measured numbers are those of MARIN's free-running model, 7 m (SIMMAN 2008): the coefficients come from captive tests and know
+nothing of them. The circles fit, and the overshoots come out too small.
 """
 
 from __future__ import annotations
