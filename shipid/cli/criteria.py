@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import model_argument, ship_option, speed_option
 from shipid.foundation.exit_codes import ExitCode
 
@@ -13,7 +13,7 @@ from shipid.foundation.exit_codes import ExitCode
 @model_argument
 @ship_option(required=True)
 @speed_option("Test speed")
-@delivered()
+@delivered(RESULT, REPORT)
 def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> ExitCode:
     """Evaluate a model against the manoeuvring criteria of IMO MSC.137(76).
 
@@ -23,4 +23,5 @@ def criteria(model: str, ship: str, speed: str | None, delivery: Delivery) -> Ex
     from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
     from shipid.parameters.catalogue import find_model, find_ship
 
-    return delivery.hand_over(manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed))
+    found = manoeuvring_criteria(find_model(model), ship=find_ship(ship), speed=speed)
+    return delivery.hand_over(found, {REPORT: delivery.report(found)})

@@ -152,7 +152,6 @@ def _filter(
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
-    from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
@@ -172,7 +171,7 @@ def _filter(
         "\n".join([repr(run), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(seen, path),
+            REPORT: delivery.report(seen),
         },
     )
 
@@ -190,7 +189,6 @@ def _recursively(
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
-    from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         record = read(trial)
@@ -205,7 +203,7 @@ def _recursively(
         run,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(run, path),
+            REPORT: delivery.report(run),
         },
     )
 
@@ -224,7 +222,6 @@ def _which_ship(
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.parameters.catalogue import find_ship
-    from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         tell("reading")
@@ -245,6 +242,6 @@ def _which_ship(
         "\n".join([repr(found), *(f"  {sentence}" for sentence in found.levels.words)]),
         {
             _ESTIMATES: lambda path: found.run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(found, path),
+            REPORT: delivery.report(found),
         },
     )

@@ -101,7 +101,6 @@ def identify(
     from shipid.identification.identify import identify as run_identify
     from shipid.parameters.catalogue import find_model, find_ship
     from shipid.parameters.parameter_file import write_parameter_set
-    from shipid.report.write_report import write_report
 
     found, known = find_model(model), find_ship(ship) if ship else None
     with delivery.progress() as tell:
@@ -133,7 +132,7 @@ def identify(
         fit,
         {
             _SHIP: lambda path: write_parameter_set(fit.ship, path),
-            REPORT: lambda path: write_report(fit, path, criteria=criteria),
+            REPORT: delivery.report(fit, criteria=criteria),
         },
     )
     if not fit.converged:

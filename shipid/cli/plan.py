@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 @click.option("--draws", default=8, type=click.IntRange(0), show_default=True, help="Draws of the coefficients.")
 @values_option
 @seed_option("draws and random telegraphs")
-@delivered()
+@delivered(RESULT, REPORT)
 def plan(
     model: str,
     ship: str,
@@ -107,4 +107,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    return delivery.hand_over(result)
+    return delivery.hand_over(result, {REPORT: delivery.report(result)})

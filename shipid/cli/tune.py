@@ -80,7 +80,6 @@ def tune(
     from shipid.autopilot.on_board.run_on_board import run_on_board
     from shipid.foundation.errors import UsageError
     from shipid.parameters.catalogue import find_model, find_ship, names_a_file
-    from shipid.report.write_report import write_report
 
     if compare is not None:
         if (model is not None and not names_a_file(model)) or ships or on_board is not None:
@@ -117,7 +116,7 @@ def tune(
         judged,
         {
             _SCHEDULE: lambda path: write_schedule(judged.pilot, path, model),
-            REPORT: lambda path: write_report(judged, path),
+            REPORT: delivery.report(judged),
         },
     )
 
@@ -125,13 +124,12 @@ def tune(
 def _compare(files: tuple[str, str], model: str | None, samples: int, seed: int, delivery: Delivery) -> ExitCode:
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
     from shipid.autopilot.judgement.judge import judge
-    from shipid.report.write_report import write_report
 
     pilots = [_read(f, model) for f in files]
     with delivery.progress() as tell:
         first, second = (judge(p, samples, seed, progress=tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
-    return delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
+    return delivery.hand_over(found, {REPORT: delivery.report(found)})
 
 
 def _read(file: str, model: str | None) -> Autopilot:

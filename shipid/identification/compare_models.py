@@ -154,6 +154,7 @@ def _rank(model: Model, compared: Sequence[Sequence[Comparison] | None], kept: F
         together,
         validation,
         trouble,
+        tuple(c for fold in compared if fold is not None for c in fold),
     )
 
 

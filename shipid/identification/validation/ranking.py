@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.identification.validation.comparison import Comparison
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -60,6 +61,8 @@ class Rank:
         Measures of trials kept apart, from a fit to all the others.
     message : str
         What went wrong on the way.
+    predictions : tuple of Comparison
+        The left-out trials beside what it predicts of them; not part of `to_dict`.
     """
 
     model: str
@@ -72,6 +75,7 @@ class Rank:
     measures: Mapping[str, float | None]
     validation: Mapping[str, Mapping[str, float | None]]
     message: str = ""
+    predictions: tuple[Comparison, ...] = ()
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""

@@ -310,3 +310,19 @@ class Diagnosis:
         if self.manoeuvres:
             lines += ["  manoeuvres", *(f"    {m}" for m in self.manoeuvres)]
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+
+def not_read(trial: str, why: str) -> Diagnosis:
+    """Return the diagnosis of a file that is no trial, to stand beside those of others.
+
+    Parameters
+    ----------
+    trial : str
+        The file.
+    why : str
+        What kept it from being read.
+    """
+    found = Finding(
+        "not-read", "t", (0, 0), (0.0, 0.0), 0, 1.0, "no identification can use it", "see what was seen", why
+    )
+    return Diagnosis(trial, (found,))
