@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
+    from shipid.identification.choice.ranking import Ranking
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
-    from shipid.identification.validation.ranking import Ranking
     from shipid.planning.plan import Plan
     from shipid.prediction.prediction import Prediction
     from shipid.trials.doctor.findings import Diagnosis
@@ -153,16 +153,29 @@ def render(
     UsageError
         If there is no report for this kind of result.
     """
-    return _page(result, criteria).html(command, made)
+    return page_of(result, criteria).html(command, made)
 
 
-def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
+    """Return what the report of a result says.
+
+    Parameters
+    ----------
+    result, criteria
+        As for `write_report`.
+
+    Raises
+    ------
+    UsageError
+        If there is no report for this kind of result.
+    """
     kind = type(result).__name__
     if isinstance(result, list | tuple):
         # Several results of one kind that make a page together: the trials that were checked.
         kind = f"several {type(result[0]).__name__}" if result else kind
     if kind not in _VIEWS:
-        raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")
+        what = kind if kind.startswith("several ") else f"a {kind}"
+        raise UsageError(f"there is no report for {what}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)
     page: Page = view(result, criteria) if kind == "Fit" else view(result)

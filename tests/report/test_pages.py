@@ -106,7 +106,7 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
 def test_a_report_asks_for_a_kind_it_knows(results):
     with pytest.raises(shipid.UsageError, match="no report for a list"):
         render([])
-    with pytest.raises(shipid.UsageError, match="no report for a several int"):
+    with pytest.raises(shipid.UsageError, match="no report for several int"):
         render([1, 2])
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING
@@ -200,13 +202,12 @@ class Drawing:
     def figure(self) -> Figure:
         """Return it as a figure of matplotlib, for a notebook or a file of one's own."""
         from matplotlib import rc_context, rcParamsDefault
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+
+        from shipid.report.notebook_figure import NotebookFigure
 
         settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
         with rc_context(settings | _SETTINGS):
-            figure = Figure(figsize=self.size)
-            FigureCanvasAgg(figure)
+            figure = NotebookFigure(figsize=self.size)
             self.draw(figure)
             # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
             labels = [text.get_text() for one in figure.legends for text in one.get_texts()]
@@ -237,6 +238,9 @@ class Drawing:
         """
         from matplotlib import rc_context, rcParamsDefault
 
+        if (collected := _COLLECTED.get()) is not None:
+            collected[key] = self
+            return Markup("<svg/>")
         figure, buffer = self.figure(), io.StringIO()
         settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
         with rc_context(settings | _SETTINGS):
@@ -255,6 +259,21 @@ def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, tit
         Put before every id, so that several figures can stand in one page.
     """
     return Drawing(draw, size, title).svg(key)
+
+
+#: Where figures go that are collected, and not drawn.
+_COLLECTED: ContextVar[dict[str, Drawing] | None] = ContextVar("collected", default=None)
+
+
+@contextmanager
+def collected() -> Iterator[Mapping[str, Drawing]]:
+    """Return a context in which figures are collected by their keys, and have no SVG: for a page that nobody reads."""
+    found: dict[str, Drawing] = {}
+    token = _COLLECTED.set(found)
+    try:
+        yield found
+    finally:
+        _COLLECTED.reset(token)
 
 
 _HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)

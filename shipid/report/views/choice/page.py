@@ -5,8 +5,10 @@ from __future__ import annotations
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.numbers import number, uncertain
+from shipid.identification.choice.choosing import Rank
+from shipid.identification.choice.ranking import Ranking
+from shipid.identification.choice.scoring import MEASURES
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.ranking import MEASURES, Rank, Ranking
 from shipid.report.figures.comparisons import heading_drawing, track_drawing
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence, versions_now
@@ -14,7 +16,9 @@ from shipid.report.views.words import count, listed, sentence, versions_now
 _NAMES = {
     "rate": "Rate of turn",
     "heading_refitted_bias": "Heading, bias refitted",
-    "overshoot": "Overshoot",
+    "overshoot": "Overshoot, open loop",
+    "overshoot_closed": "Overshoot, closed loop",
+    "period": "Period",
     "speed": "Speed",
     "sway": "Sway speed",
     "heading_warm": "Heading, warmed up",
@@ -43,14 +47,13 @@ def ranking_page(ranking: Ranking) -> Page:
 
 
 def _answer(ranking: Ranking) -> list[str]:
-    said = []
     if ranking.best is None:
-        return ["No model could be fitted."]
-    said.append(f"The model to take is {ranking.best}.")
-    if len(ranking.tied) > 1:
-        said.append(f"{listed(ranking.tied)} predict equally well, within one standard error of the best.")
-    said.append(f"Each model predicted what it was not fitted to: {listed(ranking.folds)}.")
-    return said
+        return ["There is no model to take."]
+    return [
+        f"The model to take is {ranking.best}.",
+        *ranking.words,
+        f"Each model predicted what it was not fitted to: {listed(ranking.folds)}.",
+    ]
 
 
 def _score(rank: Rank) -> str:
@@ -59,13 +62,17 @@ def _score(rank: Rank) -> str:
 
 def _scores(ranking: Ranking) -> Section:
     rows: list[Row] = []
+    weights = ranking.weights
     for r in ranking.ranks:
-        take = "take" if r.model == ranking.best else "as good" if r.model in ranking.tied else ""
+        take = "take" if r.model == ranking.best else "tied" if r.model in ranking.tied else ""
         rows.append(
             {
                 "model": r.model,
                 "verdict": take or ("worse" if r.score is not None else "not fitted"),
+                "error": "" if r.error is None else number(r.error, 3),
                 "score": _score(r),
+                "spread": number(r.spread, 2) if r.score is not None else "",
+                "weight": f"{100 * weights[r.model]:.0f} %",
                 "coefficients": str(r.coefficients),
                 "free": str(r.free),
                 "reads": str(r.reads),
@@ -82,7 +89,7 @@ def _errors(ranking: Ranking) -> Section:
         *((f"{_NAMES[n]} [{pretty(display_unit('', MEASURES[n][0]))}]", n, "n") for n in names),
     ]
     rows = [{"model": r.model, **{n: _shown(n, r.measures.get(n)) for n in names}} for r in ranking.ranks]
-    meanings = [f"{_NAMES[n]}: {MEASURES[n][1]}." for n in names]
+    meanings = [f"{_NAMES[n]}: {MEASURES[n][2]}{'' if MEASURES[n][1] else '; not counted'}." for n in names]
     return Section(
         "Errors of the predictions", "choice/errors.html", {"columns": columns, "rows": rows, "notes": meanings}
     )

@@ -55,9 +55,9 @@ def correlation_section(fit: Fit) -> Section:
     names = fit.estimated
     view = {
         "condition": _condition(fit),
-        "symbols": [symbol_markup(fit.model, n) for n in names],
+        "symbols": [{"symbol": symbol_markup(fit.model, n), "name": n} for n in names],
         "rows": [
-            {"symbol": symbol_markup(fit.model, n), "cells": [_cell(fit, i, j) for j in range(len(names))]}
+            {"symbol": symbol_markup(fit.model, n), "name": n, "cells": [_cell(fit, i, j) for j in range(len(names))]}
             for i, n in enumerate(names)
         ],
         "undetermined": [{"named": named(fit.model, n), "why": fit.parameters[n].why} for n in fit.unidentifiable],
