@@ -82,7 +82,6 @@ def campaign(
     from shipid.campaign.run_campaign import run_campaign
     from shipid.campaign.table import write_table
     from shipid.foundation.errors import UsageError
-    from shipid.report.write_report import write_report
 
     folder = Path(study).is_dir()
     if folder and model is None:
@@ -138,7 +137,7 @@ def campaign(
         shown = fleet_result(result, model or "", ship or "") if folder else result
         writers: dict[str, Writer] = {
             _TABLE: lambda path: write_table(place, count, path, "csv"),
-            REPORT: lambda path: write_report(shown, path),
+            REPORT: delivery.report(shown),
         }
         return delivery.hand_over(shown, writers)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from shipid.cli.frame.completing import complete_model
-from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     TrialReader,
     Variadic,
@@ -37,7 +37,7 @@ from shipid.foundation.exit_codes import ExitCode
 @set_option
 @starts_option
 @seed_option("the random starting points")
-@delivered()
+@delivered(RESULT, REPORT)
 def compare(
     trials: tuple[str, ...],
     models: str,
@@ -73,4 +73,4 @@ def compare(
             seed=seed,
             progress=tell,
         )
-    return delivery.hand_over(ranking)
+    return delivery.hand_over(ranking, {REPORT: delivery.report(ranking)})

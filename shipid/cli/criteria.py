@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     input_option,
     model_argument,
@@ -23,7 +23,7 @@ from shipid.foundation.exit_codes import ExitCode
 @speed_option("Test speed")
 @set_option
 @input_option
-@delivered()
+@delivered(RESULT, REPORT)
 def criteria(
     model: str, ship: str, speed: str | None, values: dict[str, str], inputs: dict[str, str], delivery: Delivery
 ) -> ExitCode:
@@ -39,4 +39,5 @@ def criteria(
     from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 
     found = model_given(model, inputs)
-    return delivery.hand_over(manoeuvring_criteria(found, ship=ship_given(ship, values, found), speed=speed))
+    judged = manoeuvring_criteria(found, ship=ship_given(ship, values, found), speed=speed)
+    return delivery.hand_over(judged, {REPORT: delivery.report(judged)})

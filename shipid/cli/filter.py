@@ -165,7 +165,6 @@ def _filter(
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
-    from shipid.report.write_report import write_report
 
     sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
@@ -185,7 +184,7 @@ def _filter(
         "\n".join([run.text(), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(seen, path),
+            REPORT: delivery.report(seen),
         },
     )
 
@@ -203,7 +202,6 @@ def _recursively(
     """Run one of the family of recursive identification over a record."""
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
-    from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         record = read(trial)
@@ -218,7 +216,7 @@ def _recursively(
         run,
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(run, path),
+            REPORT: delivery.report(run),
         },
     )
 
@@ -236,7 +234,6 @@ def _which_ship(
     from shipid.estimation.multiple.which_ship import which_ship
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
-    from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         tell("reading")
@@ -257,6 +254,6 @@ def _which_ship(
         "\n".join([found.text(), *(f"  {sentence}" for sentence in found.levels.words)]),
         {
             _ESTIMATES: lambda path: found.run.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(found, path),
+            REPORT: delivery.report(found),
         },
     )

@@ -113,7 +113,6 @@ def identify(
     from shipid.identification.assess import assess
     from shipid.identification.identify import identify as run_identify
     from shipid.parameters.parameter_file import write_parameter_set
-    from shipid.report.write_report import write_report
 
     found = model_given(model, inputs)
     known = optional_ship_given(ship, values, found)
@@ -146,7 +145,7 @@ def identify(
         fit,
         {
             _SHIP: lambda path: write_parameter_set(fit.ship, path),
-            REPORT: lambda path: write_report(fit, path, criteria=criteria),
+            REPORT: delivery.report(fit, criteria=criteria),
         },
     )
     if not fit.converged:

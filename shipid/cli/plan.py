@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, delivered
+from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 @values_option
 @input_option
 @seed_option("draws and random telegraphs")
-@delivered()
+@delivered(RESULT, REPORT)
 def plan(
     model: str,
     ship: str,
@@ -116,4 +116,4 @@ def plan(
             seed=seed,
             progress=tell,
         )
-    return delivery.hand_over(result)
+    return delivery.hand_over(result, {REPORT: delivery.report(result)})

@@ -105,7 +105,6 @@ def predict(
     from shipid.prediction.predict_route import predict_route
     from shipid.prediction.predict_track import predict_track
     from shipid.prediction.routes.read_route import read_route
-    from shipid.report.write_report import write_report
 
     ordered = heading is not None or rudder is not None or rate is not None
     if route is not None and ordered:
@@ -154,7 +153,7 @@ def predict(
         found,
         {
             _TRACK: lambda path: found.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(found, path),
+            REPORT: delivery.report(found),
         },
     )
 

@@ -48,13 +48,12 @@ def report(
     shipid report log.csv --format logger.toml --conditions day.toml --out sheet
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.criteria.measured.trial_sheet import trial_sheet
-    from shipid.report.write_report import write_report
 
     stated = _conditions(conditions)
     known = optional_ship_given(ship, values)
     with delivery.progress() as tell:
         sheet = trial_sheet(trials, length=length, ship=known, conditions=stated, reader=read, tell=tell)
-    return delivery.hand_over(sheet, {REPORT: lambda path: write_report(sheet, path)})
+    return delivery.hand_over(sheet, {REPORT: delivery.report(sheet)})
 
 
 def _conditions(file: str | None) -> Conditions | None:

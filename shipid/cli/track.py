@@ -59,7 +59,6 @@ def track(
     from shipid.encounter.plots.read_plots import read_detections
     from shipid.encounter.tracking.track import track as run
     from shipid.encounter.tracking.tracker import TrackerSettings
-    from shipid.report.write_report import write_report
 
     with delivery.progress() as tell:
         tell("reading")
@@ -75,7 +74,7 @@ def track(
         result,
         {
             _TRACKS: lambda path: result.to_frame().to_csv(path, index=False, float_format="%.9g"),
-            REPORT: lambda path: write_report(result, path),
+            REPORT: delivery.report(result),
         },
     )
 

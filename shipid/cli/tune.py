@@ -120,7 +120,6 @@ def tune(
     from shipid.autopilot.on_board.run_on_board import run_on_board
     from shipid.foundation.errors import UsageError
     from shipid.parameters.catalogue import names_a_file
-    from shipid.report.write_report import write_report
 
     asked = _Asked(samples, seed, wind, sea, current, limits or {})
     if compare is not None:
@@ -163,7 +162,7 @@ def tune(
         judged,
         {
             _SCHEDULE: lambda path: write_schedule(judged.pilot, path, model),
-            REPORT: lambda path: write_report(judged, path),
+            REPORT: delivery.report(judged),
         },
     )
 
@@ -205,13 +204,12 @@ class _Asked:
 
 def _compare(files: tuple[str, str], model: str | None, asked: _Asked, delivery: Delivery) -> ExitCode:
     from shipid.autopilot.judgement.compare_tunings import compare_tunings
-    from shipid.report.write_report import write_report
 
     pilots = [_read(f, model) for f in files]
     with delivery.progress() as tell:
         first, second = (asked.judgement(p, tell) for p in pilots)
         found = compare_tunings(first, second, _names(files))
-    return delivery.hand_over(found, {REPORT: lambda path: write_report(found, path)})
+    return delivery.hand_over(found, {REPORT: delivery.report(found)})
 
 
 def _read(file: str, model: str | None) -> Autopilot:

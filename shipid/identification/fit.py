@@ -270,12 +270,17 @@ class Fit(DrawnResult):
             "seen": seen_by(self.ship.joint.get(self.model.name)),
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
-                c.trial.name: {s: {"rmse": plain(v), "unit": units[s]} for s, v in c.rmse.items()} for c in self.fitted
+                c.trial.name: {
+                    s: {"rmse": plain(v), "fit_percent": plain(c.fit_percent.get(s)), "unit": units[s]}
+                    for s, v in c.rmse.items()
+                }
+                for c in self.fitted
             },
             "validation": {
                 c.trial.name: {
                     s: {
                         "rmse": plain(v),
+                        "fit_percent": plain(c.fit_percent.get(s)),
                         "rmse_warm": plain(c.warm.get(s)),
                         "rmse_refitted_bias": plain(c.refitted.get(s)),
                         "unit": units[s],

@@ -38,6 +38,7 @@ SHARED = (
     "--set",
     "--json",
     "--open",
+    "--pdf",
     "--overwrite",
 )
 
@@ -58,7 +59,11 @@ def test_an_option_says_the_same_in_every_command():
         sum("--json" in f for f in found.values()) == len(COMMANDS) - 3
     )  # a simulated trial is a table, the bridge a live page, and a completion a script
     assert {n for n, f in found.items() if "--out" in f} == {
+        "check",
         "identify",
+        "compare",
+        "plan",
+        "criteria",
         "filter",
         "tune",
         "predict",

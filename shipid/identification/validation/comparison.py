@@ -79,6 +79,16 @@ class Comparison(Result):
         return not self.notes and all(there == possible for there, possible in self.samples.values())
 
     @property
+    def fit_percent(self) -> dict[str, float]:
+        """How much of each measured signal's variation is explained, in percent: 100 (1 - rms error / standard deviation).
+
+        100 is a perfect prediction, 0 one as good as the mean of the signal, and below it is worse (Ljung 1999, section 16.4).
+        """
+        spread = {s: float(np.nanstd(self.trial[s])) for s in self.rmse if self.trial.has(s)}
+        with np.errstate(over="ignore", invalid="ignore"):
+            return {s: 100.0 * (1.0 - self.rmse[s] / v) for s, v in spread.items() if v > 0}
+
+    @property
     def bias(self) -> float:
         """Rudder bias in rad that was used."""
         return self.biases.get("delta", 0.0)

@@ -330,3 +330,18 @@ class Diagnosis(Result):
             for f in self.findings
         )
         return table(rows, "kind", ("from [s]", "to [s]", *columns))
+
+def not_read(trial: str, why: str) -> Diagnosis:
+    """Return the diagnosis of a file that is no trial, to stand beside those of others.
+
+    Parameters
+    ----------
+    trial : str
+        The file.
+    why : str
+        What kept it from being read.
+    """
+    found = Finding(
+        "not-read", "t", (0, 0), (0.0, 0.0), 0, 1.0, "no identification can use it", "see what was seen", why
+    )
+    return Diagnosis(trial, (found,))
