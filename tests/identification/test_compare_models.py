@@ -9,10 +9,9 @@ import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
-from shipid.identification.compare_models import compare_models
-from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.identification.choice.scoring import MEASURES
+from shipid.identification.compare_models import compare_models
 
 
 @pytest.fixture(scope="module")

@@ -127,7 +127,7 @@ def try_candidate(candidate: Candidate) -> Tried:
         with threadpool_limits(1, "blas"):
             fit = _fitted(candidate, candidate.trials, candidate.validate)
             left = _left_out(candidate, fit)
-            drawn = draws_of(fit.identified).unknowns
+            drawn = list(draws_of(fit.identified).unknowns)
             turn = hard_turn(fit.identified, drawn, WORTHLESS)
             targets = fit.validation or [one.comparison for record in left for one in record or ()]
             spread = _spread(fit.identified, targets, drawn, None if fit.validation else turn)

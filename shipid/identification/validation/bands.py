@@ -7,8 +7,8 @@ recorded rudder, and through the zig-zag as its helmsman would have steered that
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -16,11 +16,8 @@ import pandas as pd
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.identified import Identified
-from shipid.identification.problem.ship_scale import scale_of
 from shipid.identification.problem.signals import is_predicted
-from shipid.identification.problem.trial_data import TrialData, prepare
 from shipid.identification.uncertainty.draws import Draws, band_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
