@@ -38,7 +38,7 @@ from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.parameters.validity import BEYOND, beyond
+from shipid.parameters.validity import BEYOND, beyond_in_run
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
@@ -104,7 +104,15 @@ def manoeuvring_criteria(
         spiral, *spirals = (spiral_of(model, values, velocity, length, limit or _FULL) for values in (known, *sets))
     notes: list[str] = _not_sailed(model, [point for point, _ in sides], rudder)
     notes += _scope(length, velocity, model)
-    notes += _beyond(fit, velocity, rudder) if fit else beyond(model, own, [velocity], rudder)
+    turned = [point.turned for point, _ in sides if point.turned]
+    reached = {n: np.concatenate([one[n] for one in turned]) for n in (turned[0] if turned else ())}
+    told = beyond_in_run(model, own, velocity, {**reached, "delta": np.array([rudder])})
+    # A fit says of rudder and speed what is extrapolated; rates and drift angles are those of its set.
+    notes += (
+        [*_beyond(fit, velocity, rudder), *(n for n in told if n.known.get("quantity") in ("r", "beta"))]
+        if fit
+        else told
+    )
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:

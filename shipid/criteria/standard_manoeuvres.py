@@ -23,6 +23,8 @@ _STEP = 0.01
 #: Heading change in degrees after which the rudder of the turn goes amidships: never.
 _ROUND = 10**6
 _SHOWN = ("psi", "x", "y", "delta_order")
+#: What a turn is held against, as far as the model has it.
+_TURNED = ("r", "u", "v")
 KINDS = ("turn", "10/10", "20/20")
 #: Length of each manoeuvre in L/U, after an approach of one. The turn is held for a hundred ship lengths: an unstable one is
 #: lost slowly, and its first half shows nothing of it.
@@ -40,10 +42,13 @@ class ManoeuvreNumbers:
         first_overshoot_20.
     lost : mapping of str to str
         Manoeuvres that the model does not sail, and why; they have no numbers.
+    turned : mapping of str to ndarray, shape (N,)
+        Rate of turn and speeds in the turn, as far as the model has them; empty where it is not sailed.
     """
 
     values: Mapping[str, float | None]
     lost: Mapping[str, str] = field(default_factory=dict)
+    turned: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +84,8 @@ class StandardManoeuvres:
                 text = f"turn:{angle:.12g}/{_ROUND}" if kind == "turn" else f"zigzag:{angle:g}/{abs(angle):g}"
                 planned = plan(parse_manoeuvre(text), self._unit_time, 0.0, abs(rudder), 0)
                 whole = join(model.name, model, SteeringMachine, planned.helm, *manoeuvring_range(model))
-                simulator = make_simulator(whole, _SHOWN, hold="zero")
+                turned = [n for n in _TURNED if n in whole] if kind == "turn" else []
+                simulator = make_simulator(whole, (*_SHOWN, *turned), hold="zero")
                 self._steered[kind, side] = _Steered(simulator, {"L": length, **steering, **planned.constants})
 
     def __call__(self, values: Mapping[str, float], side: int) -> ManoeuvreNumbers:
@@ -103,6 +109,7 @@ class StandardManoeuvres:
         """
         found: dict[str, float | None] = {}
         lost: dict[str, str] = {}
+        turned: dict[str, np.ndarray] = {}
         approach = {"u": self._speed, "cruise": self._speed}
         for kind in KINDS:
             steered = self._steered[kind, side]
@@ -116,10 +123,11 @@ class StandardManoeuvres:
                 lost[kind] = f"{run.departure.reason}, {after:.3g} L/V after the order"
                 psi = np.full_like(psi, np.nan)
             if kind == "turn":
+                turned = {} if kind in lost else {n: run[n] for n in _TURNED if n in run.columns}
                 found |= _turn(t, side * psi, run["x"], side * run["y"], begin)
             else:
                 found |= _zigzag(kind, t, side * psi, run["x"], run["y"], side * run["delta_order"], begin)
-        return ManoeuvreNumbers(found, lost)
+        return ManoeuvreNumbers(found, lost, turned)
 
 
 def _until(y: np.ndarray, level: float, first: int = 0) -> float | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from shipid.foundation.result import Result
 from shipid.identification.uncertainty.directions import NullDirection
 from shipid.identification.uncertainty.residuals import Residuals
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
@@ -12,8 +13,8 @@ from shipid.identification.validation.structure_error import StructureError
 from shipid.identification.validation.trial_findings import TrialFinding
 
 
-@dataclass(frozen=True, eq=False)
-class Assessment:
+@dataclass(frozen=True, eq=False, repr=False)
+class Assessment(Result):
     """The assessment of a fit, made by `shipid.assess`.
 
     Attributes

@@ -13,10 +13,18 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
-from shipid.identification.fit_text import bias_lines, coefficient_lines, comparison_lines, ladder_lines, noise_lines
+from shipid.identification.fit_text import (
+    bias_lines,
+    coefficient_lines,
+    comparison_lines,
+    ladder_lines,
+    noise_lines,
+    range_lines,
+)
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -27,6 +35,7 @@ from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
+from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
@@ -35,8 +44,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(DrawnResult):
     """An identified model.
 
     Attributes
@@ -211,6 +220,7 @@ class Fit:
             "checked": findings is not None,
             "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
+            "seen": seen_by(self.ship.joint.get(self.model.name)),
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
                 c.trial.name: {s: {"rmse": plain(v), "unit": units[s]} for s, v in c.rmse.items()} for c in self.fitted
@@ -284,7 +294,8 @@ class Fit:
             ]
         return tuple(found)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         trials = ", ".join(c.trial.name for c in self.fitted)
         findings = (None if self.assessment is None else self.assessment.findings) or ()
@@ -295,6 +306,7 @@ class Fit:
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *range_lines(self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
@@ -302,6 +314,6 @@ class Fit:
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),
-                *(f"  {line}" for line in ([] if self.posterior is None else repr(self.posterior).splitlines())),
+                *(f"  {line}" for line in ([] if self.posterior is None else self.posterior.text().splitlines())),
             ]
         )

@@ -17,6 +17,7 @@ from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.validation.comparison import Comparison
+from shipid.parameters.correlation import Joint
 
 
 def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
@@ -31,6 +32,32 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
         f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   {e.standing}: {e.why}")
         for e in parameters.values()
     ]
+
+
+def range_lines(known: Joint | None) -> list[str]:
+    """Return one line of the speeds and amplitudes that the fitted trials reach.
+
+    Parameters
+    ----------
+    known : Joint or None
+        What the set says of the origin of its coefficients.
+    """
+    if known is None:
+        return []
+    said = []
+    if known.speeds is not None:
+        low, high = (shown(v, "u", "m/s", digits=3) for v in known.speeds)
+        said.append(f"speeds {low} to {high}" if low != high else f"speed {low}")
+    said += [
+        f"{words} to {shown(value, name, unit, digits=3)}"
+        for words, value, name, unit in (
+            ("rudder angles", known.rudder, "delta", "rad"),
+            ("rates of turn", known.rate, "r", "rad/s"),
+            ("drift angles", known.drift, "beta", "rad"),
+        )
+        if value is not None
+    ]
+    return [f"  seen      {', '.join(said)}; beyond that it extrapolates"] if said else []
 
 
 def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:

@@ -14,6 +14,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.estimation.estimate import Estimate
+from shipid.foundation.result import Result
 from shipid.identification.methods import Method
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
@@ -23,8 +24,8 @@ from shipid.identification.uncertainty.covariance import Covariance
 from shipid.parameters.parameter_set import ParameterSet
 
 
-@dataclass(frozen=True, eq=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(Result):
     """The result of the search, before any assessment.
 
     Attributes

@@ -113,6 +113,19 @@ def _is_correlation(value: Plain) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= 1
 
 
+def seen_by(known: Joint | None) -> dict[str, Plain]:
+    """Return the speeds and the largest amplitudes of the trials behind coefficients, with SI units; null where not known.
+
+    Parameters
+    ----------
+    known : Joint or None
+        What a set says of the origin of its coefficients.
+    """
+    speeds = None if known is None or known.speeds is None else list(known.speeds)
+    reached = {n: {"value": getattr(known, n, None), "unit": unit} for n, unit, _ in _AMPLITUDES}
+    return {"speeds": {"value": speeds, "unit": "m/s"}, **reached}
+
+
 def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
     """Return the table of TOML that `read_joint` reads, under its name; empty where no correlation is known.
 

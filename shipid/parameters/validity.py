@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+
+import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
@@ -119,6 +121,39 @@ def beyond(
             "rad",
         )
     return notices
+
+
+def beyond_in_run(
+    model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray], *, known: bool = False
+) -> list[Notice]:
+    """Return what has to be said of a simulated run beyond the range that the coefficients come from.
+
+    Parameters
+    ----------
+    model : Model
+        What was run.
+    ship : ParameterSet
+        Whose coefficients.
+    speed : float
+        Before the manoeuvre, in m/s.
+    run : mapping of str to ndarray
+        Columns of the run, SI; ``delta``, ``r``, ``u`` and ``v`` are read as far as they are there and finite.
+    known : bool
+        Whether to leave out that a range is not known.
+
+    Returns
+    -------
+    list of Notice
+    """
+    largest = {n: _largest(np.abs(run[n])) for n in ("delta", "r") if n in run}
+    drift = _largest(np.abs(np.arctan2(run["v"], run["u"]))) if "u" in run and "v" in run else None
+    found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
+    return [n for n in found if n.kind == BEYOND] if known else found
+
+
+def _largest(sizes: np.ndarray) -> float | None:
+    there = sizes[np.isfinite(sizes)]
+    return float(there.max()) if there.size else None
 
 
 def _unstated(known: Joint | None, steers: bool) -> list[str]:

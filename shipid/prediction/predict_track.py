@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
-from shipid.parameters.validity import beyond
+from shipid.parameters.validity import beyond_in_run
 from shipid.parts.wind import Wind
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
 from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route_turn import RouteTurn
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor
 from shipid.prediction.tracks.track_run import cruise_of
 
@@ -168,9 +166,7 @@ def prediction_of(
                 ship_lengths=float(track.s_star[-1]),
             )
         )
-    largest = {n: float(np.abs(getattr(track, n)).max()) for n in ("delta", "r")}
-    drift = float(np.abs(np.arctan2(-track.v, track.u)).max())
-    told += beyond(pilot.model, pilot.ship, [cruise_of(known)], largest["delta"], rate=largest["r"], drift=drift)
+    told += beyond_in_run(pilot.model, pilot.ship, cruise_of(known), {n: getattr(track, n) for n in COLUMNS})
     if track.covariance is None and band != "none":
         told.append(Notice("nothing says how sure the situation is: the band is not known.", "band-not-known"))
     units = {n: e.unit for n, e in pilot.model.entries.items()} | {

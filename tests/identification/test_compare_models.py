@@ -68,9 +68,9 @@ def test_trials_kept_apart_are_reported_and_do_not_rank(cubic_trials, ranking):
     )
     alone = compare_models(["nomoto", "norrbin"], cubic_trials[:2], ship="zeefakkel", starts=2, workers=1)
     assert {r.model: r.score for r in again.ranks} == {r.model: r.score for r in alone.ranks}
-    assert "predictions of t2, which was kept apart and does not count" in repr(again)
+    assert "predictions of t2, which was kept apart and does not count" in again.text()
     rate = np.rad2deg(again.ranks[0].validation["t2"]["rate"])
-    assert f"{rate:.3g}" in repr(again).split("predictions of t2")[1]
+    assert f"{rate:.3g}" in again.text().split("predictions of t2")[1]
     assert set(again.ranks[0].validation) == {"t2"}
     assert alone.ranks[0].validation == {}
 
@@ -92,9 +92,9 @@ def test_the_result_is_json_without_nan_and_a_table(ranking):
     assert ranking.to_frame().loc["norrbin", "rate [deg/s]"] == pytest.approx(
         np.rad2deg(ranking.ranks[0].measures["rate"])
     )
-    assert "to take: norrbin" in repr(ranking)
-    assert "weights in the score: rate 1, bias 1, open 1, closed 1, period 0.5" in repr(ranking)
-    assert "The choice is firm: it is the same without any one of the 3 trials." in repr(ranking)
+    assert "to take: norrbin" in ranking.text()
+    assert "weights in the score: rate 1, bias 1, open 1, closed 1, period 0.5" in ranking.text()
+    assert "The choice is firm: it is the same without any one of the 3 trials." in ranking.text()
 
 
 @pytest.mark.parametrize(("models", "trials"), [([], [1]), (["nomoto"], [])])

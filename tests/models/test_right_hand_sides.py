@@ -22,7 +22,7 @@ Case = Callable[[Numbers], Numbers]
 SHIP: Numbers = {
     "x": 120.0, "y": -35.0, "psi": 0.83, "u": 6.7, "v": -0.41, "r": 0.0117, "w": 2.3e-4, "delta": -0.21, "L": 161.0,
     "cruise": 8.9, "current_north": 0.37, "current_east": -0.22, "r_disturbance": 1.7e-5, "u_disturbance": -2.1e-3,
-    "T_s": 3.0,
+    "T_s": 3.0, "v_disturbance": 1.3e-3,
 }  # fmt: skip
 
 
@@ -302,6 +302,104 @@ def loss_of_speed(n: Numbers) -> Numbers:
     return {"loss": rate, "u": 8.9 - 0.9}
 
 
+#: Coefficients of a ship of no model, each of the size of KVLCC2's.
+HULL: Numbers = {
+    "R_0": 0.021, "X_vv": -0.043, "X_vr": 0.0023, "X_rr": 0.0117, "X_vvvv": 0.75, "Y_v": -0.33, "Y_r": 0.087, "Y_vvv": -1.5,
+    "Y_vvr": 0.36, "Y_vrr": -0.41, "Y_rrr": 0.0083, "N_v": -0.141, "N_r": -0.051, "N_vvv": -0.033, "N_vvr": -0.28,
+    "N_vrr": 0.053, "N_rrr": -0.0127,
+}  # fmt: skip
+STERN: Numbers = {
+    "t_P": 0.21, "w_P0": 0.37, "x_P": -0.47, "C_1": 2.1, "C_2_port": 1.55, "C_2_starboard": 1.13, "k_0": 0.29, "k_1": -0.27,
+    "k_2": -0.14, "f_alpha": 2.7, "t_R": 0.38, "a_H": 0.31, "x_H": -0.46, "x_R": -0.49, "l_R": -0.72, "gamma_port": 0.63,
+    "gamma_starboard": 0.39, "epsilon": 1.07, "kappa": 0.52,
+}  # fmt: skip
+SIZES: Numbers = {"T": 9.7, "nabla": 31000.0, "x_G": 2.3, "k_G": 0.24, "D_P": 5.9, "H_R": 7.1, "A_R": 27.0}
+
+
+def _mmg(n: Numbers, depth: dict[str, float], shaft: float | None) -> Numbers:
+    """The printed forces in N and N m, with a density that drops out, J and K_T; then the printed equations of motion.
+
+    The drift is from port (v is negative) at midship; abaft it the turn to starboard makes it larger.
+    """
+    n |= HULL | STERN | SIZES | {"m_x": 0.021, "m_y": 0.22, "J_z": 0.012}
+    rho, length, d, u, v, r = 1025.0, n["L"], n["T"], n["u"], n["v"], n["r"]
+    at = {k: n[k] * depth.get(k, 1.0) for k in ("R_0", "Y_v", "Y_r", "N_v", "N_r", "N_vvr", "N_vrr", "m_y", "J_z")}
+    speed, drift = hypot(u, v), atan2(-v, u)
+    vp, rp = v / speed, r * length / speed
+    force, turn = rho / 2 * length * d * speed**2, rho / 2 * length**2 * d * speed**2
+    x_h = force * (-at["R_0"] - 0.043 * vp**2 + 0.0023 * vp * rp + 0.0117 * rp**2 + 0.75 * vp**4)
+    y_h = at["Y_v"] * vp + at["Y_r"] * rp - 1.5 * vp**3 + 0.36 * vp**2 * rp - 0.41 * vp * rp**2 + 0.0083 * rp**3
+    n_h = (
+        at["N_v"] * vp
+        + at["N_r"] * rp
+        - 0.033 * vp**3
+        + at["N_vvr"] * vp**2 * rp
+        + at["N_vrr"] * vp * rp**2
+        - 0.0127 * rp**3
+    )
+    if shaft is None:  # thrust and resistance at the cruising speed: a quadratic in n
+        inflow = n["cruise"] * 0.63
+        rest = -0.14 * inflow**2 * 5.9**2 - at["R_0"] * n["cruise"] ** 2 * length * d / 2 / 0.79
+        b = -0.27 * inflow * 5.9**3
+        shaft = (-b + sqrt(b**2 - 4 * 0.29 * 5.9**4 * rest)) / (2 * 0.29 * 5.9**4)
+    n["n"] = shaft
+    drift_p, drift_r = drift + 0.47 * rp, drift + 0.72 * rp
+    assert drift_p > 0 and drift_r > 0
+    left = 0.63 * (1 + (1 - exp(-2.1 * drift_p)) * 0.55)
+    j = u * left / (shaft * 5.9)
+    k_t = 0.29 - 0.27 * j - 0.14 * j**2
+    x_p = 0.79 * rho * shaft**2 * 5.9**4 * k_t
+    eta = 5.9 / 7.1
+    stream = eta * (1 + 0.52 * (sqrt(1 + 8 * k_t / (pi * j**2)) - 1)) ** 2 + 1 - eta
+    u_r, v_r = 1.07 * u * left * sqrt(stream), speed * 0.63 * drift_r
+    f_n = rho / 2 * 27.0 * 2.7 * (u_r**2 + v_r**2) * sin(n["delta"] - atan2(v_r, u_r))
+    x_r = -0.62 * f_n * sin(n["delta"])
+    y_r = -1.31 * f_n * cos(n["delta"])
+    n_r = -(-0.49 - 0.31 * 0.46) * length * f_n * cos(n["delta"])
+    unit = rho / 2 * length**2 * d
+    m, m_x, m_y = rho * 31000.0, 0.021 * unit, at["m_y"] * unit
+    inertia = m * ((0.24 * length) ** 2 + 2.3**2) + at["J_z"] * unit * length**2
+    surge = (x_h + x_p + x_r + (m + 0.22 * unit) * v * r + 2.3 * m * r**2) / (m + m_x)
+    # The two rows of sway and yaw by Cramer's rule.
+    a, b, c = m + m_y, 2.3 * m, inertia
+    side, moment = force * y_h + y_r - (m + m_x) * u * r, turn * n_h + n_r - 2.3 * m * u * r
+    sway, yaw = (c * side - b * moment) / (a * c - b**2), (a * moment - b * side) / (a * c - b**2)
+    forces = {
+        "X_H": x_h / unit, "Y_H": force * y_h / unit, "N_H": turn * n_h / unit / length**2, "X_P": x_p / unit,
+        "F_N": f_n / unit, "X_R": x_r / unit, "Y_R": y_r / unit, "N_R": n_r / unit / length**2,
+    }  # fmt: skip
+    return {
+        "u": surge + n["u_disturbance"], "v": sway + n["v_disturbance"], "r": yaw + n["r_disturbance"], **forces,
+        "V": speed, "drift": drift, "wake_left": left, "slipstream": k_t * (shaft * 5.9) ** 2, "way": u,
+        "turns_ahead": shaft, "moves_ahead": u, "way_kept": u - 0.05 * n["cruise"],
+        **{f"{k}_at_depth": value for k, value in at.items()}, **planar(n),
+    }  # fmt: skip
+
+
+def mmg(n: Numbers) -> Numbers:
+    found = _mmg(n, {}, None)
+    return found | {"n": n["n"]}
+
+
+def mmg_revolutions(n: Numbers) -> Numbers:
+    return _mmg(n, {}, 1.73)
+
+
+def mmg_shallow(n: Numbers) -> Numbers:
+    n |= {"depth": 14.0, "B": 27.0}
+    h, angle, k = 9.7 / 14.0, pi * 9.7 / 14.0 / 2, 2 * 9.7 / 161.0
+    wide, full = 27.0 / 9.7, 1.4 * 31000.0 / (161.0**2 * 9.7)
+    a23, a17, a07 = (k / (h / 2 + (angle * cos(angle) / sin(angle)) ** q) for q in (2.3, 1.7, 0.7))
+    under = (14.0 / 9.7 - 1) ** 0.82
+    depth = {
+        "R_0": 1 + 0.388 * h**2, "Y_v": (pi / 2 * a23 + full) / (pi / 2 * k + full), "Y_r": a07 / k, "N_v": a17 / k,
+        "N_vvr": 1 + 6 * h**2.5, "N_vrr": 1 + 6 * h**2.5, "N_r": (0.54 * a07 - a07**2) / (0.54 * k - k**2), "m_y": (under + 0.413 + 0.032 * wide + 0.0129 * wide**2) / under,
+        "J_z": (under + 0.413 + 0.0192 * wide + 0.00554 * wide**2) / under,
+    }  # fmt: skip
+    found = _mmg(n, depth, None)
+    return found | {"n": n["n"], "deep_enough": 14.0 - 1.2 * 9.7}
+
+
 def uniform_current(n: Numbers) -> Numbers:
     n |= {"current_speed": 1.3, "current_direction": 2.2}
     return {"current_north": 1.3 * cos(2.2), "current_east": 1.3 * sin(2.2)}
@@ -434,6 +532,7 @@ MODELS: dict[str, Case] = {
     "cubic-lag": cubic_lag, "bech-slipstream-lag": bech_slipstream_lag,
     "yaw-filter": yaw_filter, "yaw-filter-seven": yaw_filter_seven, "position-filter": position_filter,
     "own-ship-filter": own_ship_filter,
+    "mmg": mmg, "mmg-revolutions": mmg_revolutions, "mmg-shallow": mmg_shallow,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,

@@ -9,9 +9,11 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import ParameterSetError
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.correlation import Joint
-from shipid.parameters.validity import BEYOND, UNKNOWN, beyond, range_of
+from shipid.parameters.validity import BEYOND, UNKNOWN, beyond, beyond_in_run, range_of
+from shipid.trials.manoeuvres.simulate import NotSailedError
 
 DEG = np.pi / 180
 MODEL = find_model("nomoto")
@@ -73,6 +75,44 @@ def test_a_fit_records_its_range_and_the_file_keeps_it(tmp_path, sail):
     for name in ("rudder", "rate", "drift"):
         assert getattr(again.joint["nomoto"], name) == pytest.approx(getattr(known, name), rel=1e-12)
     assert [n.known["quantity"] for n in beyond(MODEL, again, [9.5], 20 * DEG)] == ["delta"]
+
+
+def test_a_fit_says_what_its_trials_reach(sail):
+    trial = sail("nomoto", "soesterberg", "zigzag:10/10")
+    # Without its rate of turn, and with the order for the rudder angle: both are what the trial shows of them.
+    bare = shipid.Trial.from_frame(
+        trial.table[["t", "psi", "delta"]].rename(columns={"delta": "delta_order"}),
+        name="bare",
+        units={"t": "s", "psi": "rad", "delta_order": "rad"},
+    )
+    whole, poor = largest_amplitudes([trial]), largest_amplitudes([bare])
+    assert poor["rudder"] == pytest.approx(whole["rudder"], rel=1e-3)
+    # Both hold the noise of their sensor; a tenth beyond the range is passed over.
+    assert poor["rate"] == pytest.approx(whole["rate"], rel=0.05)
+    assert "drift" not in poor
+    fit = shipid.identify("nomoto", [trial], ship="soesterberg", starts=1)
+    seen = fit.to_dict()["seen"]
+    assert seen["rudder"]["value"] == fit.ship.joint["nomoto"].rudder
+    assert seen["drift"]["value"] == fit.ship.joint["nomoto"].drift
+    assert "rudder angles to 10 deg, rates of turn to" in repr(fit)
+
+
+def test_a_run_is_held_against_all_that_is_stated():
+    """The largest of each column that is finite; an empty or lost one says nothing."""
+    known = ship(speeds=(9.5, 9.5), rudder=15 * DEG, rate=1.0 * DEG, drift=10 * DEG)
+    run = {"delta": np.array([0.1, np.nan]), "r": np.array([0.0, -1.2 * DEG]), "u": np.array([9.0, 9.0])}
+    assert [n.known["quantity"] for n in beyond_in_run(MODEL, known, 9.5, run)] == ["r"]
+    run |= {"v": np.array([0.0, -2.0]), "r": np.full(2, np.nan)}
+    assert [n.known["quantity"] for n in beyond_in_run(MODEL, known, 9.5, run)] == ["beta"]
+    assert beyond_in_run(MODEL, ship(), 9.5, run, known=True) == []
+    assert [n.kind for n in beyond_in_run(MODEL, ship(), 9.5, run)] == [UNKNOWN]
+
+
+def test_a_run_that_is_lost_says_that_it_is_beyond():
+    own = find_ship("kvlcc2")
+    joint = {**own.joint, "bech": replace(own.joint["bech"], rudder=10 * DEG)}
+    with pytest.raises(NotSailedError, match="rudder angles up to 10 deg"):
+        shipid.simulate("bech", replace(own, joint=joint), "turn:30", values={"c3": "-9 1/rad^2"})
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,14 @@ from shipid.bridge.core.scale_watch import still_water_track
 from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
+from shipid.parameters.validity import beyond_in_run
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.track_pilot import TrackOrder, TrackPilot
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, TrackPredictor
+from shipid.prediction.tracks.track_run import cruise_of
 
 #: A track is sent with so many points at most.
 _SENT = 200
@@ -36,7 +38,7 @@ class ShownTrack:
     track : PredictedTrack or None
         The track.
     message : str
-        Why there is none, or why it ends early.
+        Why there is none, why it ends early, or where it goes beyond what the ship's coefficients come from.
     """
 
     track: PredictedTrack | None
@@ -227,4 +229,6 @@ class Forecaster:
             return ShownTrack(None, f"nothing can be predicted: {type(error).__name__}.")
         if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
-        return ShownTrack(track, track.ended)
+        pilot, run = self.predictor.pilot, {n: getattr(track, n) for n in COLUMNS}
+        said = beyond_in_run(pilot.model, pilot.ship, cruise_of(question.situation), run, known=True)
+        return ShownTrack(track, " ".join([track.ended, *said]).strip())

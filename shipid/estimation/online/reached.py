@@ -44,7 +44,8 @@ class Reached:
         speed = u if math.isfinite(u) else whole
         if math.isfinite(speed) and len(self._speeds) < _FIRST:
             self._speeds.append(speed)
-        sizes = {"rudder": sample.get("delta", math.nan), "rate": sample.get("r", math.nan), "drift": math.atan2(-v, u)}
+        steered = sample.get("delta", sample.get("delta_order", math.nan))
+        sizes = {"rudder": steered, "rate": sample.get("r", math.nan), "drift": math.atan2(-v, u)}
         for name, size in sizes.items():
             last = self._last[name]
             if math.isfinite(size):

@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.identification.choice.hard_turn import HardTurn
 
 #: Factor of the smallest error within which models are tied; where a campaign is too poor to choose by, there is one of its own.
@@ -24,8 +25,8 @@ NOTHING_EXPLAINED = 0.8
 _APART = 1.1
 
 
-@dataclass(frozen=True)
-class Rank:
+@dataclass(frozen=True, repr=False)
+class Rank(Result):
     """One model of a comparison.
 
     Attributes

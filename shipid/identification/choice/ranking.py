@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import Result
 from shipid.identification.choice.choosing import (
     MAY_RUN_AWAY,
     TIED,
@@ -39,8 +40,8 @@ _COLUMNS = {
 NOT_DETERMINED, TOO_POOR = "not-determined", "too-poor-to-choose"
 
 
-@dataclass(frozen=True)
-class Ranking:
+@dataclass(frozen=True, repr=False)
+class Ranking(Result):
     """Models ranked by how they predict what they were not fitted to.
 
     Attributes
@@ -178,7 +179,8 @@ class Ranking:
         ]
         return pd.DataFrame(rows).set_index("model")
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         weights = self.weights
         lines = [f"predictions of what was left out ({', '.join(self.folds)}); a smaller error is better", self._head()]
         for r in self.ranks:

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from typing import IO, Any
+from typing import IO, cast
 
 from shipid.foundation.apart import processors
 from shipid.foundation.stopping import stop_if_asked
@@ -113,7 +113,7 @@ def _employ(
             try:
                 assert process.stdin is not None and process.stdout is not None
                 _send(process.stdin, candidates[place])
-                tried = _receive(process.stdout)
+                tried = cast("Tried | None", _receive(process.stdout))
             except Exception:  # a model that cannot be sent, a worker that has died: it is done in the main process
                 broken = process.poll() is not None
         answers.put((place, tried))
@@ -126,7 +126,7 @@ def serve() -> None:
     os.dup2(2, 1)  # whatever a model file prints
     while True:
         try:
-            candidate = _receive(sys.stdin.buffer)
+            candidate = cast("Candidate | None", _receive(sys.stdin.buffer))
         except EOFError:
             return
         except Exception:  # a model of a file that only the other process has read
@@ -140,7 +140,7 @@ def _send(pipe: IO[bytes], message: object) -> None:
     pipe.flush()
 
 
-def _receive(pipe: IO[bytes]) -> Any:
+def _receive(pipe: IO[bytes]) -> object:
     length = int.from_bytes(pipe.read(_LENGTH), "big")
     data = pipe.read(length)
     if not length or len(data) < length:

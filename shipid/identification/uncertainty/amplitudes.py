@@ -15,10 +15,14 @@ from shipid.trials.trial import Trial
 
 #: Share of the samples that an amplitude is not exceeded in: one wild sample is no amplitude that was reached.
 _REACHED = 0.995
+#: Samples of each of the two mean headings of which a rate of turn is made.
+_MEAN = 7
 
 
 def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
     """Return the largest rudder angle, rate of turn and drift angle of trials, SI, as far as they are recorded.
+
+    The order stands for a rudder angle that is not recorded, and the slope of the heading for the rate of turn.
 
     Parameters
     ----------
@@ -32,9 +36,10 @@ def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
     """
     found: dict[str, float] = {}
     for trial in trials:
-        columns = {
-            "rudder": trial["delta"] if trial.has("delta") else None,
-            "rate": trial["r"] if trial.has("r") else None,
+        columns: dict[str, np.ndarray | None] = {
+            # Where only the order is logged, it is what the ship was steered with.
+            "rudder": next((trial[n] for n in ("delta", "delta_order") if trial.has(n)), None),
+            "rate": trial["r"] if trial.has("r") else _slope_of_heading(trial),
         }
         columns["drift"] = np.arctan2(-trial["v"], trial["u"]) if trial.has("u", "v") else None
         for name, column in columns.items():
@@ -42,6 +47,18 @@ def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
             if sizes.size:
                 found[name] = max(found.get(name, 0.0), float(np.quantile(sizes, _REACHED)))
     return {n: float(np.deg2rad(float(f"{np.rad2deg(v):.4g}"))) for n, v in found.items()}
+
+
+def _slope_of_heading(trial: Trial) -> np.ndarray | None:
+    """The slope of the heading in rad/s, between means of so many samples that the noise of one does not count."""
+    if not trial.has("psi"):
+        return None
+    there = np.isfinite(trial["psi"])
+    t, psi = trial["t"][there], trial["psi"][there]
+    if t.size <= 4 * _MEAN:
+        return None
+    t, psi = (np.convolve(column, np.full(_MEAN, 1 / _MEAN), "valid") for column in (t, psi))
+    return np.asarray((psi[_MEAN:] - psi[:-_MEAN]) / (t[_MEAN:] - t[:-_MEAN]))
 
 
 def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> list[Notice]:

@@ -18,6 +18,7 @@ import numpy as np
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
+from shipid.foundation.result import Result
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
@@ -39,8 +40,8 @@ _BURNT, _LEAST_BURNT = 5, 200
 _LONG = 20
 
 
-@dataclass(frozen=True, eq=False)
-class Posterior:
+@dataclass(frozen=True, eq=False, repr=False)
+class Posterior(Result):
     """Draws from the posterior density of a fit.
 
     Attributes
@@ -123,7 +124,8 @@ class Posterior:
             return None
         return float((self.quantiles[-1, index] - self.quantiles[0, index]) / (ends[1] - ends[0]))
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         worst = self.independent.min()
         head = f"posterior, {len(self.draws)} draws of {self.walkers} walkers, worth {worst:.0f} independent ones at the least"
         lines = [head if self.mixed else f"{head}: TOO FEW, ask for more draws"]

@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 
 #: Quantities of a turning circle by their names in `TurningCircle`: the unit they are handed over in, and the factor to it from SI.
@@ -22,8 +23,8 @@ TURN = {
 Band = tuple[float, float] | None
 
 
-@dataclass(frozen=True)
-class PredictedQuantity:
+@dataclass(frozen=True, repr=False)
+class PredictedQuantity(Result):
     """A quantity of a turning circle, in the unit of `TURN`.
 
     Attributes
@@ -47,8 +48,8 @@ class PredictedQuantity:
         }
 
 
-@dataclass(frozen=True)
-class PredictedManoeuvre:
+@dataclass(frozen=True, repr=False)
+class PredictedManoeuvre(Result):
     """The manoeuvre of a trial, measured and predicted.
 
     Attributes

@@ -22,6 +22,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
@@ -170,10 +171,11 @@ def sail(
         f"Simulated, not measured: shipid {shipid.__version__}, model {truth.name}, ship {pilot.ship.name}, autopilot "
         f"({pilot.design}) ordered {said}, {u0:.4g} m/s, seed {seed}"
     )
+    told = beyond_in_run(truth, pilot.ship, u0, {n: run[q] for n, q in recorded.items()})
     return Trial(
         name or f"{truth.name}-courses",
         table,
-        Source(simulated=True, comment=comment, notes=(comment,)),
+        Source(simulated=True, comment=comment, notes=(comment, *told)),
         ship=pilot.ship.name,
     )
 

@@ -19,7 +19,7 @@ from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.notices import Notice, notice_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parameters.validity import beyond
+from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import FASTEST_TURN, LEAST_SPEED
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
@@ -345,9 +345,7 @@ def _voyage(
     arrived = run.helm.phase == "arrived"
     if not arrived:
         told.append(Notice(f"the end of the route was not reached after {t[-1]:.0f} s.", "not-arrived", serious=True))
-    largest = {n: float(np.abs(columns[n]).max()) if n in columns else 0.0 for n in ("delta", "r")}
-    drift = float(np.abs(np.arctan2(columns.get("v", np.zeros_like(t)), columns["u"])).max())
-    told += beyond(ship.pilot.model, ship.pilot.ship, [ship.speed], largest["delta"], rate=largest["r"], drift=drift)
+    told += beyond_in_run(ship.pilot.model, ship.pilot.ship, ship.speed, columns)
     origin = "" if route.origin is None else f"\n{origin_words(route.origin)}"
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {ship.pilot.model.name}, ship {ship.pilot.ship.name}, autopilot "

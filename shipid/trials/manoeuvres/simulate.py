@@ -16,11 +16,10 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.notices import Notice
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.parameters.validity import beyond
+from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
@@ -147,9 +146,11 @@ def simulate(
     simulator = make_simulator(whole, [n for n in RECORDED if n in whole], hold="zero", compiled=False)
     run = simulator(t, known, inputs, {"u": u0, "psi": course})
     if run.departure is not None:
+        steered = {n: run[n] for n in ("delta",) if n in run.columns}
         raise NotSailedError(
             f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
+            + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
     table = measured({n: column[::fine] for n, column in run.columns.items()}, t[::fine], deviations, seed)
@@ -162,18 +163,11 @@ def simulate(
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
         f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{acting}"
     )
-    notes = _beyond(model, ship, u0, run.columns)
+    notes = beyond_in_run(model, ship, u0, run.columns)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
-
-
-def _beyond(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> list[Notice]:
-    """What has to be said of a run beyond the range that the coefficients come from."""
-    largest = {n: float(np.abs(run[n]).max()) for n in ("delta", "r") if n in run}
-    drift = float(np.abs(np.arctan2(-run["v"], run["u"])).max()) if "v" in run and "u" in run else None
-    return beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
 
 
 def _speed(ship: ParameterSet, speed: str | float | None) -> float:

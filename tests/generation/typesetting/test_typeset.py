@@ -65,8 +65,9 @@ def test_the_print_evaluates_to_the_generated_function(one: Any, plain: Any, rng
             if not np.isfinite(value):
                 assert printed.target in ("tau1", "tau2")  # of complex poles
                 continue
-            # The points and weights of the cross-flow are printed to six digits.
-            rounding = 1e-5 if one.model.name.startswith("cross-flow") else 1e-10
+            # The points and weights of the cross-flow are printed to six digits; so is the 8/pi of the slipstream, of which a
+            # small difference of two angles is left at the rudder.
+            rounding = {"cross": 1e-5, "mmg": 1e-4}.get(one.model.name.partition("-")[0], 1e-10)
             assert float(expression.evalf(25, subs=numbers)) == pytest.approx(value, rel=rounding), printed.plain
 
 

@@ -80,7 +80,7 @@ def test_where_nothing_is_explained_nothing_is_taken():
     assert ranking.best is None and ranking.words == ()
     (said,) = ranking.warnings
     assert said.serious and said.kind == "not-determined" and "93% of the rate of turn itself" in said
-    assert "to take" not in repr(ranking)
+    assert "to take" not in ranking.text()
 
 
 def test_weights_are_shares_of_one_and_favour_what_predicts():
