@@ -174,6 +174,9 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
     unit_time, first = how.unit_time, problem.trials[0]
     least = structural_errors(problem.signals, first, unit_time) if how.weigh else None
     prior = prior_of(problem.model, problem.initial, problem.biases, first, unit_time, problem.estimated)
+    if least is None:
+        # Where noise levels are given every sample counts by them, and initial states are as free as the samples let them be.
+        prior = replace(prior, initial={}, strength=1.0)
     problem = replace(problem, prior=prior, sigma=problem.sigma if least is None else least)
     rough = replace(how, weigh=False)
     solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)

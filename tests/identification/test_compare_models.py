@@ -108,22 +108,7 @@ def test_a_misspelt_model_is_refused_before_any_fit(cubic_trials):
         compare_models(["nomoto", "norbin"], cubic_trials)
 
 
-def test_the_firmer_the_belief_the_closer_the_biases(sail, monkeypatch):
-    """A linear model of a cubic ship: its biases take up what it lacks, as far as they are let."""
-    trials = [
-        sail("norrbin", "kvlcc2", m, seed=i, name=f"t{i}") for i, m in enumerate(("zigzag:20/20", "zigzag:-20/20"))
-    ]
-    apart = []
-    for belief in (1.0, 0.03, 0.001):
-        monkeypatch.setattr("shipid.identification.problem.prior.RUDDER_BIAS", np.deg2rad(belief))
-        fit = shipid.identify("nomoto", trials, ship="kvlcc2", starts=3, purpose="prediction")
-        apart.append(np.rad2deg(abs(fit.fitted[0].bias - fit.fitted[1].bias)))
-    assert apart[0] > apart[1] > 10 * apart[2]
-    assert apart[2] < 0.01
-    assert "pooled" in fit.method
-
-
-def test_a_shared_rudder_bias_survives_the_pooling(sail):
+def test_a_shared_rudder_bias_is_found(sail):
     trials = []
     for i in range(2):
         frame = sail("norrbin", "zeefakkel", seed=i).table.copy()

@@ -93,10 +93,10 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         None where there is one trial, or the rudder has no bias.
     """
     if not found.finite or not problem.size:
-        return _on_every_sample(found, problem, box), None
+        return _on_every_sample(found, problem, box, weighing), None
     prior = problem.prior
     if prior is None or _INPUT not in prior.biases or len(problem.trials) < 2:
-        return _on_every_sample(weighing.again(found, box), problem, box), None
+        return _on_every_sample(weighing.again(found, box), problem, box, weighing), None
     at = weighing.again(_at(found, float(_SPREADS[_WIDE]), box), box)
     for _ in range(_TURNS):
         tried = _tried(at, box)
@@ -110,7 +110,7 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         if np.abs(np.log(at.problem.sigma / before)).max() < _SETTLED:
             break
     evaluations = at.evaluations + sum(s.evaluations for s in tried)
-    end = _on_every_sample(replace(at, evaluations=evaluations), problem, box)
+    end = _on_every_sample(replace(at, evaluations=evaluations), problem, box, weighing)
     if not end.finite:
         return end, None
     moved = [_moved(s, at, end) for s in tried]
@@ -135,14 +135,22 @@ def _at(solution: Solution, spread: float, box: Box) -> Solution:
     return minimise_robustly(_with_spread(solution.problem, spread), solution.q, box, most=100, tolerance=1e-6)
 
 
-def _on_every_sample(solution: Solution, problem: Problem, box: Box) -> Solution:
-    """The solution on every sample, under its own weights and spread."""
+def _on_every_sample(solution: Solution, problem: Problem, box: Box, weighing: Weighing) -> Solution:
+    """The solution on every sample, at its own spread."""
     prior = problem.prior
     if prior is not None and solution.problem.prior is not None:
         prior = replace(prior, biases=solution.problem.prior.biases)
     whole = replace(problem, sigma=solution.problem.sigma, prior=prior)
     found = minimise_robustly(whole, solution.q, box, most=200)
-    return replace(found, evaluations=solution.evaluations + found.evaluations)
+    found = replace(found, evaluations=solution.evaluations + found.evaluations)
+    if not found.finite:
+        return found
+    # How long noise lasts in a sample of its own shows only here; then once more, to the end.
+    weighed = weighing.again(found, box)
+    if weighed is found:
+        return found
+    end = minimise_robustly(weighed.problem, weighed.q, box, most=200)
+    return replace(end, evaluations=weighed.evaluations + end.evaluations)
 
 
 def _tried(middle: Solution, box: Box) -> list[Solution]:

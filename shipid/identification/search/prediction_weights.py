@@ -19,8 +19,10 @@ from shipid.identification.search.least_squares import minimise_robustly, thinne
 from shipid.identification.search.solution import Solution, residual_levels
 
 #: Change of a weight below which it has converged, and how often it may change.
-_SETTLED = 0.05
-_TURNS = 4
+_SETTLED = 0.02
+_TURNS = 6
+#: A model whose residuals are so many times smaller than the error of a low-order model has no such error.
+_EXACT = 10.0
 #: Samples in L/U that are enough: residuals last for longer, and a rudder takes longer to be put over.
 _ENOUGH = 40
 
@@ -64,8 +66,9 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     for _ in range(_TURNS):
         # In shares of the time for which the error of a structure lasts: of white noise one sample.
         lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
-        floor = least * np.sqrt(np.clip(lasting - single, 0.0, 1.0))
-        sigma = np.maximum(floor, residual_levels(solution) * np.sqrt(lasting))
+        own = residual_levels(solution)
+        floor = np.minimum(least, _EXACT * own) * np.sqrt(np.clip(lasting - single, 0.0, 1.0))
+        sigma = np.maximum(floor, own * np.sqrt(lasting))
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
             break
         again = minimise_robustly(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)

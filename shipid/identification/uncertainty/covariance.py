@@ -106,7 +106,9 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     solution = _bent(solution)
     jacobian = solution.jacobian
     if spread is not None:
-        jacobian = np.vstack([jacobian, np.eye(len(spread), problem.size) / spread[:, None]])
+        # In as many samples as the terms of a prior count.
+        strength = 1.0 if problem.prior is None else problem.prior.strength
+        jacobian = np.vstack([jacobian, np.sqrt(strength) * np.eye(len(spread), problem.size) / spread[:, None]])
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
@@ -165,9 +167,8 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
             by_inputs += pulls.T @ pulls / len(effects)
         groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
     terms, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
-    prior = bounds.T @ bounds + by_inputs
-    if problem.prior is not None:
-        prior = prior + problem.prior.strength * terms.T @ terms
+    strength = 1.0 if problem.prior is None else problem.prior.strength
+    prior = strength * (bounds.T @ bounds + terms.T @ terms) + by_inputs
 
     def covariance_under(noise: list[Autoregression]) -> np.ndarray:
         scatter = prior.copy()

@@ -98,6 +98,33 @@ def test_a_disturbed_signal_loses_weight_and_the_others_keep_theirs(sail):
     assert rate["drifting"] == pytest.approx(sensor, rel=0.05)
 
 
-def test_weights_within_the_structure_are_left_alone(problem):
-    small = solution_of(problem, np.full(2 * problem.trials[0].intervals.size, 0.01))
-    assert weigh_again(small, None, problem.sigma, 10.0) is small
+def lasting_for(problem, share: float, size: float) -> Solution:
+    """Residuals that last for this share of the time of independence of 10 s, of this size in standard deviations."""
+    count, interval = problem.trials[0].intervals.size, problem.trials[0].intervals[0]
+    n = max(1, round(share * 10.0 / interval))
+    white = np.random.default_rng(4).standard_normal((2, count + n - 1))
+    smooth = np.array([np.convolve(row, np.ones(n), "valid") / np.sqrt(n) for row in white])
+    return solution_of(problem, (size * smooth).ravel())
+
+
+@pytest.mark.parametrize(
+    ("share", "size", "expected"),
+    [
+        # White noise: its own size, over the samples that the time of independence holds.
+        (0.0, 0.5, None),
+        # Within the error of the structure, and lasting as long as that does: the error of the structure.
+        (1.0, 0.5, 1.0),
+        # Larger, and lasting three times as long.
+        (3.0, 2.0, 2.0 * np.sqrt(3.0)),
+    ],
+)
+def test_weights_by_size_and_duration_of_residuals(problem, monkeypatch, share, size, expected):
+    found = lasting_for(problem, share, size)
+    module = "shipid.identification.search.prediction_weights.minimise_robustly"
+    monkeypatch.setattr(module, lambda again, *_, **__: replace(found, problem=again, residual=found.residual))
+    monkeypatch.setattr("shipid.identification.search.prediction_weights._TURNS", 1)
+    weighed = weigh_again(found, None, problem.sigma, 10.0).problem.sigma / problem.sigma
+    if expected is None:
+        expected = size * np.sqrt(problem.trials[0].intervals[0] / 10.0)
+    # The time for which one record lasts scatters by a half, its root by a quarter.
+    assert weighed == pytest.approx([expected, expected], rel=0.35)

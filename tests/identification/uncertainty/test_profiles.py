@@ -132,12 +132,15 @@ def test_a_structure_that_hides_a_coefficient_is_seen_through(sail):
 
 
 def test_sway_and_yaw_derivatives_leave_two_directions_open(sail):
-    """Four numbers of the transfer function from rudder to heading, six derivatives: two combinations are free."""
+    """Four numbers of the transfer function from rudder to heading, six derivatives: two combinations are free.
+
+    One of them moves the sway at the beginning, which is believed to be small: it is known to ten times its size.
+    """
     trial = sail("davidson-schiff", "mariner", "zigzag:10/10", sampling="1 s", noise="psi=0.2 deg,r=0.02 deg/s")
     fit = shipid.identify("davidson-schiff", [trial], ship="mariner", signals=["psi", "r"], starts=1)
     directions = shipid.assess(fit, bands=False, findings=False).assessment.directions
-    free = [d for d in directions if d.relative_std is None]
-    assert len(free) == 2
+    free = [d for d in directions if d.relative_std is None or d.relative_std > 10]
+    assert len(free) == 2 and free[0].relative_std is None
     assert all("Measure the sway speed" in d.words for d in free)
 
 
