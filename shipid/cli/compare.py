@@ -21,7 +21,11 @@ from shipid.foundation.exit_codes import ExitCode
 
 @click.command(cls=Variadic)
 @trials_argument
-@click.option("--models", required=True, metavar="m1,m2,..", help="Candidates: names, or path/to/file.py:Class.")
+@click.option(
+    "--models",
+    metavar="m1,m2,..",
+    help="Candidates: names, or path/to/file.py:Class; by default one model of each usual structure.",
+)
 @ship_option()
 @reading
 @validate_option
@@ -30,7 +34,7 @@ from shipid.foundation.exit_codes import ExitCode
 @delivered()
 def compare(
     trials: tuple[str, ...],
-    models: str,
+    models: str | None,
     ship: str | None,
     read: TrialReader,
     validate: tuple[str, ...],
@@ -41,12 +45,13 @@ def compare(
     """Rank models by their predictions of trials they were not fitted to.
 
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
-    Trials of --validate are kept apart: reported, never ranked by.
+    Where the trials hold the true wind or an order of the rudder, the candidates have a moment of the wind and a lag. Trials of --validate
+    are kept apart: what is predicted of them is printed, and only what their rudder does is used.
     """
     from shipid.identification.compare_models import compare_models
     from shipid.parameters.catalogue import find_model, find_ship
 
-    candidates = [find_model(m) for m in names_of(models)]
+    candidates = None if models is None else [find_model(m) for m in names_of(models)]
     known = find_ship(ship) if ship else None
     with delivery.progress() as tell:
         ranking = compare_models(

@@ -47,7 +47,7 @@ class HardTurn:
 
 
 def hard_turn(identified: Identified, drawn: Iterable[np.ndarray], worthless: float) -> HardTurn | None:
-    """Sail a turn with the rudder hard over; None for a model without a rudder or a rate of turn.
+    """Return a turn with the rudder hard over; None for a model without a rudder or a rate of turn.
 
     Parameters
     ----------
