@@ -26,9 +26,8 @@ from shipid.foundation.exit_codes import ExitCode
 @trials_argument
 @click.option(
     "--models",
-    required=True,
     metavar="m1,m2,..",
-    help="Candidates: names, or path/to/file.py:Class.",
+    help="Candidates: names, or path/to/file.py:Class; by default one model of each usual structure.",
     shell_complete=complete_model,
 )
 @ship_option()
@@ -40,7 +39,7 @@ from shipid.foundation.exit_codes import ExitCode
 @delivered(RESULT, REPORT)
 def compare(
     trials: tuple[str, ...],
-    models: str,
+    models: str | None,
     ship: str | None,
     read: TrialReader,
     validate: tuple[str, ...],
@@ -52,7 +51,8 @@ def compare(
     """Rank models by their predictions of trials they were not fitted to.
 
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
-    Trials of --validate are kept apart: reported, never ranked by.
+    Where the trials hold the true wind or an order of the rudder, the candidates have a moment of the wind and a lag. Trials of --validate
+    are kept apart: what is predicted of them is printed, and only what their rudder does is used.
 
     \b
     shipid compare first.csv second.csv --models nomoto,norrbin,de-keizer --ship zeefakkel
@@ -61,8 +61,8 @@ def compare(
     from shipid.identification.compare_models import compare_models
     from shipid.parameters.catalogue import find_model
 
-    candidates = [find_model(m) for m in names_of(models)]
-    known = optional_ship_given(ship, values, *candidates)
+    candidates = None if models is None else [find_model(m) for m in names_of(models)]
+    known = optional_ship_given(ship, values, *(candidates or ()))
     with delivery.progress() as tell:
         ranking = compare_models(
             candidates,

@@ -19,7 +19,7 @@ from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.identification.choice.scoring import MEASURES, WORTHLESS, together
 from shipid.identification.choice.side_by_side import try_all
-from shipid.identification.choice.trying import Candidate, Tried
+from shipid.identification.choice.trying import Attempt, Tried
 from shipid.identification.search.least_squares import Progress
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.measuring.measure import measure
@@ -77,7 +77,7 @@ def compare_models(
         raise UsageError("a comparison needs at least one model and one trial.")
     whole = completed(models, [*trials, *validate])
     pieces = _pieces(trials)
-    candidates = [Candidate(m, tuple(pieces), tuple(validate), ship, starts, seed) for m in whole]
+    candidates = [Attempt(m, tuple(pieces), tuple(validate), ship, starts, seed) for m in whole]
     found = try_all(candidates, progress or (lambda _: None), workers)
     ranks = sorted((_rank(one) for one in found), key=lambda r: (r.error is None, r.error or 0.0))
     beyond = {(n.known["subject"], n.known["quantity"]): n for one in found for n in one.beyond}

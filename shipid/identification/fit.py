@@ -21,6 +21,7 @@ from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.fit_text import (
+    band_lines,
     bias_lines,
     coefficient_lines,
     comparison_lines,
@@ -362,6 +363,7 @@ class Fit(DrawnResult):
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *band_lines((None if self.assessment is None else self.assessment.manoeuvres) or {}),
                 *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),

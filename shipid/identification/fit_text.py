@@ -17,6 +17,7 @@ from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.parameters.correlation import Joint
 
 
@@ -93,6 +94,22 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     # The stretches of one record have its notes in common.
     notes = dict.fromkeys(note for c in comparisons for note in c.notes)
     return lines + [f"             {note}" for note in notes]
+
+
+def band_lines(manoeuvres: Mapping[str, PredictedManoeuvre]) -> list[str]:
+    """Return one line for each manoeuvre that goes beyond the amplitudes that were fitted.
+
+    Parameters
+    ----------
+    manoeuvres : mapping of str to PredictedManoeuvre
+        With their bands.
+    """
+    return [
+        f"  bands     {name}: {m.growth:.1f} times as far as the fitted trials go (rudder angle or rate of turn); the part of the bands "
+        "that is due to the structure of the model is as many times wider"
+        for name, m in manoeuvres.items()
+        if m.growth > 1
+    ]
 
 
 def ladder_lines(ladder: Sequence[Rung]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,30 +46,31 @@ class HardTurn:
         return {"rudder": self.rudder, "rate": self.rate, "spread": self.spread, "runs_away": self.runs_away}
 
 
-def hard_turn(identified: Identified, drawn: Sequence[np.ndarray], worthless: float) -> HardTurn | None:
-    """Sail a turn with the rudder hard over; None for a model without a rudder or a rate of turn.
+def hard_turn(identified: Identified, drawn: Iterable[np.ndarray], worthless: float) -> HardTurn | None:
+    """Return a turn with the rudder hard over; None for a model without a rudder or a rate of turn.
 
     Parameters
     ----------
     identified : Identified
         What was identified.
-    drawn : sequence of ndarray, shape (unknowns,)
+    drawn : iterable of ndarray, shape (unknowns,)
         Unknowns drawn from the covariance.
     worthless : float
         Spread of a model that runs away.
     """
     model, scale = identified.model, identified.scale
+    speed = scale.speed or 1.0
     if "delta" not in model.inputs or _RATE not in model:
         return None
     rudder = identified.ship.particular("delta_max", "rad") or _HARD
     count = int(_DURATION / _INTERVAL) + 1
     clock = np.arange(count) * _INTERVAL
-    inputs = {n: scale.speed for n in ("u", "cruise") if n in model.inputs}
+    inputs: dict[str, float | np.ndarray] = {n: speed for n in ("u", "cruise") if n in model.inputs}
     inputs["delta"] = rudder * np.minimum(1.0, clock / _PUT_OVER)
     rows = input_rows(model, inputs, count)
     intervals = np.full(count, _INTERVAL * scale.unit_time)
     intervals[-1] = 0.0
-    x0 = initial_state(model, {"u": scale.speed} if "u" in model.states else {})
+    x0 = initial_state(model, {"u": speed} if "u" in model.states else {})
     record = make_record(model, (_RATE,), guarded=True)
     bias = np.zeros(len(model.inputs))
 

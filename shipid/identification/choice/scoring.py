@@ -11,7 +11,7 @@ from shipid.foundation.statistics import plain
 from shipid.identification.problem.signals import SIGNALS, is_predicted
 from shipid.identification.validation.closed_loop import Swings
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.left_out import LeftOut
+from shipid.identification.validation.left_out import LeftOutTrial
 
 #: What a prediction is judged by: unit of the value, weight in the score, meaning. A heading that is not corrected for a rudder
 #: bias has no weight: on a ship that hardly keeps her course it measures the bias, which no structure knows. Overshoots are
@@ -92,13 +92,13 @@ def score_of(measures: Mapping[str, float | None], size: Mapping[str, float]) ->
 
 
 def counted_measures(
-    left_out: Sequence[LeftOut], model: Model
+    left_out: Sequence[LeftOutTrial], model: Model
 ) -> list[tuple[dict[str, float | None], float, float | None]]:
     """Return for each trial its measures, its score, and the error of the rate of turn in shares of its size.
 
     Parameters
     ----------
-    left_out : sequence of LeftOut
+    left_out : sequence of LeftOutTrial
         The trials.
     model : Model
         What predicted them.

@@ -16,11 +16,11 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from typing import IO, Any
+from typing import IO, cast
 
 from shipid.foundation.apart import processors
 from shipid.foundation.stopping import stop_if_asked
-from shipid.identification.choice.trying import Candidate, Tried, try_candidate
+from shipid.identification.choice.trying import Attempt, Tried, try_candidate
 
 #: Seconds between two looks at whether the command was asked to stop.
 _LOOK = 0.2
@@ -36,13 +36,13 @@ _Answer = tuple[int, "Tried | None"]
 
 
 def try_all(
-    candidates: Sequence[Candidate], tell: Callable[[str], None], workers: int | None = None
+    candidates: Sequence[Attempt], tell: Callable[[str], None], workers: int | None = None
 ) -> tuple[Tried, ...]:
     """Try candidates, as many at a time as there are processors.
 
     Parameters
     ----------
-    candidates : sequence of Candidate
+    candidates : sequence of Attempt
         The candidates.
     tell : callable
         Called with a line of text while they are tried.
@@ -66,7 +66,7 @@ def try_all(
 
 
 def _by_workers(
-    candidates: Sequence[Candidate], count: int, tell: Callable[[str], None], found: dict[int, Tried]
+    candidates: Sequence[Attempt], count: int, tell: Callable[[str], None], found: dict[int, Tried]
 ) -> None:
     """Hand candidates to workers, those with most coefficients first; what they do is put into `found`."""
     waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
@@ -97,7 +97,7 @@ def _by_workers(
 
 def _employ(
     process: subprocess.Popen[bytes],
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Attempt],
     waiting: queue.SimpleQueue[int],
     answers: queue.SimpleQueue[_Answer],
 ) -> None:
@@ -113,7 +113,7 @@ def _employ(
             try:
                 assert process.stdin is not None and process.stdout is not None
                 _send(process.stdin, candidates[place])
-                tried = _receive(process.stdout)
+                tried = cast("Tried | None", _receive(process.stdout))
             except Exception:  # a model that cannot be sent, a worker that has died: it is done in the main process
                 broken = process.poll() is not None
         answers.put((place, tried))
@@ -126,7 +126,7 @@ def serve() -> None:
     os.dup2(2, 1)  # whatever a model file prints
     while True:
         try:
-            candidate = _receive(sys.stdin.buffer)
+            candidate = cast("Attempt | None", _receive(sys.stdin.buffer))
         except EOFError:
             return
         except Exception:  # a model of a file that only the other process has read
@@ -140,7 +140,7 @@ def _send(pipe: IO[bytes], message: object) -> None:
     pipe.flush()
 
 
-def _receive(pipe: IO[bytes]) -> Any:
+def _receive(pipe: IO[bytes]) -> object:
     length = int.from_bytes(pipe.read(_LENGTH), "big")
     data = pipe.read(length)
     if not length or len(data) < length:

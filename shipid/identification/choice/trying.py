@@ -19,7 +19,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.identify import identify
 from shipid.identification.uncertainty.draws import draws_of
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.left_out import LeftOut, can_be_left_out, left_out, records_of
+from shipid.identification.validation.left_out import LeftOutTrial, can_be_left_out, left_out, records_of
 from shipid.identification.validation.runs import runs_of, swings_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
@@ -32,7 +32,7 @@ _SURGE = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class Attempt:
     """A model to try, and on what.
 
     Attributes
@@ -113,12 +113,12 @@ class Tried:
     predictions: tuple[Comparison, ...] = ()
 
 
-def try_candidate(candidate: Candidate) -> Tried:
-    """Try a candidate; one that cannot be fitted stops nothing.
+def try_candidate(candidate: Attempt) -> Tried:
+    """Return what becomes of a candidate; one that cannot be fitted stops nothing.
 
     Parameters
     ----------
-    candidate : Candidate
+    candidate : Attempt
         The model and the trials.
     """
     model, trials = candidate.model, candidate.trials
@@ -130,7 +130,7 @@ def try_candidate(candidate: Candidate) -> Tried:
         with threadpool_limits(1, "blas"):
             fit = _fitted(candidate, candidate.trials, candidate.validate)
             left = _left_out(candidate, fit)
-            drawn = draws_of(fit.identified).unknowns
+            drawn = list(draws_of(fit.identified).unknowns)
             turn = hard_turn(fit.identified, drawn, WORTHLESS)
             targets = fit.validation or [one.comparison for record in left for one in record or ()]
             spread = _spread(fit.identified, targets, drawn, None if fit.validation else turn)
@@ -143,7 +143,7 @@ def try_candidate(candidate: Candidate) -> Tried:
         spread,
         turn,
         {
-            c.trial.name: counted_measures([LeftOut(c, swings_of(fit.identified, c))], model)[0][0]
+            c.trial.name: counted_measures([LeftOutTrial(c, swings_of(fit.identified, c))], model)[0][0]
             for c in fit.validation
         },
         tuple(n for n in fit.warnings if n.kind == BEYOND),
@@ -152,7 +152,7 @@ def try_candidate(candidate: Candidate) -> Tried:
     )
 
 
-def _fitted(candidate: Candidate, trials: Sequence[Trial], validate: Sequence[Trial]) -> Fit:
+def _fitted(candidate: Attempt, trials: Sequence[Trial], validate: Sequence[Trial]) -> Fit:
     return identify(
         candidate.model,
         trials,
@@ -163,23 +163,23 @@ def _fitted(candidate: Candidate, trials: Sequence[Trial], validate: Sequence[Tr
     )
 
 
-def _left_out(candidate: Candidate, fit: Fit) -> tuple[tuple[LeftOut, ...] | None, ...]:
+def _left_out(candidate: Attempt, fit: Fit) -> tuple[tuple[LeftOutTrial, ...] | None, ...]:
     """The records of a fit left out in turn; where it minimises no cost that can go on without them, each is fitted anew."""
     records = records_of(fit.fitted)
     if can_be_left_out(fit.identified) and len(records) == len(candidate.trials):
         return left_out(fit.identified, fit.fitted, records)
-    found: list[tuple[LeftOut, ...] | None] = []
+    found: list[tuple[LeftOutTrial, ...] | None] = []
     for one in candidate.trials:
         try:
             again = _fitted(candidate, [o for o in candidate.trials if o is not one], [one])
         except ShipidError:
             found.append(None)
             continue
-        found.append(tuple(LeftOut(c, swings_of(again.identified, c)) for c in again.validation))
+        found.append(tuple(LeftOutTrial(c, swings_of(again.identified, c)) for c in again.validation))
     return tuple(found)
 
 
-def _fold(record: Sequence[LeftOut], model: Model) -> Fold:
+def _fold(record: Sequence[LeftOutTrial], model: Model) -> Fold:
     counted = counted_measures(record, model)
     return Fold(
         {n: together([measures[n] for measures, _, _ in counted]) for n in MEASURES},

@@ -26,7 +26,7 @@ _MOST, _TOLERANCE = 60, 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class LeftOut:
+class LeftOutTrial:
     """A trial beside the prediction of a fit to the others.
 
     Attributes
@@ -68,7 +68,7 @@ def records_of(comparisons: Sequence[Comparison]) -> tuple[tuple[int, ...], ...]
 
 def left_out(
     identified: Identified, comparisons: Sequence[Comparison], groups: Sequence[Sequence[int]]
-) -> tuple[tuple[LeftOut, ...] | None, ...]:
+) -> tuple[tuple[LeftOutTrial, ...] | None, ...]:
     """Return the trials of a fit as fits to the others predict them.
 
     Parameters
@@ -82,10 +82,10 @@ def left_out(
 
     Returns
     -------
-    tuple of tuple of LeftOut
+    tuple of tuple of LeftOutTrial
         One for each group; None where the others give no finite fit.
     """
-    found: list[tuple[LeftOut, ...] | None] = []
+    found: list[tuple[LeftOutTrial, ...] | None] = []
     for group in groups:
         without = _without(identified, group)
         found.append(None if without is None else tuple(_predicted(without, comparisons[i]) for i in group))
@@ -107,6 +107,6 @@ def _without(identified: Identified, gone: Sequence[int]) -> Identified | None:
     return replace(identified, solution=solution) if solution.finite else None
 
 
-def _predicted(identified: Identified, comparison: Comparison) -> LeftOut:
+def _predicted(identified: Identified, comparison: Comparison) -> LeftOutTrial:
     found = predict(identified, comparison.trial, comparison.measures)
-    return LeftOut(found, swings_of(identified, found))
+    return LeftOutTrial(found, swings_of(identified, found))

@@ -17,7 +17,7 @@ from shipid.declaration.model import Model
 from shipid.foundation.statistics import NORMAL_95
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.left_out import LeftOut
+from shipid.identification.validation.left_out import LeftOutTrial
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import MARGIN, range_of
 
@@ -83,12 +83,12 @@ class StructureError:
         return NORMAL_95 * growth * self.turn[name]
 
 
-def structure_error(trials: Iterable[LeftOut]) -> StructureError:
+def structure_error(trials: Iterable[LeftOutTrial]) -> StructureError:
     """Return the error of a structure from trials that were left out.
 
     Parameters
     ----------
-    trials : iterable of LeftOut
+    trials : iterable of LeftOutTrial
         Zig-zags count, with all their overshoots.
     """
     known = [t for t in trials if t.comparison.overshoots]
