@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import Component, constant, derived, given, join, parameter, state
+from shipid.models.bech_surge import SlipstreamYaw, Surge
 from shipid.models.de_keizer import DeKeizer
 from shipid.models.van_leeuwen import VanLeeuwenSway
 from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
@@ -29,7 +30,11 @@ class CubicYaw(SpeedScaled):
         """Norrbin (1963), divided by tau; scaled by L/u as in Passenier (1989), eq. (2.61)."""
         pace = self.way / self.L
         damping = self.b1 * pace * self.r + self.b3 * self.r**3 / pace
-        return pace**2 * self.a * self.delta - damping + self.r_disturbance
+        return pace**2 * self.a * self.rudder() - damping + self.r_disturbance
+
+    def rudder(self):
+        """Rudder angle that acts: the recorded one."""
+        return self.delta
 
 
 class WindMoment(Component):
@@ -85,9 +90,10 @@ class CubicYawInWind(WindMoment, CubicYaw):
     """First-order yaw with a cubic damping, scaled by the measured speed, and a moment by the true wind of the log."""
 
 
-class DeKeizerLag(DeKeizer):
-    """Yaw with a cubic damping, and surge, behind an actuator with a lag: for a log that holds only the order."""
+class ActuatorLag(Component):
+    """An actuator with a lag: for a log that holds only the order."""
 
+    delta = given("rad", "rudder angle that is ordered, positive turns to starboard", latex=r"\delta")
     delta_lagged = state("rad", "angle the actuator has reached", nominal="10 deg", latex=r"\delta_l")
     # In seconds: the lag of an actuator does not depend on the ship's speed, and runs at two speeds showed one lag in
     # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
@@ -98,12 +104,34 @@ class DeKeizerLag(DeKeizer):
         """First-order lag: the simplest form of the steering machine of Passenier (1989), section 2.3.4."""
         return (self.delta - self.delta_lagged) / self.t_delta
 
+
+class CubicYawLag(CubicYaw, ActuatorLag):
+    """First-order yaw with a cubic damping, scaled by the measured speed, behind an actuator with a lag."""
+
+    def rudder(self):
+        """Rudder angle that acts: what the actuator has reached."""
+        return self.delta_lagged
+
+
+class DeKeizerLag(DeKeizer, ActuatorLag):
+    """Yaw with a cubic damping, and surge, behind an actuator with a lag."""
+
     def yaw(self):
         """De Keizer (1977); Passenier (1989), eq. (2.54), with the rudder the actuator has reached."""
         pace = self.way / self.L
         return pace**2 * (self.K * self.delta_lagged - self.yaw_feedback()) / self.tau + self.r_disturbance
 
 
+class SlipstreamYawLag(SlipstreamYaw, ActuatorLag):
+    """Second-order yaw with a rudder in the slipstream, behind an actuator with a lag."""
+
+    def rudder(self):
+        """Effective rudder angle that the actuator has reached: its force is proportional to u^(2-m) U0^m."""
+        return self.delta_lagged * (self.cruise / self.way) ** self.m
+
+
 cubic = join("cubic", CubicYaw, VanLeeuwenSway, PlanarMotion)
 cubic_wind = join("cubic-wind", CubicYawInWind, VanLeeuwenSway, PlanarMotion)
 de_keizer_lag = join("de-keizer-lag", DeKeizerLag, VanLeeuwenSway, PlanarMotion)
+cubic_lag = join("cubic-lag", CubicYawLag, VanLeeuwenSway, PlanarMotion)
+bech_slipstream_lag = join("bech-slipstream-lag", SlipstreamYawLag, Surge, VanLeeuwenSway, PlanarMotion)

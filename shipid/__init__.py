@@ -73,6 +73,7 @@ _HOMES = {
     "Campaign": "shipid.campaign.campaign",
     "Measure": "shipid.campaign.campaign",
     "run_campaign": "shipid.campaign.run_campaign",
+    "plot": "shipid.report.plot",
     "write_report": "shipid.report.write_report",
     "ShipidError": "shipid.foundation.errors",
 }

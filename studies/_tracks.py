@@ -88,7 +88,7 @@ class Setting:
 @functools.cache
 def pilot_of() -> Autopilot:
     """Return the autopilot, tuned on the printed K* and tau*."""
-    return shipid.design_autopilot("de-keizer-minimal", SHIP, damping=0.85, rudder_limit="10 deg")
+    return shipid.design_autopilot("de-keizer-minimal", SHIP, design="pole", damping=0.85, rudder_limit="10 deg")
 
 
 @functools.cache

@@ -52,7 +52,7 @@ def away(found: np.ndarray, asked: np.ndarray) -> float:
 def designs() -> list[Row]:
     worst = between = closed = placed = disk = gain = 0.0
     for model, ship in SHIPS:
-        pilot = shipid.design_autopilot(model, ship, damping=0.8)
+        pilot = shipid.design_autopilot(model, ship, design="pole", damping=0.8)
         omega = pilot.request["omega_n"] / pilot.service_speed
         for i, u in enumerate(pilot.speeds):
             worst = max(worst, away(pilot.poles[0][i], np.roots(pole_pair(omega * u, 0.8))))
@@ -136,7 +136,7 @@ def identified_container() -> shipid.ParameterSet:
 def speed() -> list[Row]:
     """1000 closed-loop course changes of ships drawn from the covariance, against python-control's simulation of one."""
     ship = identified_container()
-    pilot = shipid.design_autopilot("de-keizer", ship)
+    pilot = shipid.design_autopilot("de-keizer", ship, design="pole")
     runs = 1000
     drawn = draw_coefficients(pilot.model, ship, runs)
     own = pilot.service_speed
@@ -194,7 +194,7 @@ def rudder_in_waves() -> list[Row]:
                 bool((factors[-1] > 2).all()),
             )
         )
-    pilot = shipid.design_autopilot("de-keizer", "soesterberg", speeds=[9.5])
+    pilot = shipid.design_autopilot("de-keizer", "soesterberg", design="pole", speeds=[9.5])
     notch = []
     for heading in np.deg2rad([0.1, 0.2, 0.4]):
         sea = Weather(0.0, 0.6, heading, 0.0)
@@ -208,7 +208,7 @@ def rudder_in_waves() -> list[Row]:
         notch.append(raw / clean)
     factor = np.concatenate(notch)
     rows.append(
-        Row("the same by the notch, without a model, eight directions: factor", "above 1.3",
+        Row("the same by the sea filter, without a model, eight directions: factor", "above 1.3",
             f"{np.median(factor):.1f} ({factor.min():.1f} to {factor.max():.1f})", bool(np.median(factor) > 1.3))
     )  # fmt: skip
     return rows

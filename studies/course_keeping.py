@@ -58,7 +58,7 @@ def kept(pilot: Autopilot, band: float) -> tuple[float, float, float]:
 def main() -> None:
     rows = []
     for model, ship in SHIPS:
-        pilot = shipid.design_autopilot(model, ship)
+        pilot = shipid.design_autopilot(model, ship, design="pole")
         error, rudder, travel = kept(pilot, 0.0)
         for band in BANDS:
             wider, less, shorter = kept(pilot, band)

@@ -57,6 +57,7 @@ def pilot_of(ship: str, model: str, machine: bool) -> Autopilot:
         known_ship(ship),
         actuator=SteeringMachine if machine else None,
         speeds=list(np.geomspace(0.2, 2.2, 40) * speed),
+        design="pole",
         omega_n=omega_of(ship, model),
         damping=0.85,
     )

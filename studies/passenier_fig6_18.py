@@ -49,7 +49,7 @@ def pilot_of(
     speeds = speed * np.geomspace(0.4, 2.2, 40)
     made = shipid.design_autopilot(
         "van-leeuwen", found, actuator=machine, speeds=speeds, omega_n=omega * found.particular("speed", "m/s") / speed,
-        damping=0.85, rudder_limit=f"{limit} deg",
+        design="pole", damping=0.85, rudder_limit=f"{limit} deg",
     )  # fmt: skip
     return made
 

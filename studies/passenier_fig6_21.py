@@ -37,7 +37,7 @@ LOOKED = (60.0, 120.0, 240.0)
 @functools.cache
 def predictor() -> TrackPredictor:
     """Return the first-order predictor of the thesis."""
-    pilot = shipid.design_autopilot("de-keizer", SHIP, damping=0.85, rudder_limit="15 deg")
+    pilot = shipid.design_autopilot("de-keizer", SHIP, design="pole", damping=0.85, rudder_limit="15 deg")
     return TrackPredictor(pilot, model="first-order")
 
 

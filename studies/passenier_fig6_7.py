@@ -67,7 +67,7 @@ CASES = (
 @functools.cache
 def pilot_of() -> Autopilot:
     """Return the autopilot: Kp = 1, damping 0.85."""
-    return shipid.design_autopilot("de-keizer", SHIP, damping=0.85, rudder_limit=f"{LIMIT} deg")
+    return shipid.design_autopilot("de-keizer", SHIP, design="pole", damping=0.85, rudder_limit=f"{LIMIT} deg")
 
 
 def sailed(case: Case) -> dict[str, np.ndarray]:

@@ -91,7 +91,7 @@ def sail_driven(
 
 def inside(case: Case, runs: int) -> tuple[np.ndarray, np.ndarray]:
     """Return which tracks are within the band and how far off they are in half-widths, shapes (runs, places)."""
-    pilot = shipid.design_autopilot("de-keizer", SHIP, damping=0.85)
+    pilot = shipid.design_autopilot("de-keizer", SHIP, design="pole", damping=0.85)
     own = own_ship_filter("de-keizer", SHIP)
     density = {s.name: s.level for s in own.design.sources}
     predictor = TrackPredictor(pilot)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import multiprocessing
-import os
 import signal
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
@@ -13,6 +12,7 @@ from dataclasses import dataclass
 from shipid.campaign.campaign import Engine
 from shipid.campaign.errors import CampaignRequestError
 from shipid.foundation.aliases import DaskClient
+from shipid.foundation.apart import processors
 from shipid.foundation.errors import MissingExtraError
 
 #: Batches handed to an engine at once, for each of its workers: enough that none waits, few enough to hold in memory.
@@ -43,11 +43,6 @@ class Running:
     cancels: bool = True
 
 
-def cores() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @contextmanager
 def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[Running]:
     """Run batches on this machine.
@@ -65,7 +60,7 @@ def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[
     ------
     Running
     """
-    count = max(1, min(workers or cores(), batches))
+    count = max(1, min(workers or processors(), batches))
     before = set(multiprocessing.active_children())
     executor: Executor
     if engine == "threads" or count == 1:

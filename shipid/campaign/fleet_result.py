@@ -16,6 +16,7 @@ from shipid.campaign.table import read_runs
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import interval_95, plain
 
 if TYPE_CHECKING:
@@ -72,8 +73,8 @@ class Scatter:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class FleetResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class FleetResult(DrawnResult):
     """What was identified from each trial of a folder.
 
     Attributes
@@ -166,7 +167,8 @@ class FleetResult:
 
         return pd.DataFrame(self.rows).set_index("run")
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         heads = ["trial", "outcome", *self.coefficients, "doctor"]
         lines = [heads]
         for k, trial in enumerate(self.rows["trial"]):

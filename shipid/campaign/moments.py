@@ -10,6 +10,7 @@ from scipy.special import chdtri, stdtrit
 
 from shipid.campaign.campaign import Measure
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import NORMAL_95, plain
 
 #: Different texts that are counted; with more, the rest is counted together.
@@ -163,8 +164,8 @@ class MeasureTally:
         return Statistic(*common, **whole, course=_told(self.measure, self.places, self.place_squares))
 
 
-@dataclass(frozen=True)
-class Statistic:
+@dataclass(frozen=True, repr=False)
+class Statistic(Result):
     """The statistics of one measure over the runs.
 
     Attributes

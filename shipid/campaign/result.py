@@ -11,13 +11,14 @@ from shipid.campaign.moments import Statistic
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import number
+from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
-class CampaignResult:
+@dataclass(frozen=True, repr=False)
+class CampaignResult(DrawnResult):
     """What a campaign found.
 
     Attributes
@@ -68,7 +69,8 @@ class CampaignResult:
         ]
         return pd.DataFrame(rows).set_index("measure")
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         width = max(len(n) for n in self.statistics)
         lines = [f"campaign {self.name}: {self.runs} runs, seed {self.seed}"]
         lines += [f"  {n.ljust(width)}  {summary(s)}" for n, s in self.statistics.items()]

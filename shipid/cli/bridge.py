@@ -134,14 +134,14 @@ def _open(settings: BridgeSettings, host: str, port: int, token: str | None) -> 
 
     from shipid.bridge.open_bridge import open_bridge
 
-    with open_bridge(settings, host, port, token, lambda score: click.echo(repr(score))) as opened:
+    with open_bridge(settings, host, port, token, lambda score: click.echo(score.text())) as opened:
         came = opened.serve(
             lambda: say(
                 f"the bridge of {opened.ship} ({opened.source}): {opened.address}\nNOT FOR NAVIGATION. Ctrl-C ends it."
             )
         )
     if opened.score is not None and not opened.score.done:
-        click.echo(repr(opened.score))
+        click.echo(opened.score.text())
     recorded = "" if opened.recording is None else f" The recording is {opened.recording}."
     say(f"the bridge has ended.{recorded}")
     if came == signal.SIGINT:

@@ -55,7 +55,7 @@ def check(
             continue
         answers.append(found.to_dict())
         warnings += [f.to_dict() | {"trial": found.trial} for f in found.findings]
-        texts.append(repr(found))
+        texts.append(found.text())
         code = ExitCode.BAD_DATA if found.serious else code
     if output is not None:
         try:

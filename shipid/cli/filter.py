@@ -169,7 +169,7 @@ def _filter(
     said = [*levels.words, *(f"{'WARNING' if n.serious else 'note'}: {n}" for n in run.warnings)]
     return delivery.hand_over_parts(
         run.to_dict() | levels.to_dict() | {"observability": seen.to_dict()},
-        "\n".join([repr(run), *(f"  {sentence}" for sentence in said)]),
+        "\n".join([run.text(), *(f"  {sentence}" for sentence in said)]),
         {
             _ESTIMATES: lambda path: run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(seen, path),
@@ -242,7 +242,7 @@ def _which_ship(
         )
     return delivery.hand_over_parts(
         found.to_dict(),
-        "\n".join([repr(found), *(f"  {sentence}" for sentence in found.levels.words)]),
+        "\n".join([found.text(), *(f"  {sentence}" for sentence in found.levels.words)]),
         {
             _ESTIMATES: lambda path: found.run.to_frame().to_csv(path, index=False, float_format="%.9g"),
             REPORT: lambda path: write_report(found, path),

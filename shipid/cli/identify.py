@@ -53,7 +53,7 @@ _DRAWS = 12
     "--for",
     "purpose",
     type=click.Choice(list(PURPOSES)),
-    help="For prediction, rudder biases are pooled over the trials; by default each trial has its own.",
+    help="Prediction is the default; filter finds noise levels for a Kalman filter as well.",
 )
 @click.option(
     "--method",

@@ -118,7 +118,7 @@ def simulate(
     elif route is not None:
         del settings["heading"]
         voyage = _route(model, ship, autopilot, route, waves, inputs, settings)
-        trial, summary = voyage.trial, repr(voyage)
+        trial, summary = voyage.trial, voyage.text()
     else:
         assert autopilot is not None
         trial = _voyage(model, ship, autopilot, courses, waves, inputs, settings)

@@ -12,6 +12,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -79,8 +80,8 @@ class CriterionSide:
     words: str = ""
 
 
-@dataclass(frozen=True)
-class Criterion:
+@dataclass(frozen=True, repr=False)
+class Criterion(Result):
     """One quantity beside its limit.
 
     Attributes
@@ -112,8 +113,8 @@ class Criterion:
         return all(v is not None and v <= self.limit for v in values)
 
 
-@dataclass(frozen=True)
-class Criteria:
+@dataclass(frozen=True, repr=False)
+class Criteria(Result):
     """A model evaluated against the standard.
 
     Attributes
@@ -181,7 +182,8 @@ class Criteria:
         ]
         return pd.DataFrame(rows).set_index(["quantity", "side"])
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         head = f"{self.model} of {self.ship}, {WORDING}: L {self.length:g} m, V {self.speed:.4g} m/s"
         lines = [
             f"{head}, L/V {self.length / self.speed:.1f} s",

@@ -10,6 +10,7 @@ import numpy as np
 from shipid.encounter.errors import TargetError
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 
@@ -76,8 +77,8 @@ class Passing:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Avoidance:
+@dataclass(frozen=True, eq=False, repr=False)
+class Avoidance(Result):
     """An avoiding course that own ship can sail, or the best there is.
 
     Attributes
@@ -139,7 +140,8 @@ class Avoidance:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         degrees = np.rad2deg(self.heading) % 360
         side = (
             "as wanted"

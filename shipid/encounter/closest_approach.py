@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from shipid.encounter.errors import EncounterRequestError, TargetError
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 
 #: Below this relative speed in m/s the range of two ships does not change: by 1 m in eleven days.
@@ -23,8 +24,8 @@ _SIZE = 4
 Motion = Literal["closing", "opening", "steady"]
 
 
-@dataclass(frozen=True)
-class ClosestApproach:
+@dataclass(frozen=True, repr=False)
+class ClosestApproach(Result):
     """The closest approach of two ships that keep course and speed.
 
     Attributes

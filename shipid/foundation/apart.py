@@ -13,6 +13,11 @@ from pathlib import Path
 _START = "import json, runpy, sys; sys.path[:] = json.loads(sys.argv.pop()); runpy.run_path(sys.argv.pop(1), run_name='__main__')"
 
 
+def processors() -> int:
+    """Return how many processors this process may use: so many processes have room side by side."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class NotStartedError(Exception):
     """The process could not be started; the message says why. The caller says what to do."""
 

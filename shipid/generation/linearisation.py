@@ -13,6 +13,7 @@ from shipid.declaration.model import Model
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.result import Result
 from shipid.generation.system import System, generate
 
 #: States that may change at a constant rate in a steady motion: position and heading. Others that no
@@ -26,8 +27,8 @@ class NoSteadyStateError(ShipidError):
     exit_code = ExitCode.NO_CONVERGENCE
 
 
-@dataclass(frozen=True)
-class Linearisation:
+@dataclass(frozen=True, repr=False)
+class Linearisation(Result):
     """The linear model ``dx/dt = A x + B u``, ``y = C x + D u`` of small deviations from a condition.
 
     Attributes

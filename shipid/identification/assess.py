@@ -12,6 +12,8 @@ from shipid.identification.uncertainty.directions import directions_of
 from shipid.identification.uncertainty.draws import DRAWS, draws_of
 from shipid.identification.uncertainty.residuals import residuals_of
 from shipid.identification.validation.bands import manoeuvres_of
+from shipid.identification.validation.left_out import can_be_left_out, left_out, records_of
+from shipid.identification.validation.structure_error import StructureError, structure_error
 from shipid.identification.validation.trial_findings import findings_of
 
 
@@ -23,7 +25,8 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
     fit : Fit
         The fit.
     bands : bool
-        Whether the manoeuvres of the trials are predicted with 95 % bands.
+        Whether the manoeuvres of the trials are predicted with 95 % bands. Each fitted trial is left out in turn for them: its error
+        is that of the structure.
     findings : bool
         Whether the trials are checked for faults; nothing is repaired.
     draws : int
@@ -40,12 +43,22 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
         compared = (*fit.fitted, *fit.validation)
+        structure = _structure(fit) if bands else None
         assessment = Assessment(
             directions_of(identified, [c.measures.words for c in fit.fitted]),
             residuals_of(identified),
-            manoeuvres_of(identified, compared, draws_of(identified, draws, seed)) if bands else None,
+            manoeuvres_of(identified, compared, draws_of(identified, draws, seed), structure) if bands else None,
             findings_of(fit.ship, fit.fitted, fit.validation, fit.model.inputs, identified.method)
             if findings
             else None,
+            structure,
         )
     return replace(fit, assessment=assessment)
+
+
+def _structure(fit: Fit) -> StructureError:
+    """The error of the structure, from trials that are left out where there are two of them."""
+    if not can_be_left_out(fit.identified):
+        return StructureError()
+    found = left_out(fit.identified, fit.fitted, records_of(fit.fitted))
+    return structure_error(one for record in found for one in record or ())

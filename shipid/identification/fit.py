@@ -13,9 +13,18 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 from shipid.identification.assessment import Assessment
-from shipid.identification.fit_text import coefficient_lines, comparison_lines, ladder_lines, noise_lines, range_lines
+from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.fit_text import (
+    bias_lines,
+    coefficient_lines,
+    comparison_lines,
+    ladder_lines,
+    noise_lines,
+    range_lines,
+)
 from shipid.identification.identified import Identified
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -35,8 +44,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+@dataclass(frozen=True, eq=False, repr=False)
+class Fit(DrawnResult):
     """An identified model.
 
     Attributes
@@ -81,6 +90,8 @@ class Fit:
         Bands, null directions, residuals and findings, where they were requested (`shipid.assess`).
     posterior : Posterior or None
         A sampled posterior, where one was requested (`sample_posterior`).
+    bias_spread : BiasSpread or None
+        How far the rudder biases of the trials are spread; None where there is one trial, or a method that does not estimate it.
     """
 
     model: Model
@@ -105,6 +116,7 @@ class Fit:
     levels: NoiseLevels | None = None
     assessment: Assessment | None = None
     posterior: Posterior | None = None
+    bias_spread: BiasSpread | None = None
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -244,6 +256,7 @@ class Fit:
             "rudder_bias": {
                 c.trial.name: {"value": c.bias, "refitted": c.refitted_bias, "unit": "rad"} for c in compared
             },
+            "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
             "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
             **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
@@ -273,13 +286,16 @@ class Fit:
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
+        if self.bias_spread is not None and self.bias_spread.notice is not None:
+            found.append(self.bias_spread.notice)
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
             ]
         return tuple(found)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         state = "converged" if self.converged else f"NOT CONVERGED: {self.message}"
         trials = ", ".join(c.trial.name for c in self.fitted)
         findings = (None if self.assessment is None else self.assessment.findings) or ()
@@ -294,9 +310,10 @@ class Fit:
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),
                 *([] if self.levels is None else noise_lines(self.levels, self.model)),
                 *(f"  check     {line}" for line in lines_of([f for f in findings if f not in serious])),
-                *(f"  {line}" for line in ([] if self.posterior is None else repr(self.posterior).splitlines())),
+                *(f"  {line}" for line in ([] if self.posterior is None else self.posterior.text().splitlines())),
             ]
         )

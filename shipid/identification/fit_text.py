@@ -11,6 +11,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, to_display
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
+from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.methods import METHODS
 from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
@@ -107,6 +108,23 @@ def ladder_lines(ladder: Sequence[Rung]) -> list[str]:
     return lines
 
 
+def bias_lines(spread: BiasSpread | None, fitted: Sequence[Comparison]) -> list[str]:
+    """Return one line for the rudder biases and their spread, where there are several trials.
+
+    Parameters
+    ----------
+    spread : BiasSpread or None
+        The spread.
+    fitted : sequence of Comparison
+        The fitted trials.
+    """
+    if spread is None:
+        return []
+    each = ", ".join(f"{c.trial.name} {to_display(c.bias, 'delta'):+.2f}" for c in fitted)
+    lines = [f"  rudder    biases {each} {display_unit('delta', 'rad')}; {spread.words}"]
+    return lines + ([] if spread.notice is None else [f"  biases    {spread.notice}"])
+
+
 def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
     """Return one line for each source of noise.
 
@@ -138,7 +156,7 @@ def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
     return lines
 
 
-def method_words(rung: Rung, solution: Solution, weights: str) -> str:
+def method_words(rung: Rung, solution: Solution, noise_given: bool) -> str:
     """Return how the coefficients were found.
 
     Parameters
@@ -147,16 +165,16 @@ def method_words(rung: Rung, solution: Solution, weights: str) -> str:
         The one that was used.
     solution : Solution
         Where the search ended.
-    weights : str
-        Where the weights of the signals came from, in words.
+    noise_given : bool
+        Whether noise levels were given, not estimated.
     """
     problem = solution.problem
     signals, method = ", ".join(problem.signals), METHODS[rung.method]
     if solution.covariance is None:
+        weights = "noise levels given" if noise_given else "weighted by size and duration of the residuals"
         words = [f"{method} on {signals}", "exact sensitivities", weights]
-        if problem.prior is not None:
-            # A least-squares search with a prior among its residuals ends at the maximum of the posterior density.
-            words += ["rudder biases pooled", "maximum a posteriori"]
+        if problem.prior is not None and problem.prior.biases and len(problem.trials) > 1:
+            words.append("rudder biases as random effects")
     else:
         words = [method, f"initial states and biases by output error on {signals}"]
     return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])

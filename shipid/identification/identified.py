@@ -9,9 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.estimation.estimate import Estimate
+from shipid.foundation.result import Result
 from shipid.identification.methods import Method
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
@@ -21,8 +24,8 @@ from shipid.identification.uncertainty.covariance import Covariance
 from shipid.parameters.parameter_set import ParameterSet
 
 
-@dataclass(frozen=True, eq=False)
-class Identified:
+@dataclass(frozen=True, eq=False, repr=False)
+class Identified(Result):
     """The result of the search, before any assessment.
 
     Attributes
@@ -39,6 +42,8 @@ class Identified:
         Fitted coefficients, then published ones that follow from them.
     method : str
         Name of the method that found them (`shipid.identification.methods`).
+    noise : ndarray, shape (signals,)
+        Standard deviation of each signal, SI: that of its residuals where it was estimated. The weights of the search may differ.
     spreads : mapping of str to float
         Standard deviation, stated beforehand, of coefficients about which the trials say nothing.
     """
@@ -49,6 +54,7 @@ class Identified:
     covariance: Covariance
     parameters: Mapping[str, Estimate]
     method: Method
+    noise: np.ndarray
     spreads: Mapping[str, float] = field(default_factory=dict)
 
     @property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from importlib import metadata
 
 import numpy as np
@@ -17,22 +17,24 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
+from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
-from shipid.identification.methods import LOSSES, METHODS, PURPOSES, Loss, Method, Purpose
+from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.first_weights import first_weights, given_weights
-from shipid.identification.problem.output_error import make_problem
+from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import INDEPENDENT, prior_of, structural_errors
 from shipid.identification.problem.setting import Setting, check_length, search_box, settle
 from shipid.identification.problem.signals import check_answer, fitted_signals, unknown_biases
 from shipid.identification.problem.trial_data import prepare, with_whole_inputs
 from shipid.identification.search.ladder import SearchSettings, climb
 from shipid.identification.search.least_squares import Progress
-from shipid.identification.search.prediction_weights import independent_samples, on_every_sample, weigh_again
+from shipid.identification.search.prediction_weights import independent_samples
 from shipid.identification.search.rung import Rung
-from shipid.identification.search.solution import Solution
+from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
 from shipid.identification.uncertainty.estimates import estimates_of, unseen_words
 from shipid.identification.uncertainty.identified_ship import identified_ship
@@ -83,8 +85,8 @@ def identify(
     validate : sequence of Trial, optional
         Trials to predict.
     purpose : {"prediction", "filter"}, optional
-        For prediction, rudder biases are pooled: the trials share one, about which each may be off by a tenth of a degree,
-        and initial states stay near what was measured. By default both are free in each trial. For a filter, coefficients and
+        For prediction is the default: rudder biases of the trials are spread about a common mean, by a standard deviation that
+        is estimated with the coefficients, and initial states stay near what was measured. For a filter, coefficients and
         noise levels come from the likelihood through the Kalman filter (method prediction-error).
     method : {"output-error", "equation-error", "instrumental-variables", "multiple-shooting", "prediction-error"}, optional
         By default the ladder of them: output error from several starts, one of them by equation error where the states
@@ -93,7 +95,7 @@ def identify(
     loss : {"linear", "huber", "soft-l1"}
         How residuals count: by their squares, or large ones less, so that outliers have little effect.
     rudder_bias : bool
-        Whether each trial has a rudder bias of its own.
+        Whether the rudder of each trial has a bias.
     starts : int
         Number of starting points.
     seed : int
@@ -144,36 +146,59 @@ def identify(
     # The trials to predict are checked as well, so that missing columns are found before the search.
     everything = [prepare(setting.model, s, shown, own_speed, unit_time, t) for s, t in (*pairs, *predicted)]
     data = everything[: len(trials)]
-    # For prediction, residuals are weighted by what a low-order model can reach, and the trials share their biases.
-    structural = purpose == "prediction" and noise is None
-    if noise is not None:
-        sigma, weights = given_weights(shown, noise), "noise levels given"
-    elif structural:
-        sigma, weights = structural_errors(shown, data[0], unit_time), "weighted by the errors of a low-order model"
-    else:
-        sigma, weights = first_weights(shown, unit_time), "noise levels estimated"
-    biases, box = unknown_biases(setting.model, shown, rudder_bias), search_box(setting)
-    problem = make_problem(setting.model, data, shown, setting.estimated, setting.fixed, sigma, biases)
+    problem = make_problem(
+        setting.model,
+        data,
+        shown,
+        setting.estimated,
+        setting.fixed,
+        first_weights(shown, unit_time) if noise is None else given_weights(shown, noise),
+        unknown_biases(setting.model, shown, rudder_bias),
+    )
     problem = replace(problem, loss=loss)
-    if purpose == "prediction":
-        prior = prior_of(setting.model, problem.initial, biases, data[0], unit_time, setting.estimated)
-        problem = replace(problem, prior=prior)
-    how = SearchSettings(starts, seed, noise is None and not structural, unit_time, progress or (lambda _: None))
+    how = SearchSettings(starts, seed, noise is None, unit_time, progress or (lambda _: None))
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
-        solution, rungs = climb(independent_samples(problem, unit_time) if structural else problem, box, method, how)
-        if structural:
-            # Coefficients of a method that minimises no residuals are not to be moved by new weights.
-            if solution.covariance is None:
-                solution = weigh_again(solution, box, sigma, INDEPENDENT * unit_time)
-            solution = on_every_sample(solution, problem)
+        searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
+        found = searched(problem, search_box(setting), method, how)
         if steered:
-            why = f"an autopilot steers {', '.join(steered)} against disturbances, which biases output error."
-            rungs = tuple(
-                replace(r, reason=f"{why} {r.reason[0].upper()}{r.reason[1:]}") if r.used else r for r in rungs
-            )
-        fit = _result(setting, solution, rungs, box, [t for _, t in pairs], weights)
+            found = replace(found, rungs=_for_autopilots(found.rungs, steered))
+        fit = _result(setting, found, [t for _, t in pairs], noise is not None)
         return fit.validate(validate) if validate else fit
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """The end of a search, how it came about, and what was found of the spread of the biases."""
+
+    solution: Solution
+    rungs: tuple[Rung, ...]
+    box: Box
+    spread: BiasSpread | None = None
+
+
+def _by_residuals(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> _Found:
+    """Output error, with rudder biases as random effects and weights by how long residuals last."""
+    unit_time, first = how.unit_time, problem.trials[0]
+    least = structural_errors(problem.signals, first, unit_time) if how.weigh else None
+    prior = prior_of(problem.model, problem.initial, problem.biases, first, unit_time, problem.estimated)
+    problem = replace(problem, prior=prior, sigma=problem.sigma if least is None else least)
+    rough = replace(how, weigh=False)
+    solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)
+    weighing = Weighing(least, INDEPENDENT * unit_time, how.tell)
+    solution, spread = conclude(solution, problem, box, weighing)
+    return _Found(solution, rungs, box, spread)
+
+
+def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> _Found:
+    """A method that minimises no residuals of whole records."""
+    return _Found(*climb(problem, box, method, how), box)
+
+
+def _for_autopilots(rungs: tuple[Rung, ...], steered: Sequence[str]) -> tuple[Rung, ...]:
+    """The methods that were tried, with the reason for prediction error."""
+    why = f"an autopilot steers {', '.join(steered)} against disturbances, which biases output error."
+    return tuple(replace(r, reason=f"{why} {r.reason[0].upper()}{r.reason[1:]}") if r.used else r for r in rungs)
 
 
 def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
@@ -189,10 +214,10 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
     return result
 
 
-def _result(
-    setting: Setting, solution: Solution, rungs: tuple[Rung, ...], box: Box, records: Sequence[Trial], weights: str
-) -> Fit:
+def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_given: bool) -> Fit:
+    solution, rungs, box = found.solution, found.rungs, found.box
     problem, covariance = solution.problem, covariance_of(solution)
+    noise = problem.sigma if noise_given or solution.covariance is not None else residual_levels(solution)
     shared = len(problem.estimated)
     unseen = [n for n, v in zip(problem.estimated, np.diag(covariance.matrix)) if np.isinf(v)]
     # About these the trials say nothing: they keep what is known of them beforehand.
@@ -212,7 +237,7 @@ def _result(
     return Fit(
         model=setting.model,
         ship=ship,
-        method=method_words(used, solution, weights),
+        method=method_words(used, solution, noise_given),
         converged=solution.converged,
         message=" ".join((solution.message, *setting.notes)),
         parameters=parameters,
@@ -220,17 +245,27 @@ def _result(
         covariance=block,
         correlation=correlation,
         condition_number=plain(covariance.condition_number),
-        noise=dict(zip(problem.signals, problem.sigma.tolist())),
+        noise=dict(zip(problem.signals, noise.tolist())),
         fitted=fitted_comparisons(problem, solution.q, records, ship.particular("L", "m")),
         validation=(),
-        chi_square=2 * solution.cost / max(1, solution.residual.size - problem.missing - problem.size),
+        chi_square=_chi_square(solution, noise),
         evaluations=solution.evaluations,
         provenance=_provenance(setting.model, trials),
-        identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method, spreads),
+        identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method, noise, spreads),
         ladder=rungs,
         loss=problem.loss,
         levels=solution.levels,
+        bias_spread=found.spread,
     )
+
+
+def _chi_square(solution: Solution, noise: np.ndarray) -> float:
+    """Mean squared residual, in standard deviations of the noise, per degree of freedom."""
+    problem = solution.problem
+    split = problem.by_signal(solution.residual)
+    together = np.concatenate([r * (s / n) for trial in split for r, s, n in zip(trial, problem.sigma, noise)])
+    together = together[np.isfinite(together)]
+    return float(together @ together / max(1, together.size - problem.size))
 
 
 def _provenance(model: Model, trials: Sequence[Trial]) -> dict[str, Plain]:

@@ -18,8 +18,9 @@ METHODS: dict[Method, str] = {
     "multiple-shooting": "multiple shooting, finished by output error",
     "prediction-error": "prediction error through the Kalman filter",
 }
-#: Purpose: the method it leads to. None is the default: a fit for prediction is weighted by the errors of a low-order model and
-#: pools its biases; where the model is exact its intervals contain the true value less often (`studies/coverage.py --for prediction`).
-PURPOSES: dict[Purpose, Method] = {"prediction": "output-error", "filter": "prediction-error"}
+#: Methods that minimise the residuals of whole records; None is the ladder of them.
+OUTPUT_ERROR: tuple[Method | None, ...] = (None, "output-error", "multiple-shooting")
+#: Purpose: the method it leads to. The default is a fit for prediction.
+PURPOSES: dict[Purpose, Method | None] = {"prediction": None, "filter": "prediction-error"}
 #: Losses: squares, and two in which large residuals count less than their square.
 LOSSES: tuple[Loss, ...] = get_args(Loss)

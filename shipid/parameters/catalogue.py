@@ -28,6 +28,8 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
 
 _PACKAGE = "shipid.models"
+#: What stands at the end of the name of a model that the true wind of a log turns, and the component that states how.
+IN_WIND, _WIND = "-wind", "WindMoment"
 
 
 def modules() -> list[ModuleType]:
@@ -91,7 +93,8 @@ def find_model(name: str) -> Model:
     Parameters
     ----------
     name : str
-        ``"de-keizer"``, or a file and the name of a model or a component class in it.
+        ``"de-keizer"``, or a file and the name of a model or a component class in it. With ``-wind`` after it, any model of yaw is
+        joined with the moment of the true wind.
 
     Raises
     ------
@@ -109,7 +112,25 @@ def find_model(name: str) -> Model:
     models = known_models()
     if name in models:
         return models[name]
+    if name.endswith(IN_WIND) and (base := name.removesuffix(IN_WIND)) in models:
+        model = in_wind(models[base])
+        if model.name == name:
+            return model
     raise UnknownNameError("model", name, models, "A model of your own is given as path/to/file.py:Class.")
+
+
+def in_wind(model: Model) -> Model:
+    """Return a model with the moment of the true wind, or the same where it has a wind or no yaw for one to act on.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    if "wind_speed" in model or "r_disturbance" not in model.inputs or "L" not in model:
+        return model
+    name = model.name + IN_WIND
+    return known_models().get(name) or join(name, model, known_component(_WIND))
 
 
 def names_a_file(name: str) -> bool:

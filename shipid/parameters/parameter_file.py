@@ -14,8 +14,9 @@ from shipid.foundation.replacing import write_text
 from shipid.parameters.correlation import IDENTIFIED, joint_table, read_joint
 from shipid.parameters.parameter_set import ParameterSet, Value
 
-_VALUE_KEYS = ("value", "unit", "source", "std", "speed", "speed_unit", "note")
-_HEAD_KEYS = ("name", "title", "notes", "schema")
+#: Entries of a value, and of the file beside its tables.
+VALUE_KEYS = ("value", "unit", "source", "std", "speed", "speed_unit", "note")
+HEAD_KEYS = ("name", "title", "notes", "schema")
 
 
 def read_parameter_set(path: str | Path) -> ParameterSet:
@@ -59,13 +60,13 @@ def parse_parameter_set(table: Table, name: str) -> ParameterSet:
     ParameterSetError
         As `read_parameter_set`.
     """
-    head = {k: table.value(k, str) for k in _HEAD_KEYS if k in table and k != "schema"}
+    head = {k: table.value(k, str) for k in HEAD_KEYS if k in table and k != "schema"}
     sections: dict[str, dict[str, Value]] = {}
     for section in table:
-        if section in (*_HEAD_KEYS, IDENTIFIED):
+        if section in (*HEAD_KEYS, IDENTIFIED):
             continue
         if not isinstance(table.content[section], Mapping):
-            raise table.fail(f"'{section}' stands outside a table. {nearest(section, _HEAD_KEYS)}")
+            raise table.fail(f"'{section}' stands outside a table. {nearest(section, HEAD_KEYS)}")
         inside = table.table(section)
         sections[section] = {n: _value(inside, n) for n in inside}
     joint = read_joint(table.where, table.content.get(IDENTIFIED, {}))
@@ -83,8 +84,8 @@ def _value(section: Table, name: str) -> Value:
             f"{{ value = {raw}, unit = '...', source = '...' }}."
         )
     for key in raw:
-        if key not in _VALUE_KEYS:
-            raise ParameterSetError(f"{where} has an entry '{key}' it does not know. {nearest(key, _VALUE_KEYS)}")
+        if key not in VALUE_KEYS:
+            raise ParameterSetError(f"{where} has an entry '{key}' it does not know. {nearest(key, VALUE_KEYS)}")
     for key in ("value", "unit", "source"):
         if key not in raw:
             raise ParameterSetError(f"{where} has no {key}.")
@@ -152,7 +153,7 @@ def parameter_table(parameters: ParameterSet) -> dict[str, Plain]:
         If a section is called as an entry of the file.
     """
     for section in parameters.sections:
-        if section in (*_HEAD_KEYS, IDENTIFIED):
+        if section in (*HEAD_KEYS, IDENTIFIED):
             raise ParameterSetError(
                 f"a model called '{section}' has no place in a parameter set, which has an entry of that name. Call it otherwise."
             )

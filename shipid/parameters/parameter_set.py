@@ -10,6 +10,7 @@ from shipid.declaration.component import Scope
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty, split, to_si
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
+from shipid.foundation.result import Result
 from shipid.parameters.correlation import Joint
 
 PARTICULARS = "particulars"
@@ -82,8 +83,8 @@ class Value:
         return to_si((float(np.interp(speed, speeds, self.value)), self.unit), wanted, what)
 
 
-@dataclass(frozen=True)
-class ParameterSet:
+@dataclass(frozen=True, repr=False)
+class ParameterSet(Result):
     """What is known of one ship.
 
     Attributes
@@ -114,7 +115,8 @@ class ParameterSet:
         sections = {s: dict(v) for s, v in self.sections.items()}
         return ParameterSet, (self.name, self.title, self.notes, sections, dict(self.joint))
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         inside = "; ".join(f"{s}: {', '.join(v)}" for s, v in self.sections.items())
         return f"<ParameterSet {self.name!r} {self.title!r}: {inside}>"
 

@@ -14,6 +14,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
+from shipid.foundation.result import Result
 from shipid.planning.selection import Criterion
 
 if TYPE_CHECKING:
@@ -95,8 +96,8 @@ class Forecast:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Plan:
+@dataclass(frozen=True, eq=False, repr=False)
+class Plan(Result):
     """Trials to sail.
 
     Attributes
@@ -200,7 +201,8 @@ class Plan:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         over = (
             f"{'the worst' if self.worst_case else 'the average'} of {self.draws} draws" if self.draws else "no draws"
         )

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.prediction.charts.chart import Chart
 from shipid.prediction.following.wheel_over import WheelOver
 from shipid.prediction.routes.route_turn import RouteTurn
@@ -55,8 +56,8 @@ class Stage:
     half_width: float | None
 
 
-@dataclass(frozen=True, eq=False)
-class Prediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class Prediction(DrawnResult):
     """A predicted track and what it began from; made by `predict_track`.
 
     Attributes
@@ -172,7 +173,8 @@ class Prediction:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         known = self.situation.values
         lines = [
             f"predicted track of {self.ship} ({self.model}): {self.track.order}",

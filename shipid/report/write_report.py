@@ -114,10 +114,22 @@ def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
     UsageError
         If there is no report for this kind of result.
     """
-    return _page(result, criteria).html()
+    return page_of(result, criteria).html()
 
 
-def _page(result: Reported, criteria: Criteria | str | None) -> Page:
+def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
+    """Return what the report of a result says.
+
+    Parameters
+    ----------
+    result, criteria
+        As for `write_report`.
+
+    Raises
+    ------
+    UsageError
+        If there is no report for this kind of result.
+    """
     kind = type(result).__name__
     if kind not in _VIEWS:
         raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")

@@ -10,6 +10,7 @@ from shipid.declaration.tables import Table
 from shipid.declaration.units import factor, pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import given
+from shipid.foundation.result import Result
 
 
 @dataclass(frozen=True)
@@ -69,8 +70,8 @@ ENTRIES: Mapping[str, Condition] = MappingProxyType({e.name: e for e in _ENTRIES
 _POSITIVE = ("length", "breadth", "draught_forward", "draught_aft", "displacement", "depth")
 
 
-@dataclass(frozen=True)
-class Conditions:
+@dataclass(frozen=True, repr=False)
+class Conditions(Result):
     """What is stated of a trial; what is not stated is a blank of its record.
 
     Attributes

@@ -7,11 +7,12 @@ import re
 from dataclasses import dataclass, field
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.trials.conditions import Conditions
 
 
-@dataclass(frozen=True)
-class Source:
+@dataclass(frozen=True, repr=False)
+class Source(Result):
     """Where a trial came from, and what was done to it on the way in.
 
     Attributes

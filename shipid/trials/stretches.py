@@ -46,6 +46,17 @@ def is_note(text: str) -> bool:
     return text.startswith((_FILLED, _SPLIT, _SHORT, _LEFT))
 
 
+def is_split(text: str) -> bool:
+    """Return whether a note of a trial's source says that holes split its record, and into which stretches.
+
+    Parameters
+    ----------
+    text : str
+        The note.
+    """
+    return text.startswith(_SPLIT)
+
+
 @dataclass(frozen=True, eq=False)
 class FilledInput:
     """An input between its samples; N rows.

@@ -12,6 +12,7 @@ from shipid.declaration import units as border
 from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import nearest
+from shipid.foundation.result import DrawnResult
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
 from shipid.trials.filling import usual_interval
@@ -21,7 +22,7 @@ from shipid.trials.source import Source
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Trial:
+class Trial(DrawnResult):
     """A trial record, SI inside.
 
     Attributes
@@ -90,7 +91,8 @@ class Trial:
     def __len__(self) -> int:
         return len(self.table)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         t = self["t"]
         lines = [
             f"Trial '{self.name}'" + (f", ship {self.ship}" if self.ship else ""),

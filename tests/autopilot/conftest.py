@@ -32,7 +32,7 @@ def _uncertain(ship: str, model: str, share: float = 0.1, correlation: float = 0
 @pytest.fixture(scope="session")
 def container():
     """The container ship under De Keizer's model, poles placed by default."""
-    return shipid.design_autopilot("de-keizer", "soesterberg")
+    return shipid.design_autopilot("de-keizer", "soesterberg", design="pole")
 
 
 @pytest.fixture(scope="session")

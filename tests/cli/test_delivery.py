@@ -103,7 +103,7 @@ class Answer:
     def __init__(self, value: float = 1.5) -> None:
         self.value = value
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
         return f"the answer is {self.value}"
 
     def to_dict(self) -> dict[str, float]:

@@ -25,7 +25,7 @@ def tuned(tmp_path_factory):
 def test_three_files(tuned):
     result = json.loads((tuned / "result.json").read_text())
     assert {"speeds", "gains", "poles", "margins", "robust", "steps", "weakest", "warnings"} <= set(result)
-    assert result["speeds"] == {"value": [7.0, 9.5], "unit": "m/s"} and set(result["gains"]) == {"Kp", "Kd"}
+    assert result["speeds"] == {"value": [7.0, 9.5], "unit": "m/s"} and set(result["gains"]) == {"Kp", "Kd", "Ki"}
     assert len(result["margins"]["disk"]) == 2 and {"disk_worst", "samples"} <= set(result["robust"])
     schedule = tomllib.loads((tuned / "schedule.toml").read_text())
     assert schedule["schedule"]["u"]["value"] == [7.0, 9.5]
@@ -44,7 +44,18 @@ def test_as_json(call):
 
 def test_omega_and_zeta(call):
     answer = call(
-        "tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--omega-n", "0.05 rad/s", "--zeta", "0.8", "--json"
+        "tune",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        *QUICK,
+        "--design",
+        "pole",
+        "--omega-n",
+        "0.05 rad/s",
+        "--zeta",
+        "0.8",
+        "--json",
     )
     real, imaginary = json.loads(answer.out)["poles"][1][0]
     assert real == pytest.approx(-0.04, rel=1e-12) and abs(imaginary) == pytest.approx(0.03, rel=1e-12)
@@ -92,7 +103,7 @@ def test_an_own_model_and_ship(call, refused, own_model, own_ship, tmp_path):
 
 def test_two_side_by_side(call, tuned, tmp_path):
     other = str(tmp_path / "b")
-    assert call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--design", "pid", "--out", other).code == 0
+    assert call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--design", "pole", "--out", other).code == 0
     files = (str(tuned / "schedule.toml"), f"{other}/schedule.toml")
     answer = call("tune", "--compare", *files, "--samples", "10", "--out", str(tmp_path / "both"))
     assert answer.code == 0 and "least disk margin" in answer.out
@@ -106,7 +117,11 @@ def test_refusals(refused, tuned, tmp_path, own_ship):
     refused(2, ["tune", "de-keizr", "--ship", "soesterberg"], "de-keizer")
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--out", str(tuned)], "--overwrite")
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--design", "fuzzy"], "no design 'fuzzy'")
-    refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--integral", "0.2"], "belongs to --design pid")
+    refused(
+        2,
+        ["tune", "de-keizer", "--ship", "soesterberg", "--design", "pole", "--integral", "0.2"],
+        "belongs to --design pid",
+    )
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--rudder-weight", "2"], "belongs to --design lqr")
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--speeds", "fast"], "neither FROM:TO:STEP")
     refused(2, ["tune", "de-keizer", "--ship", "soesterberg", "--omega-n", "quick"], "does not start with a number")

@@ -47,7 +47,7 @@ def test_the_width_of_a_loop_stands_beside_its_limit():
         spiral = json.loads(json.dumps(result.to_dict()))["spiral"]
         assert spiral["loop_width"]["value"] == pytest.approx(6.16, abs=0.01)
         assert spiral["limit"]["value"] == pytest.approx(L / speed / 3 - 3) and spiral["within"] is within
-        assert f"{'within' if within else 'BEYOND'}\n" in repr(result).partition("straight course")[2]
+        assert f"{'within' if within else 'BEYOND'}\n" in result.text().partition("straight course")[2]
 
 
 def unstable(speed: float) -> dict[str, float]:
@@ -57,7 +57,7 @@ def unstable(speed: float) -> dict[str, float]:
 
 def test_stopping_is_named_as_not_covered():
     result = manoeuvring_criteria("norrbin", ship="zeefakkel", draws=0)
-    assert "not covered: stopping" in repr(result) and "15 L" in result.to_dict()["not_covered"][0]
+    assert "not covered: stopping" in result.text() and "15 L" in result.to_dict()["not_covered"][0]
 
 
 def norrbin(a1: float) -> dict[str, float]:
@@ -124,7 +124,7 @@ def test_bands_from_a_fit_and_words_of_extrapolation(sail):
     assert "20 and 35" in notes
     assert plain["standard"] == "evaluated against MSC.137(76) 5.3"
     assert "90 % of the speed at 85 %" in notes and "100 m and longer" in notes
-    assert "compliant" not in repr(result) + str(plain)
+    assert "compliant" not in result.text() + str(plain)
     assert set(result.to_frame().columns) >= {"value", "interval_95", "limit"}
 
 
@@ -162,7 +162,7 @@ def test_a_model_that_runs_away_says_so():
     first = plain["warnings"][0]
     assert first["message"].startswith(f"The turning circle at 30 deg is {NOT_SAILED} (norrbin): it turns faster")
     assert first["kind"] == "not-sailed" and first["serious"] and first["manoeuvre"] == "turn"
-    assert "not sailed" in repr(result)
+    assert "not sailed" in result.text()
 
 
 def slowed(loss: float, rudder: float) -> ParameterSet:

@@ -80,7 +80,7 @@ def test_where_nothing_keeps_clear_it_says_so(predictor, own):
     assert not found.clear
     (warning,) = found.warnings
     assert warning.serious and warning.kind == "no-clear-course" and "Alpha" in warning
-    assert "NOT CLEAR" in repr(found)
+    assert "NOT CLEAR" in found.text()
     assert found.share == pytest.approx(max(found.tried.values()))
 
 

@@ -163,7 +163,7 @@ def test_results_as_plain_values(filters: dict[str, Any]) -> None:
     assert list(frame.columns) == ["t [s]", "psi [rad]", "std_psi [rad]", "r [rad/s]", "std_r [rad/s]", "K [1/s]",
                                    "std_K [1/s]", "tau [s]", "std_tau [s]"]  # fmt: skip
     assert frame["K [1/s]"].to_numpy() == pytest.approx(run["K"]) and len(frame) == 40
-    text = repr(run)
+    text = run.text()
     assert "extended Kalman filter of 'yaw'" in text and "record record: 40 samples" in text
     assert "innovations of psi        NIS - (1 is right), whiteness p -, rejected 0" in text
     assert run.nis.shape == (40,) and np.isfinite(run.nis).all()

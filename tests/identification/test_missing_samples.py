@@ -88,7 +88,7 @@ def test_long_holes_in_what_is_predicted():
     near_truth(fit)
     assert [c.trial.name for c in fit.fitted] == ["log"], "it has no hole in what drives it"
     assert fit.fitted[0].samples == {"psi": (320, 401), "r": (360, 401)}
-    assert "samples there: psi 320 of 401, r 360 of 401" in repr(fit)
+    assert "samples there: psi 320 of 401, r 360 of 401" in fit.text()
 
 
 def test_a_sample_that_is_missing_counts_as_one_that_never_was():
@@ -131,7 +131,7 @@ def test_a_hole_in_the_rudder_splits_the_record():
     fit = fitted(made)
     near_truth(fit)
     assert [c.trial.name for c in fit.fitted] == ["log@0:74.5", "log@95.5:200"]
-    text = " ".join(repr(fit).split())
+    text = " ".join(fit.text().split())
     assert "Holes in delta split the record; 2 stretches are used" in text and "401, of which 360 are used" in text
     plain = json.loads(json.dumps(fit.to_dict(), allow_nan=False))
     assert plain["samples"]["log@0:74.5"]["signals"]["psi"] == {"there": 150, "possible": 150}

@@ -31,7 +31,7 @@ SHIPS = sorted(known_ships())
 SECTIONS = [(ship, section) for ship in SHIPS for section in find_ship(ship).models]
 MODELS = sorted(known_models())
 #: Time constants of machinery, which know nothing of ship lengths: R/V Gunnerus showed one lag in seconds at two speeds.
-IN_SECONDS = {("DeKeizerLag", "t_delta")}
+IN_SECONDS = {(n, "t_delta") for n in ("ActuatorLag", "CubicYawLag", "DeKeizerLag", "SlipstreamYawLag")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
 WITH_WIND = {"cubic-wind", "cross-flow-wind"}
 #: Declarations for filters and recursions: each holds only what it estimates.

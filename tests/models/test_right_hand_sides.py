@@ -268,9 +268,28 @@ def de_keizer_lag(n: Numbers) -> Numbers:
     return yaw_and_surge | {"delta_lagged": (order + 0.16) / 0.93}
 
 
+def cubic_lag(n: Numbers) -> Numbers:
+    order, n["delta"] = n["delta"], -0.16
+    yaw = cubic(n)
+    n |= {"t_delta": 0.93, "delta_lagged": -0.16, "delta": order}
+    return yaw | {"delta_lagged": (order + 0.16) / 0.93}
+
+
+def bech_slipstream_lag(n: Numbers) -> Numbers:
+    order, n["delta"] = n["delta"], -0.16
+    yaw_and_surge = bech_slipstream(n)
+    n |= {"t_delta": 0.93, "delta_lagged": -0.16, "delta": order}
+    return yaw_and_surge | {"delta_lagged": (order + 0.16) / 0.93}
+
+
 def cubic_sway(n: Numbers) -> Numbers:
     n |= {"gamma": 0.5, "gamma3": 0.31, "r_star": 0.37}
     return {"v": -n["u"] * (0.31 * 0.37**3 + 0.5 * 0.37)}
+
+
+def actuator_lag(n: Numbers) -> Numbers:
+    n |= {"t_delta": 0.93, "delta_lagged": -0.16}
+    return {"delta_lagged": (n["delta"] + 0.16) / 0.93}
 
 
 def speed_scaled(n: Numbers) -> Numbers:
@@ -412,11 +431,12 @@ MODELS: dict[str, Case] = {
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
     "bech-surge": bech_surge, "bech-slipstream": bech_slipstream, "cross-flow": cross_flow, "cubic": cubic,
     "cubic-wind": cubic_wind, "cross-flow-wind": cross_flow_wind, "de-keizer-lag": de_keizer_lag,
+    "cubic-lag": cubic_lag, "bech-slipstream-lag": bech_slipstream_lag,
     "yaw-filter": yaw_filter, "yaw-filter-seven": yaw_filter_seven, "position-filter": position_filter,
     "own-ship-filter": own_ship_filter,
 }  # fmt: skip
 PARTS: dict[str, Case] = {
-    "SpeedScaled": speed_scaled,
+    "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
     "WindMoment": wind_moment,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,

@@ -68,7 +68,7 @@ def test_five_hundred_edited_ship_files(tmp_path: Path, ship: str) -> None:
             found.values(model, speed=5.0)
             for name, unit in (("L", "m"), ("speed", "m/s")):
                 found.particular(name, unit)
-            repr(found)
+            found.text()
         except ShipidError as error:
             refused += 1
             assert str(error)

@@ -54,7 +54,7 @@ def test_a_set_is_read_with_everything_it_says(tmp_path: Path) -> None:
     assert (tau.value, tau.unit, tau.source, tau.std, tau.note) == (33.0, "s", "Table 1", 1.5, "by eye")
     assert ship.particular("speed", "m/s") == pytest.approx(10 * 1852 / 3600)
     assert ship.particular("B", "m") is None
-    assert "norrbin: K, tau, n3" in repr(ship)
+    assert "norrbin: K, tau, n3" in ship.text()
 
 
 def test_a_set_without_a_name_takes_the_file_s(tmp_path: Path) -> None:

@@ -201,7 +201,7 @@ def test_a_plan(plan):
         assert str(parse_manoeuvre(leg.manoeuvre)) == leg.manoeuvre
     gaps = [b.start - a.start - a.duration for a, b in zip(plan.legs, plan.legs[1:])]
     assert gaps == pytest.approx([45.0] * len(gaps)), "five L/U"
-    text = repr(plan)
+    text = plan.text()
     for word in ("norrbin", "zeefakkel", "psi, r", "determinant", plan.legs[0].manoeuvre, "b3"):
         assert word in text
     assert list(plan.to_frame()["start [s]"]) == [leg.start for leg in plan.legs]
@@ -258,7 +258,7 @@ def test_a_coefficient_nothing_shows_is_said():
     assert found.parameters["gamma"].std is None and found.parameters["gamma"].ratio is None
     assert any(w.startswith("gamma stays undetermined: no manoeuvre") for w in found.warnings)
     assert found.det_gain > 1
-    assert "any" in repr(found)
+    assert "any" in found.text()
 
 
 def test_a_coefficient_that_stays_open_is_said():
@@ -335,7 +335,7 @@ def test_without_the_standard_nothing_is_compared():
     found = planned("de-keizer", "soesterberg", values={"K": "5 1", "K_u": "0.9 1"}, repertoire=["zigzag:5/5"], draws=1)
     assert found.standard == () and found.det_gain is None and found.to_dict()["gain_over_standard"]["det"] is None
     assert any("not compared with it" in w for w in found.warnings)
-    assert "no standard" in repr(found)
+    assert "no standard" in found.text()
     json.dumps(found.to_dict(), allow_nan=False)
 
 

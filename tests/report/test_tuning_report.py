@@ -112,7 +112,7 @@ def test_two_tunings_side_by_side(pages, judged, weak, read_page):
     assert any(w.startswith("two ships") for w in found.warnings)
     assert found.to_dict()["names"] == ["A.toml", "B.toml"]
     assert found.to_frame().shape == (len(found.rows), 2)
-    assert "* the better one" in repr(found)
+    assert "* the better one" in found.text()
     assert "Least disk margin" in read_page(pages["both"]).text
 
 

@@ -106,7 +106,7 @@ def test_hole_in_the_record(log, table, hole):
     assert len(trial) == 20 and np.flatnonzero(np.isnan(trial["psi"])).tolist() == [4]
     assert "psi: 1 of 20 samples are missing." in trial.source.notes
     assert trial.to_dict()["columns"]["psi"][4] is None
-    assert "1 missing" in repr(trial)
+    assert "1 missing" in trial.text()
 
 
 def test_empty_rows_are_counted(log, table):

@@ -43,7 +43,7 @@ def test_trial_is_frozen(trial):
 
 
 def test_repr_says_what_a_reader_wants(trial):
-    text = repr(trial)
+    text = trial.text()
     for word in ("log", "20 samples", "0 to 9.5 s", "psi", "deg/s", "15.7 deg"):
         assert word in text
 

@@ -28,12 +28,16 @@ class CourseChange:
         Over the run; in weather, after it has begun.
     reversals : float or None
         Of the rudder by more than half a degree, a minute.
+    travel_deg_s : float or None
+        Rudder travel in a second, to and fro.
     cross_track_m : float or None
-        Width of the track across the new course once the heading is reached.
+        Width of the track across the new course once the heading is reached; None where it is not.
     sea_filter : bool
         Whether heading and rate went through the sea filter.
     lost : bool
         Whether the run diverged.
+    waves_met : float or None
+        Waves the ship meets in a minute on the course it keeps; None in calm.
     """
 
     speed: float
@@ -45,14 +49,16 @@ class CourseChange:
     mean_error_deg: float | None
     rms_rudder_deg: float | None
     reversals: float | None
+    travel_deg_s: float | None
     cross_track_m: float | None
     sea_filter: bool = False
     lost: bool = False
+    waves_met: float | None = None
 
     def without_measures(self) -> CourseChange:
         """Return the change as one of which nothing is measured, as the run was lost."""
         return CourseChange(
-            self.speed, self.change_deg, self.weather, *(None,) * 7, sea_filter=self.sea_filter, lost=True
+            self.speed, self.change_deg, self.weather, *(None,) * 8, sea_filter=self.sea_filter, lost=True
         )
 
     def to_dict(self) -> dict[str, Plain]:
@@ -132,6 +138,7 @@ class CourseChanges:
             mean_error_deg=degrees(self.mean_error),
             rms_rudder_deg=degrees(self.rms_rudder),
             reversals=plain(self.reversals[index]),
+            travel_deg_s=degrees(self.travel),
             cross_track_m=plain(self.cross_track[index]),
             sea_filter=sea_filter,
             lost=not np.isfinite(self.overshoot[index]),

@@ -193,7 +193,7 @@ def sea_frequency(pilot: Autopilot, weather: Weather, speeds: np.ndarray, direct
     speeds, directions : ndarray, shape (runs,)
         Of the ship in m/s, and where the waves go to from its heading, in rad.
     """
-    met = np.abs(weather.wave_frequency - weather.wave_frequency**2 * speeds * np.cos(directions) / 9.81)
+    met = weather.encounter(speeds, directions)
     different, place = np.unique(speeds, return_inverse=True)
     natural = np.array([heading_frequency(pilot, float(v)) for v in different])[place]
     return np.asarray(np.maximum(met, ABOVE * natural))

@@ -7,7 +7,7 @@ model. It is a standard for comparison and no forecast: it is the same for every
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
@@ -16,7 +16,9 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
+from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import to_display
+from shipid.foundation.errors import UnitError, UsageError
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 
@@ -120,6 +122,16 @@ class Weather:
         draws = np.random.default_rng([seed, 7]).standard_normal((count, interval.size))
         return np.asarray(draws * np.sqrt(intensity / interval))
 
+    def encounter(self, speeds: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """Return the frequency at which ships meet the waves in rad/s: Passenier (1989), eq. (2.90).
+
+        Parameters
+        ----------
+        speeds, directions : ndarray, shape (runs,)
+            Of the ship in m/s, and where the waves go to from its heading, in rad.
+        """
+        return np.asarray(np.abs(self.wave_frequency - self.wave_frequency**2 * speeds * np.cos(directions) / 9.81))
+
     @property
     def wave_rate(self) -> float:
         """Root mean square of the rate of turn by the waves, the ship at rest, in rad/s."""
@@ -131,6 +143,7 @@ class Weather:
             "wind_m_s": self.wind,
             "wave_frequency_rad_s": self.wave_frequency,
             "wave_heading_rms_deg": to_display(self.wave_heading, "psi"),
+            "wave_turning_rms_deg_s": to_display(self.wave_rate, "psi"),
             "current_m_s": self.current,
         }
 
@@ -147,3 +160,55 @@ def standard_weather(length: float, speed: float) -> Weather:
     """
     share = float(np.sqrt(min(length, _FULL) / _FULL))
     return Weather(min(12.0 * share, 1.5 * speed), 0.6 / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed))
+
+
+def stated_weather(
+    base: Weather, *, wind: str | None = None, sea: str | None = None, current: str | None = None
+) -> Weather:
+    """Return a weather with some of it stated.
+
+    Parameters
+    ----------
+    base : Weather
+        The rest of it.
+    wind, current : str, optional
+        True wind, and current across it: ``"15 m/s"``; zero for none.
+    sea : str, optional
+        Root mean square of the heading by waves, the ship at rest, and the frequency or the period of the waves:
+        ``"0.3 deg"``, ``"0.3 deg at 0.5 rad/s"``, ``"0.3 deg at 9 s"``; zero for none.
+
+    Raises
+    ------
+    UsageError
+        If one is negative, or has another form.
+    """
+    found = base
+    if wind is not None:
+        found = replace(found, wind=_positive(wind, "m/s", "the wind"))
+    if current is not None:
+        found = replace(found, current=_positive(current, "m/s", "the current"))
+    if sea is not None:
+        size, mark, pace = (part.strip() for part in sea.partition(" at "))
+        found = replace(found, wave_heading=_positive(size, "rad", "the heading by waves"))
+        found = replace(found, wave_frequency=_frequency(pace)) if mark else found
+    return found
+
+
+def _frequency(text: str) -> float:
+    """Of waves in rad/s, stated as it is or as a period."""
+    try:
+        found = 2 * np.pi / to_si(text, "s", "the period of the waves")
+    except UnitError:
+        found = to_si(text, "rad/s", "the frequency of the waves")
+    except ZeroDivisionError:
+        found = np.inf
+    if not 0.05 <= found <= 20:
+        raise UsageError(f"waves of {text} are none that yaw a ship: give a period from 0.4 to 120 s.")
+    return float(found)
+
+
+def _positive(text: str, unit: str, what: str) -> float:
+    found = to_si(text, unit, what)
+    if not 0 <= found < np.inf:
+        raise UsageError(f"{what} is {text}: give its size, zero for none. Every direction is sailed.")
+    return found

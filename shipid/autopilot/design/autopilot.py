@@ -16,6 +16,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import DrawnResult
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:
@@ -29,8 +30,8 @@ Mode = Literal["course", "rate"]
 REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_weight": "1"}
 
 
-@dataclass(frozen=True, eq=False)
-class Autopilot:
+@dataclass(frozen=True, eq=False, repr=False)
+class Autopilot(DrawnResult):
     """A gain-scheduled autopilot; made by `design_autopilot`, or read with `read_schedule`.
 
     It is data. Computed from it are its closed loop and python-control systems
@@ -166,7 +167,8 @@ class Autopilot:
     def _poles(self, condition: int) -> list[list[list[float]]]:
         return [[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]]
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         asked = ", ".join(_with_unit(v, n) for n, v in self.request.items())
         holds = "" if self.mode == "course" else f", {self.mode}"
         lines = [f"autopilot of {self.ship.name} ({self.model.name}){holds}, {self.design}: {asked}"]

@@ -45,7 +45,7 @@ def design_autopilot(
     *,
     actuator: type[Component] | str | None = SteeringMachine,
     speeds: str | Sequence[float] | None = None,
-    design: Design = "pole",
+    design: Design | None = None,
     mode: Mode = "course",
     omega_n: str | float | None = None,
     damping: float | None = None,
@@ -70,8 +70,9 @@ def design_autopilot(
     speeds : str or sequence of float, optional
         ``"4:12:1 m/s"``, ``"8,12,16 kn"``, or numbers in m/s; by default 0.5 to 1.2 of
         the ship's own speed, by tenths of it.
-    design : {"pole", "lqr", "pid"}
-        Poles placed; the least cost of heading error and rudder; poles placed with an integral for a steady moment.
+    design : {"pid", "pole", "lqr"}, optional
+        Poles placed with an integral for a steady moment, the default for a course; poles placed, the default for a rate of turn,
+        whose control has an integral of its own; the least cost of heading error and rudder.
     mode : {"course", "rate"}
         What is held: a course, or a rate of turn, as in a bend; the gains of the rate error and its integral are those of rate
         and heading.
@@ -102,6 +103,7 @@ def design_autopilot(
     UnstatedInputError
         If the model reads an input that a straight course does not state and that declares no default.
     """
+    design = design or default_design(mode)
     if design not in DESIGNS:
         raise UnknownNameError("design", design, DESIGNS)
     if mode not in MODES:
@@ -140,6 +142,17 @@ def design_autopilot(
     return Autopilot(
         whole, ships, machine, design, mode, request, service, limit, limits, schedule, poles, tuple(warnings)
     )
+
+
+def default_design(mode: Mode) -> Design:
+    """Return how gains are found where nothing is asked for: with an integral, as wind turns a ship off its course for good.
+
+    Parameters
+    ----------
+    mode : {"course", "rate"}
+        What the autopilot holds.
+    """
+    return "pole" if mode == "rate" else "pid"
 
 
 def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:

@@ -18,6 +18,7 @@ from shipid.autopilot.errors import DesignRequestError
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import Equation, Quantity, constant, derived, given
 from shipid.foundation.aliases import Expression
+from shipid.foundation.result import Result
 
 #: Gain: its unit, and its meaning.
 GAINS = {
@@ -27,8 +28,8 @@ GAINS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Schedule:
+@dataclass(frozen=True, eq=False, repr=False)
+class Schedule(Result):
     """Gains against speed, for one load condition or several.
 
     Attributes

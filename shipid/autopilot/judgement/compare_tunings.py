@@ -10,6 +10,7 @@ from shipid.autopilot.judgement.judgement import Judgement
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import notice_of, plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
@@ -40,8 +41,8 @@ class ComparedRow:
         return {"what": self.what, "unit": self.unit, "values": list(self.values), "better": self.better}
 
 
-@dataclass(frozen=True, eq=False)
-class TuningComparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class TuningComparison(DrawnResult):
     """Two tunings side by side.
 
     Attributes
@@ -79,7 +80,8 @@ class TuningComparison:
         ]
         return pd.DataFrame(rows).set_index("what")
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         width = max(len(r.what) + len(r.unit) + 3 for r in self.rows)
         lines = ["".ljust(width + 2) + "".join(n[-20:].rjust(22) for n in self.names)]
         for r in self.rows:

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.autopilot.course_changes.run_course_changes import course_histories, ordering, run_course_changes
-from shipid.autopilot.course_changes.weather import standard_weather
+from shipid.autopilot.course_changes.weather import Weather, standard_weather
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, linear_ship
 from shipid.autopilot.judgement.judgement import (
-    LIMITS,
     SAMPLE_CHANGE,
     SHOWN_CHANGES,
     Judgement,
     LoopResponse,
-    Robustness,
 )
+from shipid.autopilot.judgement.limits import stated_limits
 from shipid.autopilot.judgement.margins import Margins, loop_polynomials, margins_at
+from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.judgement.robustness import robustness_of
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.declaration.guard import NOT_SAILED
@@ -41,6 +42,8 @@ def judge(
     samples: int = 200,
     seed: int = 0,
     *,
+    weather: Weather | None = None,
+    limits: Mapping[str, str | float] | None = None,
     on_board: OnBoardRuns | None = None,
     progress: Callable[[str], object] | None = None,
 ) -> Judgement:
@@ -54,6 +57,10 @@ def judge(
         Draws of the ship's coefficients.
     seed : int
         Of the draws and of the waves.
+    weather : Weather, optional
+        Wind, waves and current; by default `shipid.autopilot.course_changes.weather.standard_weather` of a ship of this length.
+    limits : mapping of str to str or float, optional
+        Limits that replace some of `shipid.autopilot.judgement.limits.LIMITS`: ``{"disk margin": 0.6, "phase margin": "40 deg"}``.
     on_board : OnBoardRuns, optional
         Runs of this autopilot with its Kalman filter (`shipid.run_on_board`), to be reported with the judgement.
     progress : callable, optional
@@ -66,7 +73,9 @@ def judge(
     Raises
     ------
     UsageError
-        If it is no autopilot.
+        If it is no autopilot, or a limit is out of range.
+    UnknownNameError
+        If there is no limit of a name.
     UnstatedInputError
         If the model reads an input that the course changes do not state and that declares no default.
     """
@@ -75,6 +84,8 @@ def judge(
             f"an autopilot is what shipid.design_autopilot or shipid.read_schedule returns, not a {type(pilot).__name__}."
         )
     tell = progress or (lambda _: None)
+    kept_to = stated_limits(limits or {})
+    sea = weather or standard_weather(pilot.length, pilot.service_speed)
     speeds = pilot.speeds
     middles = 0.5 * (speeds[:-1] + speeds[1:])
     margins, between, robust, warnings = [], [], [], list(pilot.warnings)
@@ -85,15 +96,16 @@ def judge(
         between.append(_margins(pilot, middles, j) if middles.size else ())
         tell("robustness")
         drawn = draw_coefficients(pilot.model, pilot.ships[j], max(samples, 1), seed)
-        one, histories = robustness_of(pilot, drawn if samples and drawn.names else None, drawn.source, j)
+        one, histories = robustness_of(
+            pilot, drawn if samples and drawn.names else None, drawn.source, j, sea.wave_frequency
+        )
         robust.append(one)
         drawn_histories = drawn_histories or histories
-        warnings += _about(pilot, one, j)
+        warnings += _about(pilot, one, j, kept_to)
     tell("course changes")
     steps = _steps(pilot)
     tell("wind and waves")
-    weather = standard_weather(pilot.length, pilot.service_speed)
-    in_weather, words = _in_weather(pilot, seed)
+    in_weather, words = _in_weather(pilot, seed, sea)
     lost = sorted({abs(s.change_deg) for s in steps if s.lost})
     if lost:
         warnings.append(
@@ -111,7 +123,8 @@ def judge(
         robust=tuple(robust),
         steps=steps,
         in_weather=in_weather,
-        weather=weather.to_dict(),
+        weather=sea.to_dict(),
+        limits=kept_to,
         responses=_responses(pilot),
         histories=course_histories(pilot, [pilot.own_speed] * len(SHOWN_CHANGES), np.deg2rad(SHOWN_CHANGES).tolist()),
         drawn_histories=drawn_histories,
@@ -152,8 +165,7 @@ def _steps(pilot: Autopilot) -> tuple[CourseChange, ...]:
     return tuple(found)
 
 
-def _in_weather(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], list[str]]:
-    weather = standard_weather(pilot.length, pilot.service_speed)
+def _in_weather(pilot: Autopilot, seed: int, weather: Weather) -> tuple[tuple[CourseChange, ...], list[str]]:
     directions = np.deg2rad(list(_FROM))
     words = []
     if "r_disturbance" not in pilot.model.inputs:
@@ -175,12 +187,16 @@ def _in_weather(pilot: Autopilot, seed: int) -> tuple[tuple[CourseChange, ...], 
         pilot, speeds, np.full(8, change), weather=weather, headings=directions, seed=seed, filtered=True
     )
     found = []
-    for runs, filtered in ((kept, True), (raw, False), (turned, True)):
-        found += [runs.one(i, f"weather from {w}", filtered) for i, w in enumerate(_FROM.values())]
+    for runs, filtered, ahead in ((kept, True, 0.0), (raw, False, 0.0), (turned, True, change)):
+        met = weather.encounter(speeds, directions - ahead) * 60 / (2 * np.pi)
+        found += [
+            replace(runs.one(i, f"weather from {w}", filtered), waves_met=float(met[i]))
+            for i, w in enumerate(_FROM.values())
+        ]
     return tuple(found), words
 
 
-def _about(pilot: Autopilot, robust: Robustness, condition: int) -> list[str]:
+def _about(pilot: Autopilot, robust: Robustness, condition: int, limits: Mapping[str, float]) -> list[str]:
     found, ship = [], pilot.conditions[condition]
     if not robust.samples:
         found.append(f"no uncertainty: {robust.source}, so the robustness of the design is not known.")
@@ -189,10 +205,10 @@ def _about(pilot: Autopilot, robust: Robustness, condition: int) -> list[str]:
             f"unstable draws: with {robust.unstable} of {robust.samples} draws of ship {ship} the loop is unstable. The trials do "
             "not determine this ship well enough for this design."
         )
-    if robust.disk_worst < LIMITS["disk margin"]:
+    if robust.disk_worst < limits["disk margin"]:
         over = "over the uncertainty of the ship" if robust.samples else "of the design"
         found.append(
             f"disk margin: the least {over} is {robust.disk_worst:.2g} at {robust.speed_worst:.3g} m/s, below "
-            f"{LIMITS['disk margin']:g}."
+            f"{limits['disk margin']:g}."
         )
     return found

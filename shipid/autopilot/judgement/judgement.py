@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.autopilot.judgement.limits import LIMITS
 from shipid.autopilot.judgement.margins import Margins
+from shipid.autopilot.judgement.not_reached import not_reached
+from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity, with_units
+from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,73 +26,8 @@ if TYPE_CHECKING:
 #: The course change that every draw of the ship makes, and those whose histories are kept, in degrees.
 SAMPLE_CHANGE, SHOWN_CHANGES = 60.0, (10.0, 60.0, 120.0)
 
-#: Limits: of a margin from below, of an overshoot or an error from above. The report shows them beside the numbers.
-LIMITS = {
-    "disk margin": 0.5,
-    "gain margin": 2.0,
-    "phase margin": 30.0,
-    "overshoot": 0.1,
-    "steady error in wind": 3.0,
-}
 #: Overshoots of less than this many degrees do not count as weak.
 _LEAST_OVERSHOOT = 1.0
-
-
-@dataclass(frozen=True)
-class Robustness:
-    """The disk margin when the ship differs from that of the design.
-
-    Attributes
-    ----------
-    samples : int
-        Draws of the ship's coefficients; 0 where their uncertainty is unknown.
-    source : str
-        Where the draws come from, in words.
-    disk_worst, disk_low : float
-        Least disk margin over draws and speeds, and the one that 5 % of the draws fall short of.
-    speed_worst : float
-        Speed of the worst, in m/s.
-    unstable : int
-        Draws that are unstable at a speed.
-    disk_by_speed : tuple of float
-        Least disk margin at each speed of the schedule.
-    overshoot_deg : tuple of float or None
-        Overshoot of the sample course change: of the ship as it is, in the middle of the draws, and at 95 % of them.
-    settling_s : tuple of float or None
-        The same for the settling time.
-    sample_change_deg : float
-        That course change.
-    variants : mapping of str to mapping
-        The disk margin and the overshoot under a slow rudder, and with the log off by 10 % either way.
-    """
-
-    samples: int
-    source: str
-    disk_worst: float
-    disk_low: float
-    speed_worst: float
-    unstable: int
-    disk_by_speed: tuple[float, ...]
-    overshoot_deg: tuple[float | None, ...]
-    settling_s: tuple[float | None, ...]
-    sample_change_deg: float
-    variants: Mapping[str, Mapping[str, float | None]]
-
-    def to_dict(self) -> dict[str, Plain]:
-        """Return plain values."""
-        return {
-            "disk_worst": self.disk_worst,
-            "samples": self.samples,
-            "source": self.source,
-            "disk_5_percent": self.disk_low,
-            "speed_worst": quantity(self.speed_worst, "m/s"),
-            "unstable": self.unstable,
-            "disk_by_speed": list(self.disk_by_speed),
-            "change": quantity(self.sample_change_deg, "deg"),
-            "overshoot": quantity(list(self.overshoot_deg), "deg"),
-            "settling": quantity(list(self.settling_s), "s"),
-            "variants": {n: with_units(v) for n, v in self.variants.items()},
-        }
 
 
 @dataclass(frozen=True)
@@ -126,8 +65,8 @@ class Weakest:
         return asdict(self)
 
 
-@dataclass(frozen=True, eq=False)
-class LoopResponse:
+@dataclass(frozen=True, eq=False, repr=False)
+class LoopResponse(Result):
     """The loop, opened at the rudder order, against frequency: a Nyquist curve.
 
     Attributes
@@ -145,8 +84,8 @@ class LoopResponse:
     response: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
-class Judgement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Judgement(DrawnResult):
     """A design, judged; made by `shipid.judge`.
 
     Attributes
@@ -175,6 +114,8 @@ class Judgement:
         Runs with the Kalman filter in the loop, where they were requested.
     warnings : tuple of str
         Those of the design, and those of the judgement.
+    limits : mapping of str to float
+        Those of `shipid.autopilot.judgement.limits.LIMITS`, or those that were asked for.
     """
 
     pilot: Autopilot
@@ -189,6 +130,12 @@ class Judgement:
     drawn_histories: Mapping[str, np.ndarray]
     on_board: OnBoardRuns | None
     warnings: tuple[str, ...]
+    limits: Mapping[str, float] = field(default_factory=lambda: dict(LIMITS))
+
+    @property
+    def not_reached(self) -> tuple[str, ...]:
+        """What no run reached, a sentence an entry: courses in weather, course changes that do not settle."""
+        return not_reached(self.steps, self.in_weather, self.robust, self.on_board)
 
     @property
     def weakest(self) -> Weakest:
@@ -202,20 +149,24 @@ class Judgement:
             load = f" ({name})" if len(self.pilot.conditions) > 1 else ""
             everywhere = (*self.margins[j], *self.between[j])
             worst = min(everywhere, key=lambda m: m.disk)
-            found.append(_point("disk margin", f"at {worst.speed:.3g} m/s{load}", worst.disk, LIMITS["disk margin"]))
+            found.append(
+                _point("disk margin", f"at {worst.speed:.3g} m/s{load}", worst.disk, self.limits["disk margin"])
+            )
             robust = self.robust[j]
             if robust.samples:
                 where = f"over the uncertainty of the ship, at {robust.speed_worst:.3g} m/s{load}"
-                found.append(_point("disk margin", where, robust.disk_worst, LIMITS["disk margin"]))
+                found.append(_point("disk margin", where, robust.disk_worst, self.limits["disk margin"]))
             gains = [(min(x for x in (m.gain_high, 1 / m.gain_low if m.gain_low else None) if x), m.speed)
                      for m in everywhere if m.gain_high or m.gain_low]  # fmt: skip
             if gains:
                 value, speed = min(gains)
-                found.append(_point("gain margin", f"at {speed:.3g} m/s{load}", value, LIMITS["gain margin"]))
+                found.append(_point("gain margin", f"at {speed:.3g} m/s{load}", value, self.limits["gain margin"]))
             phases = [(m.phase_deg, m.speed) for m in everywhere if m.phase_deg is not None]
             if phases:
                 value, speed = min(phases)
-                found.append(_point("phase margin", f"at {speed:.3g} m/s{load}", value, LIMITS["phase margin"], "deg"))
+                found.append(
+                    _point("phase margin", f"at {speed:.3g} m/s{load}", value, self.limits["phase margin"], "deg")
+                )
         return found + self._of_course_changes()
 
     def _of_course_changes(self) -> list[Weakest]:
@@ -223,7 +174,7 @@ class Judgement:
         changes = [s for s in self.steps if s.change_deg]
         for s in changes:
             where = f"in a course change of {abs(s.change_deg):.3g} deg at {s.speed:.3g} m/s"
-            limit = max(LIMITS["overshoot"] * abs(s.change_deg), _LEAST_OVERSHOOT)
+            limit = max(self.limits["overshoot"] * abs(s.change_deg), _LEAST_OVERSHOOT)
             if s.lost or s.overshoot_deg is None:
                 found.append(Weakest("course change", where.removeprefix("in a course change "), 0.0, 1.0, "", 0.0))
             elif s.overshoot_deg > 0:
@@ -235,7 +186,7 @@ class Judgement:
         ]
         if errors:
             value, s = max(errors, key=lambda e: e[0])
-            limit = LIMITS["steady error in wind"]
+            limit = self.limits["steady error in wind"]
             found.append(
                 Weakest("steady error in wind", f"with {s.weather}", value, limit, "deg", limit / max(value, 1e-9))
             )
@@ -255,7 +206,8 @@ class Judgement:
             "steps": [s.to_dict() for s in self.steps],
             "weather": {**with_units(self.weather), "runs": [s.to_dict() for s in self.in_weather]},
             "weakest": self.weakest.to_dict(),
-            "limits": dict(LIMITS),
+            "not_reached": list(self.not_reached),
+            "limits": dict(self.limits),
         }
         if "conditions" in first:
             found["conditions"] = {
@@ -281,16 +233,18 @@ class Judgement:
         ]
         return pd.DataFrame(rows).set_index(["condition", "speed [m/s]"])
 
-    def __repr__(self) -> str:
-        lines = [repr(self.pilot), self.weakest.sentence]
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        lines = [self.pilot.text(), self.weakest.sentence]
         for name, robust in zip(self.pilot.conditions, self.robust):
             lines.append(
                 f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
                 if robust.samples
                 else f"  {name}: disk margin {robust.disk_worst:.3g} at worst; {robust.source}"
             )
+        lines += [f"  {words}" for words in self.not_reached]
         if self.on_board is not None:
-            lines.append(repr(self.on_board))
+            lines.append(self.on_board.text())
         said = (*self.pilot.warnings, *(self.on_board.warnings if self.on_board else ()))
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings if w not in said)])
 

@@ -88,10 +88,10 @@ def loop_polynomials(plant: Plant, gains: dict[str, np.ndarray] | Gains) -> tupl
     return numerator, np.concatenate([plant.denominator, zero], axis=-1)
 
 
-def notched(
+def sea_filtered(
     numerator: np.ndarray, denominator: np.ndarray, frequency: np.ndarray, width: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return loops with the notch of the sea filter in them, ``(s^2 + omega^2) / (s^2 + 2 zeta omega s + omega^2)``.
+    """Return loops with the sea filter in them: ``(s^2 + omega^2) / (s^2 + 2 zeta omega s + omega^2) * omega / (s + omega)``.
 
     Parameters
     ----------
@@ -103,9 +103,12 @@ def notched(
         Its damping ratio.
     """
     one, zero = np.ones_like(frequency), np.zeros_like(frequency)
-    top = np.stack([one, zero, frequency**2], axis=-1)
+    top = np.stack([frequency, zero, frequency**3], axis=-1)
     bottom = np.stack([one, 2 * width * frequency, frequency**2], axis=-1)
-    return _times(numerator, top), _times(denominator, bottom)
+    lag = np.stack([one, frequency], axis=-1)
+    # A leading zero: numerator and denominator keep one length.
+    top = np.concatenate([zero[..., None], top], axis=-1)
+    return _times(numerator, top), _times(_times(denominator, bottom), lag)
 
 
 def _times(a: np.ndarray, b: np.ndarray) -> np.ndarray:

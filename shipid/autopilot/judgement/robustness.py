@@ -9,12 +9,12 @@ import numpy as np
 from shipid.autopilot.course_changes.course_changes import CourseChanges
 from shipid.autopilot.course_changes.run_course_changes import course_histories, run_course_changes, scaled_draws
 from shipid.autopilot.course_changes.sea_filter import ABOVE, WIDTH
-from shipid.autopilot.course_changes.weather import standard_weather
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import coefficients_of, heading_frequency, linear_ship, steered_ship
 from shipid.autopilot.design.plant import linear_plant
-from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Robustness
-from shipid.autopilot.judgement.margins import disk_margins, loop_polynomials, notched
+from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE
+from shipid.autopilot.judgement.margins import disk_margins, loop_polynomials, sea_filtered
+from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
@@ -45,7 +45,7 @@ def _disks(
 
 
 def robustness_of(
-    pilot: Autopilot, drawn: Drawn | None, source: str, condition: int
+    pilot: Autopilot, drawn: Drawn | None, source: str, condition: int, wave_frequency: float
 ) -> tuple[Robustness, dict[str, np.ndarray]]:
     """Return the margins of the design for ships that differ from that of the design, and histories of some of them.
 
@@ -59,6 +59,8 @@ def robustness_of(
         Their source in words, or why there are none.
     condition : int
         Which load condition.
+    wave_frequency : float
+        Of the sea in rad/s, which the sea filter is set to.
 
     Returns
     -------
@@ -85,7 +87,7 @@ def robustness_of(
         variants["steering machine of half the rate and twice the lag"] = _variant(
             float(_disks(pilot, condition, None, lag).min()), slowly
         )
-    variants["sea filter on"] = _filtered(pilot, condition, speed, change)
+    variants["sea filter on"] = _filtered(pilot, condition, speed, change, wave_frequency)
     for log in _LOG:
         off = run_course_changes(pilot, [speed], [change], condition=condition, values={"log_scale": log})
         variants[f"log reads {abs(log - 1):.0%} too {'low' if log < 1 else 'high'}"] = _variant(
@@ -112,13 +114,12 @@ def robustness_of(
     return found, shown
 
 
-def _filtered(pilot: Autopilot, condition: int, speed: float, change: float) -> dict[str, float | None]:
-    """The loop with the notch of the sea filter at the frequency of the waves, the ship at rest among them."""
-    waves = standard_weather(pilot.length, pilot.service_speed).wave_frequency
+def _filtered(pilot: Autopilot, condition: int, speed: float, change: float, waves: float) -> dict[str, float | None]:
+    """The loop with the sea filter at the frequency of the waves, the ship at rest among them."""
     frequency = np.array([max(waves, ABOVE * heading_frequency(pilot, float(v))) for v in pilot.speeds])
     plants = linear_ship(pilot, pilot.speeds, condition, steered=True)
     loop = loop_polynomials(plants, pilot.schedule.at(pilot.speeds, condition))
-    disks = disk_margins(*notched(*loop, frequency, WIDTH), pilot.speeds / pilot.length)
+    disks = disk_margins(*sea_filtered(*loop, frequency, WIDTH), pilot.speeds / pilot.length)
     own = {"sea_frequency": max(waves, ABOVE * heading_frequency(pilot, speed))}
     return _variant(
         float(disks.min()), run_course_changes(pilot, [speed], [change], condition=condition, values=own, filtered=True)

@@ -12,6 +12,7 @@ from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
+from shipid.foundation.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,8 +23,8 @@ Adaptation = Literal["none", "gains", "reference"]
 Feedback = Literal["instruments", "filter"]
 
 
-@dataclass(frozen=True, eq=False)
-class OnBoardRun:
+@dataclass(frozen=True, eq=False, repr=False)
+class OnBoardRun(Result):
     """Course changes of one voyage, one after the other.
 
     Attributes
@@ -60,8 +61,8 @@ class OnBoardRun:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class OnBoardRuns:
+@dataclass(frozen=True, eq=False, repr=False)
+class OnBoardRuns(Result):
     """An autopilot on board, with and without its filter; made by `shipid.run_on_board`.
 
     Attributes
@@ -107,7 +108,8 @@ class OnBoardRuns:
         rows = [{"feedback": r.feedback, **columns_of(c.to_dict())} for r in self.runs for c in r.changes]
         return pd.DataFrame(rows).drop(columns=["sea_filter"]).set_index(["feedback", "weather", "change [deg]"])
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         sensors = ", ".join(f"{n} {level}" for n, level in self.sensors.items())
         adapted = {"none": "gains of the schedule", "gains": "gains adapted", "reference": "model reference"}
         head = (

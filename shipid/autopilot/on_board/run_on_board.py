@@ -69,6 +69,7 @@ def run_on_board(
     adaptation: Adaptation = "none",
     changes: Sequence[float] = VOYAGE,
     interval: str | float | None = None,
+    weather: Weather | None = None,
     seed: int = 0,
     progress: Callable[[str], object] | None = None,
 ) -> OnBoardRuns:
@@ -92,6 +93,8 @@ def run_on_board(
         Course changes in degrees, one after the other, each for 40 L/u; zero keeps the course.
     interval : str or float, optional
         Between two samples, in s or with a unit; a fiftieth of L/u by default.
+    weather : Weather, optional
+        Wind, waves and current; those of the judgement by default.
     seed : int
         Of waves and sensor noise.
     progress : callable, optional
@@ -133,7 +136,7 @@ def run_on_board(
     tell = progress or (lambda _: None)
     speed = pilot.own_speed
     sampling = PACE / pilot.pace(speed) if interval is None else _seconds(interval)
-    weather = standard_weather(pilot.length, pilot.service_speed)
+    weather = weather or standard_weather(pilot.length, pilot.service_speed)
     if not isinstance(kalman, ExtendedKalmanFilter):
         kalman = _filter_of(pilot, model_of(kalman), weather)
     voyage = _Voyage(pilot, kalman, np.deg2rad(np.asarray(changes, dtype=float)), sampling, weather, seed)

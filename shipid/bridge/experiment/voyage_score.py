@@ -11,6 +11,7 @@ import numpy as np
 from shipid.bridge.experiment.tracks import TrackExperiment
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.prediction.following.planned_track import PlannedTrack
 
 #: What the navigator sees: the planned track; the ground-speed vector as well; the predicted track; nothing, the track pilot sails.
@@ -20,7 +21,7 @@ CONDITIONS: tuple[Condition, ...] = ("A", "B", "C", "D")
 _END = 0.9
 
 
-class VoyageScore:
+class VoyageScore(Result):
     """Judges a voyage.
 
     Parameters
@@ -104,7 +105,8 @@ class VoyageScore:
             "rms": number(self.rms, 5), "done": self.done, "spread": number(self.spread, 4),
         }  # fmt: skip
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         rms, spread = self.rms, self.spread
         if rms is None or spread is None:
             return f"experiment {self.scenario}, condition {self.condition}: nothing was sailed"

@@ -52,8 +52,11 @@ class Decorator(Protocol):
         """
 
 
-class Result(Protocol):
-    """A result with a ``repr`` and a ``to_dict``."""
+class Deliverable(Protocol):
+    """A result in words and in plain values."""
+
+    def text(self) -> str:
+        """Return everything the result says, in lines of text."""
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as JSON can hold it."""
@@ -90,13 +93,13 @@ class Delivery:
         """Return a context manager that shows what is being done; silent where JSON is asked for."""
         return progress(self.as_json)
 
-    def hand_over(self, result: Result, writers: Mapping[str, Writer] | None = None) -> ExitCode:
+    def hand_over(self, result: Deliverable, writers: Mapping[str, Writer] | None = None) -> ExitCode:
         """Write the files of a result, print it, and open its report.
 
         Parameters
         ----------
-        result : Result
-            Its ``repr`` is the text, its ``to_dict`` the JSON.
+        result : Deliverable
+            Its `text` is printed, or its ``to_dict`` as JSON.
         writers : mapping of str to callable, optional
             What writes the files beside ``result.json``, by name; called only where there is a folder.
 
@@ -105,7 +108,7 @@ class Delivery:
         ExitCode
             See `hand_over_parts`.
         """
-        return self.hand_over_parts(result.to_dict(), repr(result), writers)
+        return self.hand_over_parts(result.to_dict(), result.text(), writers)
 
     def hand_over_parts(
         self, data: dict[str, Plain], text: str, writers: Mapping[str, Writer] | None = None

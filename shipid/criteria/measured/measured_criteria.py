@@ -9,6 +9,7 @@ from typing import Literal
 from shipid.criteria.criteria import first_overshoot_limit, second_overshoot_limit
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
@@ -19,8 +20,8 @@ Verdict = Literal["within", "beyond", "not decided", "no limit"]
 _FULL = 33.0
 
 
-@dataclass(frozen=True)
-class MeasuredCriterion:
+@dataclass(frozen=True, repr=False)
+class MeasuredCriterion(Result):
     """One measured quantity beside its limit.
 
     Attributes

@@ -10,6 +10,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult, Result
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
 QUARTERS = (90, 180, 270, 360)
 
 
-@dataclass(frozen=True, eq=False)
-class SheetManoeuvre:
+@dataclass(frozen=True, eq=False, repr=False)
+class SheetManoeuvre(Result):
     """One manoeuvre of the day.
 
     Attributes
@@ -64,7 +65,7 @@ class NotMeasured:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TrialSheet:
+class TrialSheet(DrawnResult):
     """What was sailed and what it measured.
 
     Attributes
@@ -115,7 +116,8 @@ class TrialSheet:
         columns = ["manoeuvre", "title", "quantity", "value", "unit", "meaning"]
         return pd.concat(frames, ignore_index=True)[columns] if frames else pd.DataFrame(columns=columns)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [f"Trial sheet: {len(self.manoeuvres)} manoeuvres"]
         for m in self.manoeuvres:
             lines.append(f"  {m.title} ({m.measures.trial})")

@@ -11,6 +11,7 @@ from shipid.encounter.plots.plots import Plots, Scan
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 
 #: A track is a ship's within so many standard deviations of a plot; no ship within this distance, and it is a false one.
@@ -49,8 +50,8 @@ class ShipScore:
     tracks: int
 
 
-@dataclass(frozen=True, eq=False)
-class TrackingScore:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackingScore(Result):
     """How the tracks of a log compare with the truth.
 
     Attributes
@@ -94,7 +95,8 @@ class TrackingScore:
             "near": {"value": self.near, "unit": "m"},
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         rate = "" if self.false_rate is None else f", {self.false_rate:.2f} a minute"
         lines = [
             f"beside the truth: {self.false_tracks} moving tracks without a ship within {_FAR:.0f} m{rate}; "

@@ -8,13 +8,14 @@ from typing import Literal
 import numpy as np
 
 from shipid.encounter.closest_approach import ClosestApproach
+from shipid.foundation.result import Result
 
 #: How a track stands: held, told to be lost, or given up before the log ended.
 Status = Literal["held", "lost", "ended"]
 
 
-@dataclass(frozen=True, eq=False)
-class TargetTrack:
+@dataclass(frozen=True, eq=False, repr=False)
+class TargetTrack(Result):
     """One target, from its confirmation on.
 
     Attributes

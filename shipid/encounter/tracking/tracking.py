@@ -15,6 +15,7 @@ from shipid.encounter.tracking.scoring import TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
@@ -27,8 +28,8 @@ UNITS: Mapping[str, str] = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class Tracking:
+@dataclass(frozen=True, eq=False, repr=False)
+class Tracking(DrawnResult):
     """The tracks of a log; made by `track`.
 
     Attributes
@@ -124,7 +125,8 @@ class Tracking:
             "closest_approach": None if one.approach is None else _plain_approach(one.approach),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         first, last = self.plots.span
         held = sum(one.status == "held" for one in self.tracks)
         lines = [
@@ -139,7 +141,7 @@ class Tracking:
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
             lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]
         if self.score is not None:
-            lines += [f"  {line}" for line in repr(self.score).splitlines()]
+            lines += [f"  {line}" for line in self.score.text().splitlines()]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
 
     def _row(self, one: TargetTrack) -> tuple[str, ...]:

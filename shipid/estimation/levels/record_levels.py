@@ -9,6 +9,7 @@ from shipid.declaration.units import factor, pretty
 from shipid.estimation.standing import DETERMINED, Standing
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import interval_95
 
 
@@ -40,8 +41,8 @@ class Judged:
     simulated_std: float | None = None
 
 
-@dataclass(frozen=True)
-class BiasStanding:
+@dataclass(frozen=True, repr=False)
+class BiasStanding(Result):
     """What a record says of the constant bias of an input.
 
     Attributes
@@ -57,8 +58,8 @@ class BiasStanding:
     why: str
 
 
-@dataclass(frozen=True)
-class RecordLevels:
+@dataclass(frozen=True, repr=False)
+class RecordLevels(Result):
     """Noise levels of a filter, SI, and where each comes from.
 
     Attributes

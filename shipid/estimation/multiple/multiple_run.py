@@ -14,13 +14,14 @@ from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MultipleModelRun:
+class MultipleModelRun(DrawnResult):
     """A record and what a multiple-model filter made of it; N samples, M modes.
 
     Attributes
@@ -191,7 +192,8 @@ class MultipleModelRun:
             "log_likelihood": self.log_likelihood,
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
         last, mean = self.probabilities[-1], self.probabilities.mean(axis=0)
         lines += [

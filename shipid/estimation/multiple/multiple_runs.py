@@ -19,13 +19,14 @@ from shipid.estimation.multiple.record import (
 from shipid.estimation.multiple.whitening import whitened
 from shipid.estimation.records.triangles import diagonal_of, unpacked
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Result
 
 #: Runs whose controls are laid out at a time: memory for them does not grow with the number of runs.
 _BATCH = 128
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MultipleModelRuns:
+class MultipleModelRuns(Result):
     """What a multiple-model filter made of R runs with N samples each, M modes.
 
     Attributes
@@ -83,7 +84,8 @@ class MultipleModelRuns:
             raise UnknownNameError("state of the combined estimate called", name, self.states)
         return np.asarray(self.x[..., self.states.index(name)])
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         return f"{self.design!r}: {self.out.shape[0]} runs of {self.t.size} samples"
 
 

@@ -19,14 +19,15 @@ from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.records.clock import steps
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.generation.loop import Stepper
 
 #: The sampling interval is the median of so many of the last.
 _RECENT = 9
 
 
-@dataclass(frozen=True, eq=False)
-class MultipleModelEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class MultipleModelEstimate(Result):
     """The estimate after a sample.
 
     Attributes
@@ -73,8 +74,8 @@ class MultipleModelEstimate:
         return self.design.names[int(np.argmax(self.probabilities))]
 
 
-@dataclass(frozen=True, eq=False)
-class MultipleModelPrediction:
+@dataclass(frozen=True, eq=False, repr=False)
+class MultipleModelPrediction(Result):
     """What each mode expects of the sensors at a time.
 
     Attributes

@@ -18,6 +18,7 @@ from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 
@@ -28,7 +29,7 @@ _CERTAIN = 0.95
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class WhichShip:
+class WhichShip(DrawnResult):
     """What a record says of several parameter sets.
 
     Attributes
@@ -67,13 +68,14 @@ class WhichShip:
         said = {"told": bool(told), "answer": self.answer, "warnings": plain_notices(self.warnings)}
         return own | self.levels.to_dict() | said
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         alone = "\n".join(f"  log-likelihood of {n} alone {v:.1f}" for n, v in self.log_likelihoods.items())
         caution = (
             "  The probabilities compare the sets given; that one is the most probable does not say that it is right."
         )
         notes = [f"  {'WARNING' if n.serious else 'note'}: {n}" for n in self.warnings]
-        return "\n".join([f"{self.run!r}\n{alone}\n  {self.answer}\n{caution}", *notes])
+        return "\n".join([f"{self.run.text()}\n{alone}\n  {self.answer}\n{caution}", *notes])
 
 
 def which_ship(

@@ -36,12 +36,13 @@ from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.first_look import first_value
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
 
 
-@dataclass(frozen=True, eq=False)
-class OnlineEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class OnlineEstimate(Result):
     """The estimate after a sample.
 
     Attributes

@@ -19,6 +19,7 @@ from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_ta
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.trials.filling import slope
 from shipid.trials.logs.conversion import unwrapped
 from shipid.trials.stretches import is_order
@@ -51,8 +52,8 @@ class Hole:
     inputs: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class Arrangement:
+@dataclass(frozen=True, eq=False, repr=False)
+class Arrangement(Result):
     """A record as the filter takes it: N rows, of which `shown` are samples and the others bridge gaps.
 
     Attributes

@@ -22,11 +22,12 @@ from shipid.estimation.recursion import covariance_form
 from shipid.estimation.recursion.layout import StepLayout, total
 from shipid.estimation.recursion.score import Unknown, bare
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.result import Result
 from shipid.generation.loop import Loop
 
 
-@dataclass(frozen=True, eq=False)
-class Likelihood:
+@dataclass(frozen=True, eq=False, repr=False)
+class Likelihood(Result):
     """Logarithm of the likelihood of one record as a function of unknowns; made by `make_likelihood`.
 
     Attributes

@@ -18,6 +18,7 @@ from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
+from shipid.foundation.result import DrawnResult
 
 #: Eigenvalue, as a share of the largest, below which it is zero but for rounding.
 _NULL = 1e-12
@@ -49,8 +50,8 @@ class UnseenDirection:
         return " ".join(parts)
 
 
-@dataclass(frozen=True, eq=False)
-class Observability:
+@dataclass(frozen=True, eq=False, repr=False)
+class Observability(DrawnResult):
     """What a record shows of the state.
 
     Attributes

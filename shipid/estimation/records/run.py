@@ -20,6 +20,7 @@ from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult, Result
 from shipid.foundation.statistics import interval_95
 
 if TYPE_CHECKING:
@@ -31,8 +32,8 @@ _WIDEST = 150.0
 _REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", "why", "meaning")
 
 
-@dataclass(frozen=True)
-class Innovations:
+@dataclass(frozen=True, repr=False)
+class Innovations(Result):
     """Innovations of one sensor: measured less predicted value, given the sensors before it in the same sample.
 
     Attributes
@@ -72,7 +73,7 @@ class Innovations:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FilterRun:
+class FilterRun(DrawnResult):
     """A record and the result of the filter; N samples.
 
     Attributes
@@ -302,7 +303,8 @@ class FilterRun:
         """Whether nothing serious speaks against the result, as far as it was examined."""
         return not any(n.serious for n in self.warnings)
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
         lines += [f"  {p}" for p in self.parameters.values()]
         for name, i in self.innovations.items():

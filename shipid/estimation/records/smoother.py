@@ -21,10 +21,11 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import deviations_of, unpacked
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 
 
-@dataclass(frozen=True, eq=False)
-class Smoothed:
+@dataclass(frozen=True, eq=False, repr=False)
+class Smoothed(Result):
     """Smoothed estimates of a record.
 
     Attributes

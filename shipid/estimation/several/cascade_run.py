@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.result import Result
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CascadeRun:
+class CascadeRun(Result):
     """A record and the results of the filters of a cascade.
 
     Attributes
@@ -53,5 +54,6 @@ class CascadeRun:
         """Return the result as plain values, free of NaN."""
         return {"record": self.record, "filters": {n: run.to_dict() for n, run in self.runs.items()}}
 
-    def __repr__(self) -> str:
-        return "\n".join(f"{n}: {run!r}" for n, run in self.runs.items())
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        return "\n".join(f"{n}: {run.text()}" for n, run in self.runs.items())

@@ -17,6 +17,7 @@ from shipid.estimation.settings.inputs import hold_last, input_table
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import CasadiFunction, Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Result
 from shipid.generation.loop import Loop, Stepper, make_loop
 from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.generation.step import make_step
@@ -100,8 +101,8 @@ class LevelEstimator:
         return OnlineLevel(self)
 
 
-@dataclass(frozen=True, eq=False)
-class LevelRun:
+@dataclass(frozen=True, eq=False, repr=False)
+class LevelRun(Result):
     """A level along a record; N samples.
 
     Attributes
@@ -139,7 +140,8 @@ class LevelRun:
         """Return the level at the end as plain values."""
         return {"name": self.name, "unit": self.unit, "value": float(self.values[-1]), "samples": int(self.t.size)}
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         return f"<{self.name} over {self.t.size} samples: {self.values[-1]:.4g} {self.unit} at the end>"
 
 

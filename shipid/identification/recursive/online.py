@@ -23,14 +23,15 @@ from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
 
-@dataclass(frozen=True, eq=False)
-class RecursiveEstimate:
+@dataclass(frozen=True, eq=False, repr=False)
+class RecursiveEstimate(Result):
     """The estimate after a sample.
 
     Attributes

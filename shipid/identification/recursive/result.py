@@ -18,6 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
@@ -34,7 +35,7 @@ _REPORTED = ("value", "unit", "std", "interval_95", "identifiable", "standing", 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RecursiveIdentification:
+class RecursiveIdentification(DrawnResult):
     """A record and the result of the recursion; N samples, n parameters.
 
     Attributes
@@ -290,7 +291,8 @@ class RecursiveIdentification:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [
             f"{self.design!r}",
             f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",

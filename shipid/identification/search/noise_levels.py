@@ -9,14 +9,15 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.identification.noise.gusts import Gust
 
 #: Probability below which innovations are not white.
 WHITE = 0.01
 
 
-@dataclass(frozen=True, eq=False)
-class NoiseLevels:
+@dataclass(frozen=True, eq=False, repr=False)
+class NoiseLevels(Result):
     """Where the search for coefficients and noise levels ended.
 
     Attributes

@@ -1,8 +1,9 @@
-"""Weights for prediction: the error of a low-order model, or the residuals of the record, whichever is larger.
+"""Weights of the signals: the error of a low-order model, or the residuals of the record, whichever is larger.
 
 In a towing tank the error is that of the model's structure, and in relative terms about the same for every ship. At sea
 and on a pond waves, wind and current move the ship as well: a signal they disturb holds less information, and the
-prior counts more. The same holds for a signal whose error lasts: a drifting heading counts as few independent samples.
+prior counts more. The same holds for a signal whose error lasts: a drifting heading counts as few independent samples. Where
+residuals do not last they are noise, and the error of a structure does not count: the weights are those of the noise.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from scipy.fft import next_fast_len
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.least_squares import minimise_robustly, thinned_to
-from shipid.identification.search.solution import Solution, in_own_noise, residual_levels
+from shipid.identification.search.solution import Solution, residual_levels
 
 #: Change of a weight below which it has converged, and how often it may change.
 _SETTLED = 0.05
@@ -37,44 +38,34 @@ def independent_samples(problem: Problem, unit_time: float) -> Problem:
     return thinned_to(problem, [int(_ENOUGH * data.trial.duration / unit_time) + 1 for data in problem.trials])
 
 
-def on_every_sample(solution: Solution, problem: Problem) -> Solution:
-    """Return the same unknowns over all samples, in units of the standard deviation of their own residuals.
-
-    Parameters
-    ----------
-    solution : Solution
-        Found on some of them.
-    problem : Problem
-        On every sample.
-    """
-    whole = replace(problem, sigma=solution.problem.sigma)
-    residual, jacobian = whole.residuals(solution.q)
-    return in_own_noise(replace(solution, problem=whole, residual=residual, jacobian=jacobian))
-
-
 def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: float) -> Solution:
-    """Return the solution with standard deviations that are no smaller than those of its own residuals.
+    """Return the solution under weights by which each signal counts as many independent samples as its residuals are.
 
     Parameters
     ----------
     solution : Solution
-        Found under the weights `least`.
+        Found under any weights.
     box : Box
         Bounds of the parameters.
     least : ndarray, shape (signals,)
-        Smallest standard deviation of each signal, SI.
+        Error that a model of low order has in each signal, SI: it counts as far as residuals last.
     independent : float
         Time in s for which a residual lasts where only the structure of the model is wrong.
 
     Returns
     -------
     Solution
-        The same where every residual is within `least`.
+        The same where its weights hardly change.
     """
+    problem = solution.problem
+    single = (
+        np.mean([[d.step_of(j) for j in range(len(problem.signals))] for d in problem.trials], axis=0) / independent
+    )
     for _ in range(_TURNS):
-        sigma = np.maximum(
-            least, residual_levels(solution) * np.sqrt(np.maximum(1.0, correlation_times(solution) / independent))
-        )
+        # In shares of the time for which the error of a structure lasts: of white noise one sample.
+        lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
+        floor = least * np.sqrt(np.clip(lasting - single, 0.0, 1.0))
+        sigma = np.maximum(floor, residual_levels(solution) * np.sqrt(lasting))
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
             break
         again = minimise_robustly(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.identification.methods import Method
 
 
-@dataclass(frozen=True)
-class Rung:
+@dataclass(frozen=True, repr=False)
+class Rung(Result):
     """One rung of the ladder.
 
     Attributes

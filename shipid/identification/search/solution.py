@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -36,6 +36,9 @@ class Solution:
     levels : NoiseLevels or None
         Noise that drives the states and noise of the sensors, where the likelihood through the filter found them
         (`shipid.identification.search.prediction_error`).
+    added : ndarray, shape (unknowns, unknowns), or None
+        What the uncertainty of the spread of the biases adds to the covariance of the unknowns
+        (`shipid.identification.evidence.marginal_likelihood`).
     """
 
     problem: Problem
@@ -47,6 +50,7 @@ class Solution:
     evaluations: int
     covariance: np.ndarray | None = None
     levels: NoiseLevels | None = None
+    added: np.ndarray | None = None
 
     @property
     def finite(self) -> bool:
@@ -87,16 +91,3 @@ def residual_levels(solution: Solution) -> np.ndarray:
         scale = max(float(np.nanmax(np.abs(data.measured[j]), initial=0.0)) for data in problem.trials)
         levels[j] = max(levels[j], 1e-9 * max(scale, 1e-9))
     return levels
-
-
-def in_own_noise(solution: Solution) -> Solution:
-    """Return the same unknowns with residuals in units of their own standard deviation, for the uncertainty.
-
-    Parameters
-    ----------
-    solution : Solution
-        Found under weights that are not the noise levels.
-    """
-    problem = replace(solution.problem, sigma=residual_levels(solution))
-    residual, jacobian = problem.residuals(solution.q)
-    return replace(solution, problem=problem, residual=residual, jacobian=jacobian)

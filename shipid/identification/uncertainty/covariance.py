@@ -119,6 +119,8 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     scales = np.outer(norms[seen], norms[seen])
     matrix = np.zeros((problem.size, problem.size))
     matrix[np.ix_(index, index)] = found / scales
+    if solution.added is not None:
+        matrix = matrix + solution.added
     white = np.zeros(problem.size)
     white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -17,6 +17,7 @@ import numpy as np
 
 from shipid.estimation.standing import UNDETERMINED
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.identification.uncertainty.remedies import SIGNAL_WORDS, Remedies, percent
@@ -29,8 +30,8 @@ _PART = 0.1
 _NAMED = 3
 
 
-@dataclass(frozen=True)
-class NullDirection:
+@dataclass(frozen=True, repr=False)
+class NullDirection(Result):
     """A direction in which the coefficients may move together.
 
     Attributes

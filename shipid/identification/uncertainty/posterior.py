@@ -18,6 +18,7 @@ import numpy as np
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
+from shipid.foundation.result import Result
 from shipid.generation.ensemble import run_many
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
@@ -25,7 +26,6 @@ from shipid.identification.errors import PosteriorError
 from shipid.identification.identified import Identified
 from shipid.identification.problem.losses import bends
 from shipid.identification.search.least_squares import bounds_of
-from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.draws import draws_of
 
 if TYPE_CHECKING:
@@ -40,8 +40,8 @@ _BURNT, _LEAST_BURNT = 5, 200
 _LONG = 20
 
 
-@dataclass(frozen=True, eq=False)
-class Posterior:
+@dataclass(frozen=True, eq=False, repr=False)
+class Posterior(Result):
     """Draws from the posterior density of a fit.
 
     Attributes
@@ -124,7 +124,8 @@ class Posterior:
             return None
         return float((self.quantiles[-1, index] - self.quantiles[0, index]) / (ends[1] - ends[0]))
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         worst = self.independent.min()
         head = f"posterior, {len(self.draws)} draws of {self.walkers} walkers, worth {worst:.0f} independent ones at the least"
         lines = [head if self.mixed else f"{head}: TOO FEW, ask for more draws"]
@@ -143,11 +144,12 @@ class _Density:
     """The logarithm of the posterior density of many points in one call."""
 
     def __init__(self, identified: Identified) -> None:
-        problem, solution = identified.problem, identified.solution
+        problem = identified.problem
         self.problem = problem
         self.record = make_record(problem.model, problem.signals)
         self.low, self.high = bounds_of(problem, identified.box)
-        self.shares = identified.covariance.effective * _pulled(solution)
+        self.noise = identified.noise
+        self.shares = identified.covariance.effective * _pulled(identified)
 
     def __call__(self, points: np.ndarray) -> np.ndarray:
         problem = self.problem
@@ -175,23 +177,24 @@ class _Density:
         x0, p = (np.broadcast_to(columns.T, (len(points), len(columns))) for columns in (x0, p))
         y, _ = run_many(self.record, x0, data.inputs, data.intervals, p, bias)
         with np.errstate(over="ignore", invalid="ignore"):
-            squares = ((y - data.measured) / problem.sigma[:, None]) ** 2
+            squares = ((y - data.measured) / self.noise[:, None]) ** 2
             if problem.weights is not None:
                 squares = squares * problem.weights[i]
             squares = np.where(data.there, squares, 0.0)
             return np.asarray(np.nan_to_num(squares.sum(axis=2) @ self.shares[i], nan=np.inf))
 
 
-def _pulled(solution: Solution) -> np.ndarray:
+def _pulled(identified: Identified) -> np.ndarray:
     """Factor on the weighted squares of each signal under a robust loss that makes their curvature the information."""
-    problem = solution.problem
+    problem = identified.problem
     if problem.weights is None:
         return np.ones(len(problem.signals))
-    split = problem.by_signal(solution.residual)
+    split = problem.by_signal(identified.solution.residual)
     out = []
     for j, bend in enumerate(bends(problem)):
         weights = np.concatenate([w[j] for w in problem.weights])
         power = float(np.nanmean(weights * np.concatenate([trial[j] for trial in split]) ** 2))
+        power *= float(problem.sigma[j] / identified.noise[j]) ** 2
         out.append(bend**4 / (power * weights.mean()))
     return np.array(out)
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import NORMAL_95, plain
 from shipid.identification.identified import Identified
 from shipid.identification.problem.box import Box
@@ -28,8 +29,8 @@ _RISE = 0.5 * NORMAL_95**2
 _REACH = 4.0
 
 
-@dataclass(frozen=True, eq=False)
-class Profile:
+@dataclass(frozen=True, eq=False, repr=False)
+class Profile(Result):
     """The profile of one parameter.
 
     Attributes
@@ -71,7 +72,8 @@ class Profile:
 
         return pd.DataFrame({self.name: self.values, "cost": self.cost})
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         low, high = ("open" if end is None else f"{end:.6g}" for end in self.ci95)
         return f"<Profile of {self.name}: 95 % from {low} to {high} {self.unit}, {self.values.size} points>"
 

@@ -85,6 +85,7 @@ def residuals_of(identified: Identified) -> dict[str, Residuals]:
         test = sum((ljung_box(s, min(_LAGS, s.size // 5)) for s in series), LjungBox(0.0, 0))
         together = np.concatenate(series)
         with np.errstate(over="ignore"):
+            together = together * (problem.sigma[j] / identified.noise[j])
             chi_square = float(together @ together / max(samples - spent, 1.0))
         found[signal] = Residuals(
             samples,

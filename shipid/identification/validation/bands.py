@@ -1,8 +1,8 @@
 """Prediction bands: what the uncertainty of a fit means for the overshoots and the circle of each trial.
 
 Parameters, rudder bias and (for a fitted trial) initial state are drawn together from their covariance and run through the
-recorded rudder, and through the zig-zag as its helmsman would have steered that ship. The bands are those of the model's
-answer: the noise of a measured overshoot, and what a model of this structure cannot describe, come on top.
+recorded rudder, and through the zig-zag as its helmsman would have steered that ship. The error of the model's structure
+(`shipid.identification.validation.structure_error`) comes on top; the noise of a measured overshoot is not in the bands.
 """
 
 from __future__ import annotations
@@ -22,10 +22,11 @@ from shipid.identification.problem.ship_scale import scale_of
 from shipid.identification.problem.signals import is_predicted
 from shipid.identification.problem.trial_data import TrialData, prepare
 from shipid.identification.uncertainty.draws import Draws, band_of
-from shipid.identification.validation.closed_loop import helmsman_of, zigzag_simulator
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import TURN, Band, PredictedManoeuvre, PredictedQuantity
 from shipid.identification.validation.predictions import shown_outputs
+from shipid.identification.validation.runs import Runs, runs_of, simulator_of
+from shipid.identification.validation.structure_error import StructureError, growth_of
 from shipid.identification.validation.trial_measures import measured_circle
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
@@ -40,7 +41,7 @@ _Run = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
 def manoeuvres_of(
-    identified: Identified, comparisons: Sequence[Comparison], draws: Draws
+    identified: Identified, comparisons: Sequence[Comparison], draws: Draws, structure: StructureError | None = None
 ) -> dict[str, PredictedManoeuvre]:
     """Return the manoeuvre of every trial, fitted and predicted, with its bands, by the name of the trial.
 
@@ -52,68 +53,33 @@ def manoeuvres_of(
         The trials beside their predictions.
     draws : Draws
         Unknowns drawn from the covariance.
+    structure : StructureError, optional
+        What the structure of the model is wrong by; without it the bands are those of the coefficients alone.
     """
     places = {id(data.trial): i for i, data in enumerate(identified.problem.trials)}
-    return {c.trial.name: _manoeuvre(identified, c, draws, places.get(id(c.trial))) for c in comparisons}
+    return {c.trial.name: _manoeuvre(identified, c, draws, structure, places.get(id(c.trial))) for c in comparisons}
 
 
-@dataclass(frozen=True, eq=False)
-class _Runs:
-    """The runs of one trial: its data, and what the prediction and each draw run with."""
-
-    data: TrialData
-    point: _Run
-    drawn: list[_Run]
-
-    def __iter__(self) -> Iterator[_Run]:
-        return iter((self.point, *self.drawn))
-
-
-def _manoeuvre(identified: Identified, comparison: Comparison, draws: Draws, index: int | None) -> PredictedManoeuvre:
+def _manoeuvre(
+    identified: Identified, comparison: Comparison, draws: Draws, structure: StructureError | None, index: int | None
+) -> PredictedManoeuvre:
     trial, circle = comparison.trial, comparison.measures.circle
     zigzag = comparison.measures.zigzag if comparison.overshoots else None
     open_loop = tuple(None if o is None or not np.isfinite(o) else o for o in comparison.predicted_overshoots)
     found = PredictedManoeuvre(trial.name, comparison.overshoots, open_loop)
     if circle is None and zigzag is None:
         return found
-    runs = _runs(identified, comparison, draws, index)
+    runs = runs_of(identified, comparison, draws.unknowns, index)
+    growth = growth_of(identified.model, identified.ship, comparison)
     if zigzag is not None:
-        found = _with_swings(found, identified, runs, zigzag)
+        found = _with_swings(found, identified, runs, zigzag, structure, growth)
     if circle is not None:
-        found = replace(found, turn=_circle(identified, runs, circle))
-    return found
-
-
-def _runs(identified: Identified, comparison: Comparison, draws: Draws, index: int | None) -> _Runs:
-    """Runs of a fitted trial by its place in the problem, or of one that was not fitted."""
-    problem, q, model = identified.problem, identified.solution.q, identified.model
-    trial, inputs, biases = comparison.trial, identified.model.inputs, comparison.biases
-    if index is None:
-        unit_time = scale_of(identified.ship, [trial]).unit_time
-        data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), unit_time)
-    else:
-        data = problem.trials[index]
-    start = {**data.start, **comparison.initial}
-
-    def run(unknowns: np.ndarray) -> _Run:
-        """The same moved as far as a draw is from the estimate."""
-        if index is not None:
-            away = (unknowns - q)[problem.own(index)]
-            moved = {n: start[n] + a for n, a in zip(problem.initial, away)}
-        else:
-            away = np.mean([(unknowns - q)[problem.own(i)] for i in range(len(problem.trials))], axis=0)
-            moved = {}
-        # The speed before the manoeuvre is each trial's own.
-        shared = [n for n in problem.biases if index is not None or n != "cruise"]
-        by = dict(zip(problem.biases, away[len(problem.initial) :]))
-        bias = np.array([biases.get(n, 0.0) + (by[n] if n in shared else 0.0) for n in inputs])
-        return initial_state(model, start | moved), coefficient_vector(model, problem.values(unknowns)), bias
-
-    return _Runs(data, run(q), [run(unknowns) for unknowns in draws.unknowns])
+        found = replace(found, turn=_circle(identified, runs, circle, structure, growth))
+    return replace(found, growth=growth)
 
 
 def _over(
-    identified: Identified, runs: _Runs, read: Callable[[dict[str, np.ndarray]], _Read]
+    identified: Identified, runs: Runs, read: Callable[[dict[str, np.ndarray]], _Read]
 ) -> tuple[_Read, list[_Read]]:
     """Run the record for the prediction and each draw, and read each result from its columns."""
     outputs, data = shown_outputs(identified.problem), runs.data
@@ -130,7 +96,12 @@ def _over(
 
 
 def _with_swings(
-    found: PredictedManoeuvre, identified: Identified, runs: _Runs, measured: ZigZag
+    found: PredictedManoeuvre,
+    identified: Identified,
+    runs: Runs,
+    measured: ZigZag,
+    structure: StructureError | None,
+    growth: float,
 ) -> PredictedManoeuvre:
     trial, count = runs.data.trial, len(found.overshoots)
     executes = measured.leading_executes
@@ -142,16 +113,13 @@ def _with_swings(
         return _filled(overshoots_of(trial["t"], run["psi"], executes, side=side), count)
 
     point, drawn = _over(identified, runs, read)
-    found = replace(found, open_loop=point, band95=_bands(point, drawn))
-    helmsman = helmsman_of(trial, measured)
-    if helmsman is None:
-        return found
-    unit_time = scale_of(identified.ship, [trial]).unit_time
-    simulator = zigzag_simulator(identified.model, trial, runs.data.inputs, helmsman, unit_time)
+    wide = (0.0, 0.0) if structure is None else tuple(structure.half_width(closed, growth) for closed in (False, True))
+    found = replace(found, open_loop=point, band95=_bands(point, drawn, wide[0]))
+    simulator = simulator_of(identified, runs.data, measured)
     if simulator is None:
         return found
-    point, *drawn = (_filled(simulator(*run), count) for run in runs)
-    return replace(found, closed_loop=point, closed_loop_band95=_bands(point, drawn))
+    point, *drawn = (_filled(simulator(*run).overshoots, count) for run in runs)
+    return replace(found, closed_loop=point, closed_loop_band95=_bands(point, drawn, wide[1]))
 
 
 def _filled(overshoots: Sequence[float | None], count: int) -> tuple[float | None, ...]:
@@ -159,13 +127,22 @@ def _filled(overshoots: Sequence[float | None], count: int) -> tuple[float | Non
     return (*overshoots[:count], *(None,) * (count - len(overshoots)))
 
 
-def _bands(point: tuple[float | None, ...], drawn: list[tuple[float | None, ...]]) -> tuple[Band, ...]:
+def _bands(point: tuple[float | None, ...], drawn: list[tuple[float | None, ...]], wide: float) -> tuple[Band, ...]:
     """Bands of overshoots, which are not negative."""
-    found = [band_of(p, [d[k] for d in drawn]) for k, p in enumerate(point)]
+    found = [_widened(p, band_of(p, [d[k] for d in drawn]), wide) for k, p in enumerate(point)]
     return tuple(None if b is None else (max(0.0, b[0]), b[1]) for b in found)
 
 
-def _circle(identified: Identified, runs: _Runs, measured: TurningCircle) -> dict[str, PredictedQuantity]:
+def _widened(point: float | None, band: Band, wide: float) -> Band:
+    """A band with an independent error of that half-width on top."""
+    if band is None or point is None:
+        return None
+    return point - float(np.hypot(point - band[0], wide)), point + float(np.hypot(band[1] - point, wide))
+
+
+def _circle(
+    identified: Identified, runs: Runs, measured: TurningCircle, structure: StructureError | None, growth: float
+) -> dict[str, PredictedQuantity]:
     trial, model = runs.data.trial, identified.model
     every = max(1, len(trial) // _ENOUGH)
     kept = {n: trial[n][::every] for n in ("t", "delta", "delta_order") if trial.has(n)}
@@ -184,7 +161,8 @@ def _circle(identified: Identified, runs: _Runs, measured: TurningCircle) -> dic
     result = {}
     for name, (_, factor) in TURN.items():
         own, foreseen = getattr(measured, name), point.get(name)
-        band = band_of(foreseen, [d.get(name) for d in drawn])
+        share = 0.0 if structure is None else structure.share(name, growth)
+        band = _widened(foreseen, band_of(foreseen, [d.get(name) for d in drawn]), share * abs(foreseen or 0.0))
         result[name] = PredictedQuantity(
             None if own is None else own * factor,
             None if foreseen is None else foreseen * factor,

@@ -111,6 +111,22 @@ def helmsman_of(trial: Trial, measured: ZigZag) -> ZigzagHelmsman | None:
     )
 
 
+@dataclass(frozen=True)
+class Swings:
+    """What a zig-zag in closed loop gives.
+
+    Attributes
+    ----------
+    overshoots : tuple of float or None
+        In rad, one a reversal; None where one is not reached, or the model does not sail the zig-zag.
+    reversals : tuple of float
+        Times in s at which the execute is read.
+    """
+
+    overshoots: tuple[float | None, ...]
+    reversals: tuple[float, ...]
+
+
 @dataclass(frozen=True, eq=False)
 class ZigzagSimulator:
     """A model under such a helmsman, prepared for one record.
@@ -132,8 +148,8 @@ class ZigzagSimulator:
     controls: np.ndarray
     loop: Loop
 
-    def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> tuple[float | None, ...]:
-        """Return the overshoots in rad, one a reversal; None where one is not reached, or the model does not sail the zig-zag.
+    def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> Swings:
+        """Return the overshoots and the times of the reversals.
 
         Parameters
         ----------
@@ -143,6 +159,10 @@ class ZigzagSimulator:
             Coefficients of the model.
         bias : ndarray, shape (inputs,)
             Bias of each input.
+
+        Returns
+        -------
+        Swings
         """
         h, count = self.helmsman, len(self.helmsman.headings)
         signs = np.sign(h.angles[:-1])
@@ -154,11 +174,11 @@ class ZigzagSimulator:
         z0 = np.concatenate([x0, [self.controls[0, -3], 0.0]])
         psi, reversals, margin = self.loop(z0, self.controls, given)[1].T
         if not np.isfinite(psi).all() or not (margin >= 0).all():
-            return (None,) * count
+            return Swings((None,) * count, ())
         done = int(reversals.max())
         when = [float(self.t[np.argmax(reversals >= k + 1)]) + h.delay for k in range(done)]
         found = overshoots_of(self.t, psi, [w for w in when if w < self.t[-1]], side=h.side)
-        return (*found, *(None,) * (count - len(found)))[:count]
+        return Swings((*found, *(None,) * (count - len(found)))[:count], tuple(when[:count]))
 
 
 def zigzag_simulator(

@@ -7,14 +7,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shipid.foundation.result import Result
 from shipid.generation.departure import Departure
 from shipid.identification.validation.trial_measures import TrialMeasures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
 
-@dataclass(frozen=True, eq=False)
-class Comparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class Comparison(Result):
     """A trial beside its prediction.
 
     Attributes

@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import Result
 from shipid.foundation.statistics import plain
 
 #: Quantities of a turning circle by their names in `TurningCircle`: the unit they are handed over in, and the factor to it from SI.
@@ -22,8 +23,8 @@ TURN = {
 Band = tuple[float, float] | None
 
 
-@dataclass(frozen=True)
-class PredictedQuantity:
+@dataclass(frozen=True, repr=False)
+class PredictedQuantity(Result):
     """A quantity of a turning circle, in the unit of `TURN`.
 
     Attributes
@@ -47,8 +48,8 @@ class PredictedQuantity:
         }
 
 
-@dataclass(frozen=True)
-class PredictedManoeuvre:
+@dataclass(frozen=True, repr=False)
+class PredictedManoeuvre(Result):
     """The manoeuvre of a trial, measured and predicted.
 
     Attributes
@@ -62,6 +63,9 @@ class PredictedManoeuvre:
         95 % bands of both predictions, in rad.
     turn : mapping of str to PredictedQuantity
         Quantities of a turning circle; empty where it is none.
+    growth : float
+        How far the prediction goes beyond the amplitudes that were fitted, 1 where it does not: the part of the bands that is due to
+        the structure is so many times as wide.
     """
 
     trial: str
@@ -71,6 +75,7 @@ class PredictedManoeuvre:
     band95: tuple[Band, ...] = ()
     closed_loop_band95: tuple[Band, ...] = ()
     turn: Mapping[str, PredictedQuantity] = field(default_factory=dict)
+    growth: float = 1.0
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values: angles in degrees, None where something was not reached."""
@@ -79,6 +84,7 @@ class PredictedManoeuvre:
             "predicted_overshoots": _with_bands(self.open_loop, self.band95),
             "predicted_overshoots_closed_loop": _with_bands(self.closed_loop, self.closed_loop_band95),
             **{key: value.to_dict() | {"unit": TURN[key][0]} for key, value in self.turn.items()},
+            "times_beyond_fitted": None if self.growth == 1 else round(self.growth, 3),
         }
 
 

@@ -77,7 +77,7 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
         unit_time = scale_of(identified.ship, [trial]).unit_time
         stretches = with_whole_inputs(identified.model, trial, signals, unit_time)
         said = examined(trial)
-        found += [_predict(identified, s, measures_of(s, said, length)) for s in stretches]
+        found += [predict(identified, s, measures_of(s, said, length)) for s in stretches]
     return tuple(found)
 
 
@@ -87,7 +87,7 @@ def _problem_of(
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
     known = identified.problem
     data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), unit_time)
-    return make_problem(known.model, [data], known.signals, (), identified.values, known.sigma, biases, offset)
+    return make_problem(known.model, [data], known.signals, (), identified.values, identified.noise, biases, offset)
 
 
 def mean_biases(identified: Identified) -> dict[str, float]:
@@ -103,7 +103,18 @@ def mean_biases(identified: Identified) -> dict[str, float]:
     return {n: float(np.mean([b.get(n, 0.0) for b in each])) for n in problem.biases if n != "cruise"}
 
 
-def _predict(identified: Identified, trial: Trial, measures: TrialMeasures) -> Comparison:
+def predict(identified: Identified, trial: Trial, measures: TrialMeasures) -> Comparison:
+    """Return a trial, or a stretch of one, that was not fitted beside its prediction.
+
+    Parameters
+    ----------
+    identified : Identified
+        What was identified.
+    trial : Trial
+        The trial, its inputs whole.
+    measures : TrialMeasures
+        Its manoeuvre, measured.
+    """
     biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
     ahead = _problem_of(identified, trial, (), mean_biases(identified), unit_time)

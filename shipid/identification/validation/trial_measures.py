@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 
 from shipid.foundation.errors import ShipidError
+from shipid.foundation.result import Result
 from shipid.trials.checks import FEWEST_SAMPLES
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import Diagnosis
@@ -17,8 +18,8 @@ from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.trial import Trial
 
 
-@dataclass(frozen=True)
-class TrialMeasures:
+@dataclass(frozen=True, repr=False)
+class TrialMeasures(Result):
     """What a trial is, and its numbers.
 
     Attributes

@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.result import Result
 
 #: A line, shape (N, 2): metres to the north and to the east. A polygon is its outer ring and the rings of its holes.
 Line: TypeAlias = np.ndarray
@@ -80,8 +81,8 @@ class Buoy:
     name: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Chart:
+@dataclass(frozen=True, eq=False, repr=False)
+class Chart(Result):
     """Land, depths, coastlines and buoys in local metres about an origin; made by `read_chart`.
 
     Lines are simplified for a screen. Nothing here says whether a place is safe.
@@ -147,7 +148,8 @@ class Chart:
             "warnings": plain_notices(self.notes),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         return (
             f"<chart '{self.name}': {len(self.land)} land areas, {len(self.depth_areas)} depth areas, {len(self.contours)} contours, "
             f"{len(self.coast)} coastlines, {len(self.buoys)} buoys and beacons>"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.prediction.following.wheel_over import TrackLeg
 
 #: Angle between two points of an arc in rad; a turn beyond the second is not rounded by an arc.
@@ -16,8 +17,8 @@ _STEP, _BACK = np.deg2rad(2.0), np.deg2rad(175.0)
 _AT_ONCE = 1_000_000
 
 
-@dataclass(frozen=True, eq=False)
-class PlannedTrack:
+@dataclass(frozen=True, eq=False, repr=False)
+class PlannedTrack(Result):
     """Legs, and the line over the ground that joins them.
 
     Attributes

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.prediction.following.planned_track import PlannedTrack, distance_from
 from shipid.prediction.following.wheel_over import TrackLeg, heading_on
 from shipid.prediction.situations.situation import Situation
@@ -40,8 +41,8 @@ _REACH, _PLACES = 6.0, 17
 _BEYOND, _NEXT = 4.0, 5.0
 
 
-@dataclass(frozen=True, eq=False)
-class TrackOrder:
+@dataclass(frozen=True, eq=False, repr=False)
+class TrackOrder(Result):
     """What the track pilot orders.
 
     Attributes
@@ -68,8 +69,8 @@ class TrackOrder:
     track: PredictedTrack | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class TurnAhead:
+@dataclass(frozen=True, eq=False, repr=False)
+class TurnAhead(Result):
     """The next turn of a track as it is planned.
 
     Attributes

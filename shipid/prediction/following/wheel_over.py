@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import Number, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import TrackPredictor
@@ -57,8 +58,8 @@ class TrackLeg:
         return (x - self.x) * math.cos(self.course) + (y - self.y) * math.sin(self.course)
 
 
-@dataclass(frozen=True, eq=False)
-class WheelOver:
+@dataclass(frozen=True, eq=False, repr=False)
+class WheelOver(Result):
     """Where a turn onto a leg has to begin.
 
     Attributes
@@ -97,7 +98,8 @@ class WheelOver:
         units = {"heading": "rad", "distance": "m", "time": "s", "x": "m", "y": "m"}
         return {n: {"value": float(getattr(self, n)), "unit": unit} for n, unit in units.items()}
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         heading = np.rad2deg(self.heading) % 360
         place = (
             f"in {self.time:.0f} s, {shown(self.distance, 'x')}"

@@ -11,6 +11,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.result import Result
 from shipid.prediction.routes.errors import RouteError, RouteSizeError, WaypointError
 from shipid.prediction.routes.sailings import turned
 from shipid.trials.logs.geodesy import to_geographic, to_local
@@ -57,8 +58,8 @@ class Waypoint:
     speed: float | None = None
 
 
-@dataclass(frozen=True)
-class Route:
+@dataclass(frozen=True, repr=False)
+class Route(Result):
     """Waypoints in the order in which they are sailed.
 
     Attributes
@@ -221,7 +222,8 @@ class Route:
             )
         return {"name": self.name, "waypoints": points, "warnings": plain_notices(self.notes)}
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         kind = "latitude and longitude" if self.geographic else "local metres"
         return f"<route '{self.name}': {len(self)} waypoints in {kind}>"
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.track_pilot import TrackPilot
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, heading_on
@@ -31,8 +32,8 @@ _THERE = np.deg2rad(30.0)
 _UNITS = {"off_track": "m", "change": "rad", "rudder_limit": "rad", "overshoot": "m", "inside": "m"}
 
 
-@dataclass(frozen=True, eq=False)
-class RouteTurn:
+@dataclass(frozen=True, eq=False, repr=False)
+class RouteTurn(Result):
     """The next turn of a route, or its last leg; SI.
 
     Attributes

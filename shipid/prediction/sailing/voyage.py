@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.result import DrawnResult
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
 from shipid.trials.trial import Trial
@@ -83,8 +84,8 @@ class LimitLeft:
         }
 
 
-@dataclass(frozen=True, eq=False)
-class Voyage:
+@dataclass(frozen=True, eq=False, repr=False)
+class Voyage(DrawnResult):
     """A route that was sailed in simulation; made by `sail_route`.
 
     Attributes
@@ -150,7 +151,8 @@ class Voyage:
             "warnings": plain_notices(self.warnings),
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         duration = self.trial["t"][-1]
         end = f"its end after {duration:.0f} s" if self.arrived else f"its end not reached after {duration:.0f} s"
         lines = [f"route '{self.route.name}': {len(self.route)} waypoints, {end}"]

@@ -9,10 +9,11 @@ from types import MappingProxyType
 import numpy as np
 
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Result
 
 
-@dataclass(frozen=True, eq=False)
-class Situation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Situation(Result):
     """A ship at one moment; SI.
 
     Attributes

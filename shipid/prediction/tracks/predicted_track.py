@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import NORMAL_95
 from shipid.prediction.tracks.order import Order
 
@@ -22,8 +23,8 @@ COLUMNS: Mapping[str, str] = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class PredictedTrack:
+@dataclass(frozen=True, eq=False, repr=False)
+class PredictedTrack(DrawnResult):
     """Where a ship goes under an order; N nodes, SI.
 
     Attributes
@@ -175,7 +176,8 @@ class PredictedTrack:
             "half_width_95": None if width is None else {"unit": "m", "values": width.tolist()},
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         end = f", then {self.ended}" if self.ended else ""
         width = self.half_width
         band = "" if width is None else f", 95 % band {width[-1]:.3g} m to each side at its end"

@@ -15,7 +15,8 @@ from shipid.report.figures.svg import MUTED, WIDTH, axis_range, legend, panel_ti
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-_PANEL = 1.35
+#: Height of a panel in inches: of one among several, and of a panel of a Bode diagram, which stands beside a Nyquist curve.
+_PANEL, _TALL = 1.35, 1.65
 #: Colours of the lines, in order; readable on light and dark paper.
 _COLOURS = ("#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", MUTED)
 
@@ -71,7 +72,7 @@ def _look(line: Line) -> dict[str, Plain]:
     }[line.look]
 
 
-def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
+def chart(panels: Sequence[Axes], across: str, key: str, title: str, *, log: bool = False) -> Markup:
     """Return panels above each other over one horizontal axis as SVG.
 
     Parameters
@@ -84,6 +85,8 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
         Put before every id, so that several figures can stand in one page.
     title : str
         What a screen reader says.
+    log : bool
+        Whether the horizontal axis is logarithmic.
     """
 
     def draw(figure: Figure) -> None:
@@ -100,10 +103,14 @@ def chart(panels: Sequence[Axes], across: str, key: str, title: str) -> Markup:
             ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
             ax.margins(x=0.02)
             ax.locator_params(axis="y", nbins=5)
+        if log:
+            axes[-1].set_xscale("log")
+            axes[-1].xaxis.set_major_formatter(lambda value, _: f"{value:g}")
+            axes[-1].xaxis.set_minor_formatter(lambda *_: "")
         axes[-1].set_xlabel(across)
         legend(figure, axes)
 
-    return svg(draw, (WIDTH, 0.75 + _PANEL * len(panels)), key, title)
+    return svg(draw, (WIDTH, 0.75 + (_TALL if log else _PANEL) * len(panels)), key, title)
 
 
 def _limits(y: np.ndarray) -> tuple[float, float]:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -158,42 +161,95 @@ def panel_size(size: tuple[float, float]) -> tuple[float, float]:
     return size[0] - _LEFT - _RIGHT, size[1] - _TOP - _BOTTOM
 
 
-def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
-    """Return a figure as inline SVG.
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A figure that is not drawn yet.
 
-    Parameters
+    Attributes
     ----------
     draw : callable
         Draws into the figure it is given.
     size : tuple of float
         Width and height in inches.
-    key : str
-        Put before every id, so that several figures can stand in one page.
     title : str
         What a screen reader says.
     """
-    from matplotlib import rc_context, rcParamsDefault
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
-    settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
-    with rc_context(settings | _SETTINGS):
-        figure = Figure(figsize=size)
-        FigureCanvasSVG(figure)
-        draw(figure)
-        # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
-        rows = len(figure.axes)
-        panel = (size[1] - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
-        figure.subplots_adjust(
-            left=_LEFT / size[0],
-            right=1 - _RIGHT / size[0],
-            bottom=_BOTTOM / size[1],
-            top=1 - _TOP / size[1],
-            hspace=_GAP / panel,
-        )
-        buffer = io.StringIO()
-        figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
-    return _inline(buffer.getvalue(), key, title)
+    draw: Callable[[Figure], None]
+    size: tuple[float, float]
+    title: str
+
+    def figure(self) -> Figure:
+        """Return it as a figure of matplotlib, for a notebook or a file of one's own."""
+        from matplotlib import rc_context, rcParamsDefault
+
+        from shipid.report.notebook_figure import NotebookFigure
+
+        settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
+        with rc_context(settings | _SETTINGS):
+            figure = NotebookFigure(figsize=self.size)
+            self.draw(figure)
+            # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
+            width, height = self.size
+            place = figure.axes[0].get_subplotspec() if figure.axes else None
+            rows = 1 if place is None else place.get_gridspec().nrows
+            panel = (height - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
+            figure.subplots_adjust(
+                left=_LEFT / width,
+                right=1 - _RIGHT / width,
+                bottom=_BOTTOM / height,
+                top=1 - _TOP / height,
+                hspace=_GAP / panel,
+                wspace=0.16,
+            )
+        return figure
+
+    def svg(self, key: str) -> Markup:
+        """Return it as inline SVG.
+
+        Parameters
+        ----------
+        key : str
+            Put before every id, so that several figures can stand in one page.
+        """
+        from matplotlib import rc_context, rcParamsDefault
+
+        if (collected := _COLLECTED.get()) is not None:
+            collected[key] = self
+            return Markup("<svg/>")
+        figure, buffer = self.figure(), io.StringIO()
+        settings: Plain = {k: v for k, v in rcParamsDefault.items() if not k.startswith("backend")}
+        with rc_context(settings | _SETTINGS):
+            figure.savefig(buffer, format="svg", transparent=True, metadata={"Date": None, "Creator": None})
+        return _inline(buffer.getvalue(), key, self.title)
+
+
+def svg(draw: Callable[[Figure], None], size: tuple[float, float], key: str, title: str) -> Markup:
+    """Return a figure as inline SVG.
+
+    Parameters
+    ----------
+    draw, size, title
+        See `Drawing`.
+    key : str
+        Put before every id, so that several figures can stand in one page.
+    """
+    return Drawing(draw, size, title).svg(key)
+
+
+#: Where figures go that are collected, and not drawn.
+_COLLECTED: ContextVar[dict[str, Drawing] | None] = ContextVar("collected", default=None)
+
+
+@contextmanager
+def collected() -> Iterator[Mapping[str, Drawing]]:
+    """Return a context in which figures are collected by their keys, and have no SVG: for a page that nobody reads."""
+    found: dict[str, Drawing] = {}
+    token = _COLLECTED.set(found)
+    try:
+        yield found
+    finally:
+        _COLLECTED.reset(token)
 
 
 _HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)

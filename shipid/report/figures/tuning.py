@@ -11,7 +11,7 @@ from markupsafe import Markup
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.compare_tunings import TuningComparison
-from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, SHOWN_CHANGES, Judgement
+from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, SHOWN_CHANGES, Judgement
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.report.figures.charts import Axes, Line, chart, nyquist
 from shipid.report.typography.quantities import shown_field
@@ -54,7 +54,9 @@ def tuning_figures(judged: Judgement) -> dict[str, Markup]:
     """
     found = design_figures(judged.pilot)
     found["margins"] = chart(_margin_axes(judged), "speed [m/s]", "margins", "Margins against speed, with their limits")
-    found["nyquist"] = nyquist(_nyquist_lines(judged), LIMITS["disk margin"], "nyquist", "Nyquist curves of the loop")
+    disk = judged.limits["disk margin"]
+    found["bode"] = chart(_bode_axes(judged), "frequency [rad/s]", "bode", "Bode diagram of the loop", log=True)
+    found["nyquist"] = nyquist(_nyquist_lines(judged), disk, "nyquist", "Nyquist curves of the loop")
     found["steps"] = chart(
         _step_axes([judged], [""]), "time [s]", "steps", "Course changes at the ship's own speed: heading and rudder"
     )
@@ -87,9 +89,31 @@ def _margin_axes(judged: Judgement) -> list[Axes]:
             good = np.array([v is not None for v in values])
             lines.append(Line("", speeds[good], np.array([v for v in values if v is not None]), "line", 2 * j))
     ends = np.array([pilot.speeds[0], pilot.speeds[-1]])
-    disk.append(Line("limit", ends, np.full(2, LIMITS["disk margin"]), "limit"))
-    phase.append(Line("", ends, np.full(2, LIMITS["phase margin"]), "limit"))
+    disk.append(Line("limit", ends, np.full(2, judged.limits["disk margin"]), "limit"))
+    phase.append(Line("", ends, np.full(2, judged.limits["phase margin"]), "limit"))
     return [Axes("Disk margin", "", disk), Axes("Phase margin", _HEADING.unit, phase), Axes("Delay margin", "s", delay)]
+
+
+def _bode_axes(judged: Judgement) -> list[Axes]:
+    """Gain and phase of the loop where its gain is within 40 dB of one, with a dot where it is one."""
+    gain, phase = [], []
+    for k, loop in enumerate(judged.responses):
+        size = 20 * np.log10(np.abs(loop.response))
+        turned = np.rad2deg(np.unwrap(np.angle(loop.response)))
+        crossings = np.flatnonzero((size[:-1] >= 0) & (size[1:] < 0))
+        at = int(crossings[-1]) if crossings.size else int(np.abs(size).argmin())
+        # Of the angles that say the same, the one between -360 deg and 0 where the gain is one.
+        turned -= 360 * np.ceil(turned[at] / 360)
+        shown = np.abs(size) <= 40
+        gain.append(Line(f"{loop.speed:.3g} m/s", loop.omega[shown], size[shown], "line", k))
+        phase.append(Line("", loop.omega[shown], turned[shown], "line", k))
+        if crossings.size:
+            gain.append(Line("", loop.omega[[at]], size[[at]], "points", k))
+            phase.append(Line("", loop.omega[[at]], turned[[at]], "points", k))
+    ends = np.array([min(line.x.min() for line in gain), max(line.x.max() for line in gain)])
+    gain.append(Line("", ends, np.zeros(2), "limit"))
+    phase.append(Line("", ends, np.full(2, -180.0), "limit"))
+    return [Axes("Gain", "dB", gain), Axes("Phase", _HEADING.unit, phase)]
 
 
 def _nyquist_lines(judged: Judgement) -> list[Line]:
@@ -189,7 +213,7 @@ def comparison_figures(found: TuningComparison) -> dict[str, Markup]:
         for k, (name, j) in enumerate(zip(found.names, found.judged))
     ]
     speeds = np.array([min(line.x.min() for line in disk), max(line.x.max() for line in disk)])
-    disk.append(Line("limit", speeds, np.full(2, LIMITS["disk margin"]), "limit"))
+    disk.append(Line("limit", speeds, np.full(2, found.judged[0].limits["disk margin"]), "limit"))
     return {
         "schedule": chart(panels, "speed [m/s]", "schedule", "Gains of both against speed"),
         "margins": chart(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import Result
 
 SURE = 0.8
 """Findings of at least this confidence count; one below it is worth checking by hand."""
@@ -195,7 +196,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class Diagnosis:
+class Diagnosis(Result):
     """The findings and manoeuvres of one record.
 
     Attributes
@@ -293,7 +294,8 @@ class Diagnosis:
             },
         }
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         count = len(self.findings)
         head = "nothing found" if not count else f"{count} finding{'s' * (count > 1)}, {len(self.serious)} serious"
         lines = [f"Diagnosis of '{self.trial}': {head}"]

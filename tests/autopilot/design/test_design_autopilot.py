@@ -55,7 +55,7 @@ def test_closed_form_of_the_thesis(damping):
     """Passenier (1989), eq. (5.79)-(5.80), with omega_n scaled by u/L."""
     L, U0, K, tau, omega = 226.0, 9.5, 1.6, 1.7, 0.05
     pilot = shipid.design_autopilot(
-        "de-keizer", "soesterberg", omega_n="0.05 rad/s", damping=damping, speeds="4:12:1 m/s"
+        "de-keizer", "soesterberg", design="pole", omega_n="0.05 rad/s", damping=damping, speeds="4:12:1 m/s"
     )
     for i, u in enumerate(pilot.speeds):
         kp = (omega * u / U0) ** 2 * tau / K * (L / u) ** 2
@@ -148,7 +148,7 @@ def test_the_closed_loop_is_a_model_like_any_other(container):
     """It linearises to the poles of the design, beside that of the servo, and simulates through python-control."""
     slow = to_control(container, 9.5).poles()
     assert len(slow) == 3
-    fast = to_control(shipid.design_autopilot("de-keizer", "soesterberg", actuator=None), 9.5).poles()
+    fast = to_control(shipid.design_autopilot("de-keizer", "soesterberg", design="pole", actuator=None), 9.5).poles()
     np.testing.assert_allclose(np.sort_complex(fast), np.sort_complex(poles_at(container, 9.5)), rtol=1e-12)
     loop = to_control(container, 9.5, nonlinear=True)
     order = np.zeros((len(loop.input_labels), 2))
@@ -181,7 +181,7 @@ def test_load_conditions(sized):
 
 def test_a_table_against_speed_is_followed():
     """The Zeefakkel's K and tau are tabulated: at 6 m/s they are those of the table and not scaled."""
-    pilot = shipid.design_autopilot("nomoto", "zeefakkel", speeds=[5.0, 6.0])
+    pilot = shipid.design_autopilot("nomoto", "zeefakkel", design="pole", speeds=[5.0, 6.0])
     K, tau = np.interp(6.0, [5.0, 6.2], [0.50, 0.83]), np.interp(6.0, [5.0, 6.2], [31.0, 43.0])
     np.testing.assert_allclose(np.sort(np.linalg.eigvals(linear_ship(pilot, [6.0]).A[0])), [-1 / tau, 0], atol=1e-15)
     assert pilot.schedule.gains["Kp"][0, -1] == pytest.approx((pilot.request["omega_n"] * 1.2) ** 2 * tau / K)
@@ -209,7 +209,7 @@ def test_a_result_says_what_it_is(container, integral):
     found = integral.to_dict()
     assert set(found["gains"]) == {"Kp", "Kd", "Ki"}
     assert len(found["poles"]) == len(found["speeds"]) and len(found["poles"][0]) == 3
-    assert "autopilot of soesterberg (de-keizer), pid" in repr(integral)
+    assert "autopilot of soesterberg (de-keizer), pid" in integral.text()
     assert pickle.loads(pickle.dumps(container)).to_dict() == container.to_dict()
 
 
@@ -221,3 +221,11 @@ def test_remainder_at_extreme_scales():
     gains = place(plant, pole_pair(1e-6, 0.9))
     assert np.abs(closed_polynomial(plant, gains)[-2:] * 40.4421 / pole_pair(1e-6, 0.9)[-2:] / 40.4421 - 1).max() < 1e-9
     assert closed_poles(plant, gains).shape == (2,)
+
+
+def test_an_integral_is_the_default_for_a_course():
+    """Wind turns a ship off its course for good: two poles alone leave an error. A rate of turn has an integral of its own."""
+    course, rate = (
+        shipid.design_autopilot("de-keizer", "soesterberg", speeds=[9.5], mode=m) for m in ("course", "rate")
+    )
+    assert (course.design, rate.design) == ("pid", "pole") and "Ki" in course.schedule.gains

@@ -69,11 +69,12 @@ def test_a_turn_ends_on_its_course(turning):
 def test_a_rate_design_is_judged_and_read_again(turning, tmp_path):
     judged = shipid.judge(turning, samples=0)
     course = shipid.judge(
-        shipid.design_autopilot("de-keizer", "soesterberg", omega_n=0.05, damping=0.8, speeds=[U]), samples=0
+        shipid.design_autopilot("de-keizer", "soesterberg", design="pole", omega_n=0.05, damping=0.8, speeds=[U]),
+        samples=0,
     )
     assert [m.disk for m in judged.margins[0]] == [m.disk for m in course.margins[0]]
     assert any(w.startswith("rate of turn: the heading is not fed back") for w in judged.warnings)
-    assert judged.to_dict()["mode"] == "rate" and "soesterberg (de-keizer), rate, pole" in repr(turning)
+    assert judged.to_dict()["mode"] == "rate" and "soesterberg (de-keizer), rate, pole" in turning.text()
     shipid.write_schedule(turning, tmp_path / "s.toml")
     text = (tmp_path / "s.toml").read_text()
     assert "delta_order = Kd (r_order - r) + Kp integral(r_order - r)" in text

@@ -19,7 +19,7 @@ from shipid.autopilot.judgement.margins import (
     growth,
     loop_polynomials,
     margins_at,
-    notched,
+    sea_filtered,
     to_transfer_function,
 )
 from shipid.generation.system import generate
@@ -94,13 +94,15 @@ def test_disk_margin_of_an_integrator_with_delay_free_gain():
     assert found[1] == 0.0  # positive feedback: unstable
 
 
-def test_a_notch_in_the_loop():
-    """Against the product of the two transfer functions, of two loops at once."""
+def test_the_sea_filter_in_the_loop():
+    """Against the product of the three transfer functions, of two loops at once; both polynomials have one length."""
+
     loop = np.array([[0.0, 0.0, 0.5], [0.0, 0.3, 0.5]]), np.array([[1.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
-    numerator, denominator = notched(*loop, np.array([0.6, 0.9]), 0.7)
+    numerator, denominator = sea_filtered(*loop, np.array([0.6, 0.9]), 0.7)
     for k, frequency in enumerate((0.6, 0.9)):
         notch = control.tf([1, 0, frequency**2], [1, 1.4 * frequency, frequency**2])
-        whole = notch * control.tf(loop[0][k], loop[1][k])
+        lag = control.tf([frequency], [1, frequency])
+        whole = notch * lag * control.tf(loop[0][k], loop[1][k])
         s = 0.3 + 0.4j
         assert np.polyval(numerator[k], s) / np.polyval(denominator[k], s) == pytest.approx(whole(s), rel=1e-12)
 
@@ -140,7 +142,7 @@ def test_a_delay_margin_where_the_loop_leads():
 
 
 def test_an_unstable_ship_has_a_lower_gain_margin():
-    pilot = shipid.design_autopilot("bech-surge", "kvlcc2-7m", speeds=[1.2])
+    pilot = shipid.design_autopilot("bech-surge", "kvlcc2-7m", design="pole", speeds=[1.2])
     (speed, plant, gains), = loops(pilot)  # fmt: skip
     low = margins_at(plant, gains, speed, pilot.pace(speed)).gain_low
     assert low is not None and 0 < low < 1
@@ -158,7 +160,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     found = json.loads(json.dumps(judgement.to_dict(), allow_nan=False))
     count = len(uncertain_pilot.speeds)
     assert found["speeds"]["value"] == uncertain_pilot.speeds.tolist()
-    assert set(found["gains"]) == {"Kp", "Kd"}
+    assert set(found["gains"]) == {"Kp", "Kd", "Ki"}
     for name in ("gain", "disk"):
         assert len(found["margins"][name]) == count
     for name, unit in (("phase", "deg"), ("delay", "s"), ("bandwidth", "rad/s")):
@@ -169,7 +171,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     assert {"what", "where", "value"} <= set(found["weakest"])
     assert any("outside the identified range" in w["message"] for w in found["warnings"])
     assert judgement.to_frame().shape[0] == count
-    assert "worst disk margin" in repr(judgement) and "The weakest point" in repr(judgement)
+    assert "worst disk margin" in judgement.text() and "The weakest point" in judgement.text()
 
 
 def test_the_worst_draw_is_worse_than_the_ship_itself(judgement):

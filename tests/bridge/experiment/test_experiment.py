@@ -53,7 +53,7 @@ def test_beside_the_reference_the_distance_is_the_score(reference):
     along = np.arange(0, 3000, 50.0)
     score = score_of(reference, [(x, -40.0) for x in along])
     assert score.rms == pytest.approx(40.0) and not score.done
-    assert "NOT SAILED TO ITS END" in repr(score) and "40.0 m" in repr(score)
+    assert "NOT SAILED TO ITS END" in score.text() and "40.0 m" in score.text()
     assert score.to_dict()["leg"] == 0 and score.to_dict()["of"] == 6
 
 
@@ -72,7 +72,7 @@ def test_the_end_is_told_once(reference):
 
 def test_nothing_sailed_has_no_score(reference):
     score = VoyageScore(track_experiment(), "T1", "A", reference)
-    assert score.rms is None and score.spread is None and "nothing was sailed" in repr(score)
+    assert score.rms is None and score.spread is None and "nothing was sailed" in score.text()
 
 
 def test_who_sees_what(pilot):

@@ -74,7 +74,7 @@ def test_a_target_that_vanishes_is_lost_and_comes_back(scene):
 def test_what_vanishes_at_the_end_is_lost(scene):
     (one,) = track(scene([(-300.0, -200.0, 5.0, 0.0)], scans=45, hidden=(34, 45), clutter=1.0)).tracks
     assert one.status == "lost" and one.approach is None
-    assert "lost" in repr(track(scene([(-300.0, -200.0, 5.0, 0.0)], scans=45, hidden=(34, 45), clutter=1.0)))
+    assert "lost" in track(scene([(-300.0, -200.0, 5.0, 0.0)], scans=45, hidden=(34, 45), clutter=1.0)).text()
 
 
 def test_a_latency_that_is_given_is_taken_out(scene):
@@ -109,7 +109,7 @@ def test_a_latency_that_nothing_shows_is_said(scene):
 def test_one_plot_is_no_track():
     found = track(make_plots(np.array([1.0]), np.array([10.0]), np.array([20.0])))
     assert not found.tracks and "no-track" in [w.kind for w in found.warnings]
-    assert "1 plot in 1 scans" in repr(found)
+    assert "1 plot in 1 scans" in found.text()
     assert found.to_frame().empty and list(found.to_frame().columns)[:3] == ["track", "t", "x"]
 
 
@@ -177,7 +177,7 @@ def test_the_score_counts_what_is_no_ship(scene):
     known = scene(CROSSING, clutter=1.0)
     found = track(replace(known, truth=known.truth[:1]))
     assert found.score.false_tracks == 1
-    assert "1 moving tracks without a ship" in repr(found)
+    assert "1 moving tracks without a ship" in found.text()
 
 
 @pytest.mark.parametrize(

@@ -136,7 +136,7 @@ def test_modes_with_different_states(track):
     assert table["probability_turning [1]"].iloc[300] == run.probabilities[300, 1]
     assert run.quantity("SOG")[0] == pytest.approx(np.hypot(run["vx"], run["vy"]))
     assert run.to_dict()["most_probable"] == run.most_probable[-1]
-    assert "probability" in repr(run)
+    assert "probability" in run.text()
 
 
 def test_a_derived_quantity_serves_as_a_state_of_another_mode():

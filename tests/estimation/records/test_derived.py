@@ -68,7 +68,7 @@ def test_results_hold_the_published_coefficients(run: FilterRun) -> None:
     np.testing.assert_array_equal(table["K [1]"], run["K"])
     np.testing.assert_array_equal(table["std_tau [1]"], run.std_of("tau"))
     assert set(json.loads(json.dumps(run.to_dict(), allow_nan=False))["parameters"]) == {"a", "b1", "K", "tau"}
-    assert "yaw gain K*" in repr(run)
+    assert "yaw gain K*" in run.text()
 
 
 def test_a_gain_that_does_not_exist_is_left_out() -> None:

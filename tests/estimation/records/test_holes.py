@@ -45,7 +45,7 @@ def test_a_short_hole_of_the_rudder_is_interpolated(trial, kalman):
     filled.loc[199:204, "delta"] = np.linspace(filled["delta"][199], filled["delta"][204], 6)
     np.testing.assert_allclose(run.x, kalman.filter(Trial("filled", filled)).x, rtol=1e-12, atol=1e-15)
     assert run.t.size == len(trial) and not run.arranged.holes
-    assert "delta is interpolated between its samples at 4 of 601 times." in repr(run)
+    assert "delta is interpolated between its samples at 4 of 601 times." in run.text()
 
 
 def test_behind_a_long_hole_the_ship_starts_anew_and_the_parameters_go_on(trial, kalman):
@@ -60,7 +60,7 @@ def test_behind_a_long_hole_the_ship_starts_anew_and_the_parameters_go_on(trial,
         assert run[name][behind] == pytest.approx(run[name][before], rel=1e-6)
         assert run.std_of(name)[behind] == pytest.approx(run.std_of(name)[before], rel=1e-3)
     assert run.parameters["K"].value == pytest.approx(K, abs=4 * run.parameters["K"].std)
-    text = repr(run)
+    text = run.text()
     assert "100 of 601 samples lie in holes of an input" in text
     assert "No delta from 99.5 to 150 s: no estimates there; what it drives starts anew." in text
     plain = json.loads(json.dumps(run.to_dict(), allow_nan=False))["holes"]
@@ -163,7 +163,7 @@ def test_a_recursion_goes_on_over_a_hole():
         assert run.theta[150, i] == pytest.approx(run.theta[149, i], rel=1e-12), "no innovation at the first sample"
         assert run[name][-1] == pytest.approx(whole[name][-1], abs=5 * whole.std_of(name)[-1])
     assert run.y[150] == trial["r"][200]
-    assert "No delta" in repr(run) and json.dumps(run.to_dict(), allow_nan=False)
+    assert "No delta" in run.text() and json.dumps(run.to_dict(), allow_nan=False)
 
 
 def test_the_noise_level_of_a_record_with_missing_samples():

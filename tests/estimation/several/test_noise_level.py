@@ -142,7 +142,7 @@ def test_the_level_makes_the_filter_calm_in_a_high_sea(yaw):
     error = [np.sqrt(np.mean((run["r"] - ship)[late] ** 2)) for run in (fixed, adapted)]
     assert error[1] < 0.5 * error[0] and error[1] < np.deg2rad(0.03)
     json.dumps(level.to_dict(), allow_nan=False)
-    assert "sigma_w over 2250 samples" in repr(level)
+    assert "sigma_w over 2250 samples" in level.text()
 
 
 def test_the_factor_on_a_noise(yaw):

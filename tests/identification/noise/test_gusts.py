@@ -60,7 +60,7 @@ def test_size_and_time_of_gusts_are_found():
         assert estimate.ci95[1] - estimate.value > 1.97 * estimate.std
     plain = fit.to_dict()["filter_noise"]
     assert plain["gusts"]["r"]["std"] == gust.size and plain["whiteness"]["psi"]["white"]
-    assert "drives r: gusts of" in repr(fit) and "innovations are white" in repr(fit)
+    assert "drives r: gusts of" in fit.text() and "innovations are white" in fit.text()
 
 
 def test_a_calm_record_has_no_gusts():

@@ -268,7 +268,7 @@ def test_intervals_of_coloured_noise_are_widened_until_they_hold_the_truth(metho
         held += [r.parameters[name].ci95[0] <= truth <= r.parameters[name].ci95[1] for r in results]
         bare += [abs(r[name][-1] - truth) < 1.96 * r.std_of(name)[-1] for r in results]
     assert np.mean(held) >= 0.93 and np.mean(bare) < 0.8
-    assert all(r.widening > 1.5 and "not white" in repr(r) for r in results)
+    assert all(r.widening > 1.5 and "not white" in r.text() for r in results)
 
 
 def test_intervals_of_white_noise_are_left_alone(first_order, noisy):
@@ -285,7 +285,7 @@ def test_a_lost_recursion_says_so(first_order, noisy):
     """A filter that is sure of a wrong pole, and not allowed to change it, does not follow the motion."""
     options = {"measured": {"y": 0.05}, "start": {"a": -0.9, "b": 1.0}, "hold": "zero", "method": "ekf"}
     lost = identify_recursively(first_order, noisy(0.05), initial={"a": 1e-6, "b": 1e-6}, **options)
-    assert lost.diverged and "has diverged" in lost.why_diverged and "NOT RELIABLE" in repr(lost)
+    assert lost.diverged and "has diverged" in lost.why_diverged and "NOT RELIABLE" in lost.text()
     assert lost.to_dict()["diverged"] is True
     outside = identify_recursively(
         first_order, noisy(0.05), initial={"a": 1e-6, "b": 1e-6}, **(options | {"start": {"a": 6, "b": 0}})
@@ -319,7 +319,7 @@ def test_a_result_prints_and_tabulates(trial):
     assert plain["parameters"]["tau"]["value"] == pytest.approx(1.7, rel=0.1)
     assert plain["innovations"]["r"]["nis_mean"] == pytest.approx(1.0, abs=0.2)
     assert plain["innovations"]["r"]["samples"] == len(trial) - 1
-    text = repr(result)
+    text = result.text()
     assert "combined of a, b1" in text and "NIS" in text and "yaw gain K*" in text
     with pytest.raises(UnknownNameError, match="estimated parameter 'gamma'"):
         result["gamma"]

@@ -180,7 +180,7 @@ def test_the_rescue_is_climbed_where_output_error_runs_away(sail, truth_of):
         assert abs(fit.parameters[name].value - truth[name]) < 4 * fit.parameters[name].std, name
     tried = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["ladder"]
     assert [set(r) for r in tried] == [{"method", "cost", "converged", "used", "reason", "evaluations"}] * 2
-    assert "tried     multiple-shooting (cost" in repr(fit)
+    assert "tried     multiple-shooting (cost" in fit.text()
     # The method asked for alone is not rescued.
     alone = shipid.identify("bech", [trial], ship=ship, starts=1, method="output-error")
     assert not alone.converged and [r.method for r in alone.ladder] == ["output-error"]

@@ -253,7 +253,7 @@ def test_a_coefficient_without_influence_is_not_determined(sail):
     assert gamma.std is None and gamma.ci95 is None and not gamma.identifiable
     assert gamma.standing == "not determined" and fit.unidentifiable == ("alpha3", "gamma")
     assert fit.parameters["alpha3"].standing == "not distinguishable from zero"  # the ship has none
-    assert "not distinguishable from zero: its 95 % interval" in repr(fit)
+    assert "not distinguishable from zero: its 95 % interval" in fit.text()
     assert fit.condition_number is None
     assert all(fit.parameters[n].identifiable for n in ("K", "tau", "K_u", "tau_u"))
 
@@ -283,5 +283,5 @@ def test_a_search_that_is_cut_short_is_a_result(sail, monkeypatch):
     monkeypatch.setattr(solving, "minimise", lambda p, q, b, most, tolerance=0: honest(p, q, b, 1, 1e-15))
     fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="kvlcc2-7m", starts=1)
     assert not fit.converged
-    assert "NOT CONVERGED" in repr(fit)
+    assert "NOT CONVERGED" in fit.text()
     json.dumps(fit.to_dict(), allow_nan=False)

@@ -55,9 +55,9 @@ def test_what_it_gives(linear, drawn):
     assert set(plain) == {"draws", "walkers", "acceptance", "mixed", "parameters"}
     assert set(plain["parameters"]["gain"]["quantiles"]) == {"2.5", "16", "50", "84", "97.5"}
     assert list(drawn.to_frame().columns) == ["gain", "swing"] and len(drawn.to_frame()) >= 8_000
-    assert "times as wide as the fit's" in repr(drawn)
+    assert "times as wide as the fit's" in drawn.text()
     short, again = (linear[0].sample_posterior(400, seed=3) for _ in range(2))
-    assert not short.mixed and "TOO FEW" in repr(short)
+    assert not short.mixed and "TOO FEW" in short.text()
     assert np.array_equal(short.draws, again.draws)
 
 

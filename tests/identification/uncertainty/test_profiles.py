@@ -35,7 +35,7 @@ def test_a_well_determined_coefficient_has_a_parabola(fit, name):
     assert profile.cost.min() == 0
     json.dumps(profile.to_dict(), allow_nan=False)
     assert list(profile.to_frame().columns) == [name, "cost"]
-    assert "95 % from" in repr(profile)
+    assert "95 % from" in profile.text()
 
 
 def test_samples_that_repeat_each_other_widen_the_parabola(drift, drifting):
@@ -81,7 +81,7 @@ def test_a_coefficient_that_no_data_have_seen_has_an_open_interval(sail):
     fit = shipid.identify("de-keizer", [trial], ship="soesterberg", signals=["psi", "r", "u"], starts=1)
     profile = fit.profile("gamma", points=9)
     assert profile.ci95 == (None, None)
-    assert "open" in repr(profile)
+    assert "open" in profile.text()
     (direction,) = shipid.assess(fit, bands=False, findings=False).assessment.directions
     assert direction.parameters == {"gamma": 1.0} and direction.relative_std is None
     assert "has no effect" in direction.words and "sway speed" in direction.words

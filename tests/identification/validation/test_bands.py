@@ -143,7 +143,7 @@ def test_a_prediction_on_the_floor_of_the_model_has_no_numbers(sail):
     words = (
         "not sailed by this model: the forward speed is on the model's floor, a twentieth of the cruising speed from "
     )
-    assert words in repr(fit)
+    assert words in fit.text()
     plain = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["manoeuvre"]
     assert plain[hard.name]["not_sailed"].startswith(words) and plain[gentle.name]["not_sailed"] is None
     for key in KEYS:

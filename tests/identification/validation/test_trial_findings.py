@@ -30,10 +30,10 @@ def test_a_finding_is_in_the_result_and_nothing_is_repaired(mirrored):
     assert (fit.fitted[0].trial["delta"] == before).all()
     found = json.loads(json.dumps(fit.to_dict(), allow_nan=False))["warnings"]
     assert found[0]["kind"] == "rudder-sign" and found[0]["trial"] == "mirrored" and found[0]["repair"]
-    line = next(x for x in repr(fit).splitlines() if "rudder-sign" in x)
+    line = next(x for x in fit.text().splitlines() if "rudder-sign" in x)
     assert line.startswith("  check     mirrored: rudder-sign (delta")
     # What spoils the fit stands before the coefficients, with what it does to them.
-    lines = repr(fit).splitlines()
+    lines = fit.text().splitlines()
     assert lines.index(line) == 1 and "The gain comes out negative" in line and found[0]["serious"]
 
 
@@ -46,14 +46,14 @@ def test_a_trial_kept_apart_is_looked_at_too(sail, mirrored):
 def test_a_clean_trial_is_not_spoken_of(sail):
     fit = shipid.identify("norrbin", [sail("norrbin", "zeefakkel")], ship="zeefakkel", starts=1)
     fit = shipid.assess(fit, bands=False)
-    assert fit.assessment.findings == () and "check" not in repr(fit)
+    assert fit.assessment.findings == () and "check" not in fit.text()
     assert fit.to_dict()["warnings"] == []
 
 
 def test_it_can_be_left_out(mirrored):
     fit = shipid.identify("norrbin", [mirrored], ship="zeefakkel", starts=1)
     for unasked in (fit, shipid.assess(fit, bands=False, findings=False)):
-        assert not unasked.to_dict()["checked"] and "check" not in repr(unasked)
+        assert not unasked.to_dict()["checked"] and "check" not in unasked.text()
 
 
 def test_a_kind_found_many_times_takes_one_line():

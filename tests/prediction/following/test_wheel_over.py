@@ -30,7 +30,7 @@ def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(predictor, course, c
 def test_a_point_that_is_passed_is_due(predictor):
     found = wheel_over(predictor, Situation({"psi": 0.0, "u": 9.5, "x": 0.0}), TrackLeg(100.0, 0.0, np.deg2rad(60)))
     assert found.due and found.warning and found.distance < 0
-    assert "passed by" in repr(found) and set(found.to_dict()) == {"heading", "distance", "time", "x", "y"}
+    assert "passed by" in found.text() and set(found.to_dict()) == {"heading", "distance", "time", "x", "y"}
 
 
 def test_the_distance_grows_with_the_turn(predictor):

@@ -23,7 +23,7 @@ def test_turns_follow_their_arcs_whatever_their_radius(pilot, radius):
     voyage = sail_route(pilot, tour(radius))
     assert voyage.arrived and voyage.statistics["whole"][1] < 40
     assert len(voyage.wheel_overs) == 2 and [w.name for w in voyage.wheel_overs] == ["waypoint 2 'B'", "waypoint 3 'C'"]
-    assert not voyage.left and "cross-track limits kept" in repr(voyage)
+    assert not voyage.left and "cross-track limits kept" in voyage.text()
     # A wide turn takes less rudder.
     low, high = {900.0: (8, 18), 1800.0: (3, 8), 2500.0: (1, 5)}[radius]
     assert low < np.rad2deg(voyage.wheel_overs[0].rudder_limit) < high
@@ -76,7 +76,7 @@ def test_the_speed_that_the_route_plans(pilot):
 def test_a_voyage_that_ends_early_is_serious(pilot):
     voyage = sail_route(pilot, tour(), duration="300 s")
     assert not voyage.arrived and voyage.trial["t"][-1] == pytest.approx(300)
-    assert [w.kind for w in voyage.warnings if w.serious] == ["not-arrived"] and "end not reached" in repr(voyage)
+    assert [w.kind for w in voyage.warnings if w.serious] == ["not-arrived"] and "end not reached" in voyage.text()
 
 
 def test_another_ship_sails_than_the_pilot_knows(pilot):

@@ -169,7 +169,7 @@ def test_coefficients_of_the_situation_go_before_the_ships(predictor):
 def test_a_ship_that_loses_her_way_ends_the_track(pilot):
     # Beyond 28 degrees of rudder De Keizer's model has no steady turn with this loss of speed.
     track = TrackPredictor(pilot, values={"K_u": 0.9}).predict(STILL, rudder="35 deg", horizon=40)
-    assert "not sailed by this model" in track.ended and "not sailed" in repr(track)
+    assert "not sailed by this model" in track.ended and "not sailed" in track.text()
     assert np.isfinite(track.x).all() and track.u[-1] >= 0.2 * 9.5
 
 
@@ -241,7 +241,7 @@ def test_a_track_is_plain_data(predictor, situation):
     assert len(frame) == track.s.size and "half width of the 95 % band [m]" in frame
     assert frame["psi [deg]"].iloc[-1] == pytest.approx(60, abs=0.5)
     assert plain["order"]["heading"]["value"] == pytest.approx(np.deg2rad(60))
-    assert "95 % band" in repr(track)
+    assert "95 % band" in track.text()
     part = track.part(10, 20)
     assert part.s.size == part.covariance.shape[0] == part.std["t"].size == 10
 

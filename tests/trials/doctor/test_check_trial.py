@@ -133,4 +133,4 @@ def test_whatever_a_record_holds_it_is_examined(simulated, seed):
         t[:] = 3.0
     diagnosis = diagnose(*examine(GuessedRecord(record)))
     assert json.loads(json.dumps(diagnosis.to_dict(), allow_nan=False))["trial"] == record.name
-    assert record.name in repr(diagnosis)
+    assert record.name in diagnosis.text()

@@ -45,6 +45,6 @@ def test_two_runs_in_one_log_are_not_mixed(rows, tmp_path):
     unsorted = next(f for f in found.findings if f.kind == "clock-unsorted")
     assert unsorted.fix is None and "starts again" in unsorted.repair
     assert {f.kind for f in found.findings} <= {"clock-unsorted", "heading-wrap"}
-    assert "400 left out: rows of other runs" in repr(found)
+    assert "400 left out: rows of other runs" in found.text()
     (zigzag,) = [m for m in found.manoeuvres if m.kind == "zigzag"]
     assert (zigzag.rudder_deg, zigzag.heading_deg) == (20, 20)

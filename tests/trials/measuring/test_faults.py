@@ -28,7 +28,7 @@ def test_a_gap_over_a_peak_leaves_the_overshoot_unknown(logged):
     # The execute before the gap is known, and so are the later swings.
     assert found.executes[0] == pytest.approx(orders[1], abs=0.02)
     np.testing.assert_allclose(np.degrees(found.overshoots[1:]), overshoots[1 : len(found.overshoots)], atol=0.05)
-    assert "not known: gap 37 to 70 s in the heading" in repr(found)
+    assert "not known: gap 37 to 70 s in the heading" in found.text()
     plain = json.loads(json.dumps(found.to_dict(), allow_nan=False))
     assert plain["overshoots"]["value"][0] is None and plain["overshoots"]["reason"] == "gap 37 to 70 s in the heading"
     assert found.leading_overshoots == () and len(found.leading_executes) == len(found.executes)
@@ -134,7 +134,7 @@ def test_approach_that_is_not_recorded(logged):
     found = measure(trial.window(15, 240))
     assert found.first_execute is None and "does not show the rudder" in found.reasons["reach"]
     assert any("does not show the approach" in note for note in found.notes)
-    assert "not known: the record does not show" in repr(found)
+    assert "not known: the record does not show" in found.text()
 
 
 def test_a_gap_in_the_turn(circle_log):

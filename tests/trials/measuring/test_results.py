@@ -22,8 +22,8 @@ from shipid.trials.measuring.results.turning_circle import TurningCircle
 def test_a_direction_is_shown_as_on_a_compass(angle, shown):
     found = TurningCircle(trial="log", execute="order", course=np.deg2rad(angle), drift_direction=np.deg2rad(angle))
     for name in ("course", "drift direction"):
-        assert f"{name:<28s} {shown}" in repr(found)
+        assert f"{name:<28s} {shown}" in found.text()
 
 
 def test_a_moment_of_a_clock_that_counts_from_long_ago_keeps_its_hundredths():
-    assert "259223.75 s" in repr(TurningCircle(trial="log", execute="order", first_execute=259223.75))
+    assert "259223.75 s" in TurningCircle(trial="log", execute="order", first_execute=259223.75).text()

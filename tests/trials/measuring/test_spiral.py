@@ -96,7 +96,7 @@ def test_stages_that_have_not_settled_give_no_loop():
     assert found.loop_height is None and "had not settled in stage" in found.reasons["loop_height"]
     assert any("had not settled" in note for note in found.notes)
     json.dumps(found.to_dict(), allow_nan=False)
-    assert "not known" in repr(found)
+    assert "not known" in found.text()
 
 
 def test_a_gap_in_a_stage():

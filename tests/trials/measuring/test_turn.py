@@ -116,7 +116,7 @@ def test_what_a_short_turn_does_not_reach_is_none():
     assert found.times[1:] == (None, None, None)
     assert found.steady_rate is None and found.steady_diameter is None
     json.dumps(found.to_dict(), allow_nan=False)
-    assert "not reached" in repr(found) and "tactical" not in repr(found)
+    assert "not reached" in found.text() and "tactical" not in found.text()
 
 
 def test_turn_without_speed_or_positions():

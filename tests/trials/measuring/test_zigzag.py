@@ -93,7 +93,7 @@ def ramped(rate=2.5, interval=0.1):
 def test_rudder_feedback_gives_the_order_back():
     trial, times = ramped()
     found = measure(trial)
-    assert found.execute == "order" and "ramp of the rudder (2.5 deg/s)" in repr(found)
+    assert found.execute == "order" and "ramp of the rudder (2.5 deg/s)" in found.text()
     assert np.degrees(found.rudder_rate) == pytest.approx(2.5, rel=1e-6)
     assert found.first_execute == pytest.approx(times[0], abs=0.05)
     np.testing.assert_allclose(found.executes, times[1:], atol=0.05)
@@ -199,7 +199,7 @@ def test_results_are_plain_and_readable(sine):
         frame.set_index("quantity").loc["overshoots[2]", "value"] != frame.set_index("quantity").loc["rudder", "value"]
     )
     assert np.isnan(frame.set_index("quantity").loc["overshoots[2]", "value"])
-    text = repr(found)
+    text = found.text()
     assert "zig-zag 20/20" in text and "not reached" in text and "nan" not in text
     with pytest.raises(AttributeError):
         found.period = 1.0

@@ -14,6 +14,7 @@ from shipid.encounter.errors import EncounterRequestError
 from shipid.estimation.recursion import covariance_form
 from shipid.estimation.recursion.equations import make_equations
 from shipid.estimation.settings.noise import NoiseSource
+from shipid.foundation.result import Result
 from shipid.generation.loop import Loop, make_loop
 
 #: The states that the association reads, in their order; further states follow.
@@ -49,8 +50,8 @@ class TargetMode:
     stays: float = 60.0
 
 
-@dataclass(frozen=True)
-class Motion:
+@dataclass(frozen=True, repr=False)
+class Motion(Result):
     """The modes of a target and how the tracker treats them.
 
     Attributes

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from markupsafe import Markup
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
-from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, Judgement, Weakest
+from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement, Weakest
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.numbers import fixed, number
 from shipid.report.page import Row, Section
@@ -61,23 +61,27 @@ def margins_section(judged: Judgement, figures: Mapping[str, Markup]) -> Section
     margins = []
     for j in range(len(pilot.ships)):
         both = [*((m, False) for m in judged.margins[j]), *((m, True) for m in judged.between[j])]
-        rows = [_margin_row(m, between) for m, between in sorted(both, key=lambda b: b[0].speed)]
+        rows = [
+            _margin_row(m, between, judged.limits["disk margin"])
+            for m, between in sorted(both, key=lambda b: b[0].speed)
+        ]
         margins.append({"name": _condition(judged, j), "rows": rows})
     view = {
-        "limit": number(LIMITS["disk margin"], 2),
+        "limit": number(judged.limits["disk margin"], 2),
         "margins": margins,
         "figure": figures["margins"],
+        "bode": figures["bode"],
         "nyquist": figures["nyquist"],
     }
     return Section("Margins", "tuning/margins.html", view)
 
 
-def _margin_row(m: Margins, between: bool) -> Row:
+def _margin_row(m: Margins, between: bool, limit: float) -> Row:
     disk = fixed(m.disk, 2)
     return {
         "class": "own" if between else "",
         "speed": fixed(m.speed, 2),
-        "disk": Markup('<span class="no">{}</span>').format(disk) if m.disk < LIMITS["disk margin"] else disk,
+        "disk": Markup('<span class="no">{}</span>').format(disk) if m.disk < limit else disk,
         "gain": " / ".join("none" if g is None else number(g, 3) for g in (m.gain_low, m.gain_high)),
         "phase": "none" if m.phase_deg is None else fixed(m.phase_deg, 0),
         "delay": "none" if m.delay_s is None else number(m.delay_s, 3),
@@ -169,33 +173,57 @@ def weather_section(judged: Judgement) -> Section:
     head = (
         f"Wind {number(w['wind_m_s'], 2)} m/s and waves at {number(w['wave_frequency_rad_s'], 2)} rad/s that yaw a ship at rest by "
         f"{number(w['wave_heading_rms_deg'], 2)} deg rms, both from one side; current {number(w['current_m_s'], 2)} m/s across. "
-        "In proportion to the length of the ship below 100 m. The sea filter is on, a notch at the frequency of encounter."
+        "Unless they are stated, they are in proportion to the length of the ship below 100 m. The sea filter is on: a notch at "
+        "the frequency of encounter, and a lag above it."
     )
-    raw = [s for s in judged.in_weather if not s.sea_filter]
-    without = [max((getattr(s, n) or 0.0 for s in raw), default=0.0) for n in ("rms_rudder_deg", "reversals")]
-    words = (
-        f"Without the sea filter the rms rudder is {fixed(without[0], 2)} deg at worst, with {fixed(without[1], 1)} reversals a "
-        "minute at worst."
-    )
+    raw = {s.weather: s for s in judged.in_weather if not s.sea_filter}
     filtered = [s for s in judged.in_weather if s.sea_filter]
+    kept = [s for s in filtered if not s.change_deg]
     view = {
         "head": head,
-        "without": words,
-        "kept": [_weather_row(s) for s in filtered if not s.change_deg],
+        "why": _why_it_moves(judged, kept, list(raw.values())),
+        "kept": [_weather_row(s, raw.get(s.weather)) for s in kept],
         "turned": [_weather_row(s) for s in filtered if s.change_deg],
         "change": fixed(SAMPLE_CHANGE, 0),
     }
     return Section("Wind, waves and current", "tuning/weather.html", view, short="Wind and waves")
 
 
-def _weather_row(s: CourseChange) -> Row:
+def _why_it_moves(judged: Judgement, kept: Sequence[CourseChange], raw: Sequence[CourseChange]) -> str:
+    """Why the rudder is busy in waves, in numbers: the feedback of the rate of turn, and two reversals a wave."""
+    if not judged.weather["wave_heading_rms_deg"] or not kept or not raw:
+        return ""
+    turning = judged.weather["wave_turning_rms_deg_s"]
+    gain = judged.pilot.gains(judged.pilot.own_speed).Kd
+    met = [s.waves_met or 0.0 for s in kept]
+
+    def worst(runs: Sequence[CourseChange], name: str, decimals: int) -> str:
+        return fixed(max((getattr(s, name) or 0.0 for s in runs), default=0.0), decimals)
+
+    return (
+        f"Why the rudder moves: the rate of turn is fed back by {number(gain, 3)} s, so that waves that turn a ship at rest at "
+        f"{number(turning, 2)} deg/s rms ask for {number(gain * turning, 2)} deg of rudder rms. A rudder that answers each wave "
+        f"reverses twice a wave, and the ship meets {fixed(min(met), 1)} to {fixed(max(met), 1)} waves a minute. At worst the rudder "
+        f"travels {worst(raw, 'travel_deg_s', 2)} deg/s and reverses {worst(raw, 'reversals', 1)} times a minute without the sea "
+        f"filter, {worst(kept, 'travel_deg_s', 2)} deg/s and {worst(kept, 'reversals', 1)} times with it. Reversals of less than "
+        "half a degree are not counted."
+    )
+
+
+def _weather_row(s: CourseChange, raw: CourseChange | None = None) -> Row:
+    def beside(name: str, decimals: int) -> str:
+        value = _reached(getattr(s, name), decimals)
+        return value if raw is None else f"{value} ({_reached(getattr(raw, name), decimals)})"
+
     return {
         "weather": s.weather.removeprefix("weather from "),
         "rms": _reached(s.rms_error_deg, 2),
         "mean": "not reached" if s.mean_error_deg is None else fixed(s.mean_error_deg, 2, sign=True),
         "overshoot": _reached(s.overshoot_deg, 2),
-        "rudder": _reached(s.rms_rudder_deg, 2),
-        "reversals": _reached(s.reversals, 1),
+        "rudder": beside("rms_rudder_deg", 2),
+        "travel": beside("travel_deg_s", 2),
+        "reversals": beside("reversals", 1),
+        "waves": "" if s.waves_met is None else fixed(s.waves_met, 1),
         "track": "not reached" if s.cross_track_m is None else number(s.cross_track_m, 3),
     }
 

@@ -10,7 +10,7 @@ from markupsafe import Markup
 import shipid
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
-from shipid.autopilot.judgement.judgement import LIMITS, SAMPLE_CHANGE, Judgement
+from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
 from shipid.foundation.numbers import fixed, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
@@ -62,11 +62,11 @@ def tuning_page(judged: Judgement) -> Page:
     """
     figures = tuning_figures(judged)
     sections = [
-        points_section(judged),
-        _schedule(judged.pilot, figures),
-        margins_section(judged, figures),
-        robustness_section(judged, figures),
         steps_section(judged, figures),
+        points_section(judged),
+        margins_section(judged, figures),
+        _schedule(judged.pilot, figures),
+        robustness_section(judged, figures),
         weather_section(judged),
         on_board_section(judged, figures),
         _method(judged.pilot),
@@ -124,10 +124,12 @@ def answer(judged: Judgement) -> list[str]:
     sentences.append(
         weakest.sentence + (f" {_ADVICE[weakest.what]}" if weakest.share < 1 and weakest.what in _ADVICE else "")
     )
+    sentences += judged.not_reached
+    limit = judged.limits["disk margin"]
     for name, robust in zip(pilot.conditions, judged.robust):
         load = f" ({name})" if len(pilot.conditions) > 1 else ""
         if robust.samples:
-            below = f", below {LIMITS['disk margin']:g}" if robust.disk_worst < LIMITS["disk margin"] else ""
+            below = f", below {limit:g}" if robust.disk_worst < limit else ""
             sentences.append(
                 f"Over {robust.samples} ships drawn from {robust.source}{load}, the disk margin is never less than "
                 f"{robust.disk_worst:.2g}{below}."
@@ -135,7 +137,7 @@ def answer(judged: Judgement) -> list[str]:
         else:
             sentences.append(
                 f"The margins under the uncertainty of the ship{load} are not known; the least disk margin of the nominal ship "
-                f"is {robust.disk_worst:.2g}" + (", below 0.5." if robust.disk_worst < LIMITS["disk margin"] else ".")
+                f"is {robust.disk_worst:.2g}" + (f", below {limit:g}." if robust.disk_worst < limit else ".")
             )
     return sentences
 

@@ -12,6 +12,7 @@ import pandas as pd
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.result import Result
 
 #: From here on four digits are too few.
 _LARGE = 1e3
@@ -38,7 +39,7 @@ def words() -> Plain:
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Measures:
+class Measures(Result):
     """What a manoeuvre amounts to; SI inside, shown in the units of the field.
 
     Attributes
@@ -123,7 +124,8 @@ class Measures:
                 rows.append((label, float("nan") if single is None else single, unit, meaning))
         return pd.DataFrame(rows, columns=["quantity", "value", "unit", "meaning"])
 
-    def __repr__(self) -> str:
+    def text(self) -> str:
+        """Return the result in lines of text."""
         lines = [f"{self.title} in trial '{self.trial}'"]
         if self.read_from:
             lines.append(f"  executes read from {self.read_from}")

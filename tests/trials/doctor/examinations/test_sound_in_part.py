@@ -220,7 +220,7 @@ def test_many_findings_of_one_kind_are_told_once(simulated, tmp_path):
         log[c][100 + 40 * k] += 40 * max(float(np.ptp(log[c])), 1.0)
     diagnosis = check(log, tmp_path / "log.csv")
     assert len([f for f in diagnosis.findings if f.kind == "outlier"]) == 5
-    text = repr(diagnosis)
+    text = diagnosis.text()
     assert text.count("  outlier (") == 1 and text.count("also: ") == 1
 
 

@@ -33,7 +33,7 @@ def test_slow_rudder_by_default_is_not_read_too_small(logged):
     found = measure(trial)
     assert overshoots[0] - np.degrees(found.overshoots_moved[0]) == pytest.approx(3.5, abs=0.3)
     assert measure(trial, execute="moved").overshoots[0] == pytest.approx(found.overshoots_moved[0], abs=1e-3)
-    assert "ramp of the rudder (1 deg/s)" in repr(found) and "the order is not logged" in repr(found)
+    assert "ramp of the rudder (1 deg/s)" in found.text() and "the order is not logged" in found.text()
 
 
 @pytest.mark.parametrize("interval", [0.5, 1.0, 2.0])

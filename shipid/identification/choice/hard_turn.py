@@ -1,0 +1,89 @@
+"""What a fitted model does in a hard turn, which is where most ships go beyond the trials of a campaign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.foundation.aliases import Plain
+from shipid.generation.record import make_record
+from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
+from shipid.identification.identified import Identified
+
+#: Rudder angle in rad where the ship states no largest one; duration, interval and time to put the rudder over, in L/U.
+_HARD = np.deg2rad(35.0)
+_DURATION, _INTERVAL, _PUT_OVER = 15.0, 0.02, 0.3
+#: Dimensionless rate of turn r L/U that no ship reaches.
+_IMPOSSIBLE = 3.0
+_RATE = "r"
+
+
+@dataclass(frozen=True)
+class HardTurn:
+    """A turn with the rudder hard over, from the usual speed of the trials.
+
+    Attributes
+    ----------
+    rudder : float
+        Rudder angle in rad.
+    rate : float or None
+        Steady rate of turn in rad/s; None where the model runs away.
+    spread : float
+        Standard deviation of that rate over draws of the coefficients, in shares of it.
+    runs_away : float
+        Share of the draws in which the model runs away, or leaves the range in which it is valid.
+    """
+
+    rudder: float
+    rate: float | None
+    spread: float
+    runs_away: float
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values, SI."""
+        return {"rudder": self.rudder, "rate": self.rate, "spread": self.spread, "runs_away": self.runs_away}
+
+
+def hard_turn(identified: Identified, drawn: Sequence[np.ndarray], worthless: float) -> HardTurn | None:
+    """Sail a turn with the rudder hard over; None for a model without a rudder or a rate of turn.
+
+    Parameters
+    ----------
+    identified : Identified
+        What was identified.
+    drawn : sequence of ndarray, shape (unknowns,)
+        Unknowns drawn from the covariance.
+    worthless : float
+        Spread of a model that runs away.
+    """
+    model, scale = identified.model, identified.scale
+    if "delta" not in model.inputs or _RATE not in model:
+        return None
+    rudder = identified.ship.particular("delta_max", "rad") or _HARD
+    count = int(_DURATION / _INTERVAL) + 1
+    clock = np.arange(count) * _INTERVAL
+    inputs = {n: scale.speed for n in ("u", "cruise") if n in model.inputs}
+    inputs["delta"] = rudder * np.minimum(1.0, clock / _PUT_OVER)
+    rows = input_rows(model, inputs, count)
+    intervals = np.full(count, _INTERVAL * scale.unit_time)
+    intervals[-1] = 0.0
+    x0 = initial_state(model, {"u": scale.speed} if "u" in model.states else {})
+    record = make_record(model, (_RATE,), guarded=True)
+    bias = np.zeros(len(model.inputs))
+
+    def steady(unknowns: np.ndarray) -> float:
+        y, _, margins = record.run(
+            x0, rows, intervals, coefficient_vector(model, identified.problem.values(unknowns)), bias
+        )
+        whole = np.isfinite(y).all() and (margins >= 0).all() and (np.abs(y) * scale.unit_time < _IMPOSSIBLE).all()
+        return float(y[0, -count // 4 :].mean()) if whole else np.nan
+
+    point, rates = steady(identified.solution.q), np.array([steady(q) for q in drawn])
+    away = float(np.isnan(rates).mean()) if rates.size else 0.0
+    if not np.isfinite(point):
+        return HardTurn(rudder, None, worthless, 1.0)
+    kept = rates[np.isfinite(rates)]
+    spread = float(np.sqrt(np.mean((kept - point) ** 2)) / max(abs(point), 1e-12)) if kept.size else worthless
+    return HardTurn(rudder, point, min(worthless, spread), away)

@@ -1,0 +1,206 @@
+"""One candidate tried: fitted to all trials, then each left out in turn and predicted by the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from shipid.declaration.model import Model
+from shipid.foundation.errors import ShipidError
+from shipid.foundation.notices import Notice
+from shipid.generation.record import make_record
+from shipid.identification.choice.hard_turn import HardTurn, hard_turn
+from shipid.identification.choice.scoring import MEASURES, WORTHLESS, counted_measures, together
+from shipid.identification.fit import Fit
+from shipid.identification.identified import Identified
+from shipid.identification.identify import identify
+from shipid.identification.uncertainty.draws import draws_of
+from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.left_out import LeftOut, can_be_left_out, left_out, records_of
+from shipid.identification.validation.runs import runs_of, swings_of
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.validity import BEYOND
+from shipid.trials.trial import Trial
+
+#: What a model may take as given although it is what the ship does.
+_MOTION = ("x", "y", "psi", "u", "v", "r", "cruise")
+#: Coefficients of the least surge equation: what a model is spared that is told the speed of the trial it predicts.
+_SURGE = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A model to try, and on what.
+
+    Attributes
+    ----------
+    model : Model
+        The model.
+    trials, validate : tuple of Trial
+        Trials that are left out in turn, and trials kept apart.
+    ship : ParameterSet, str or None
+        Particulars and first values.
+    starts, seed : int
+        Of the search.
+    """
+
+    model: Model
+    trials: tuple[Trial, ...]
+    validate: tuple[Trial, ...]
+    ship: ParameterSet | str | None
+    starts: int
+    seed: int
+
+
+@dataclass(frozen=True)
+class Fold:
+    """A record that was left out.
+
+    Attributes
+    ----------
+    measures : mapping of str to float or None
+        Root-mean-square of each measure over its stretches, SI.
+    score : float
+        See `shipid.identification.choice.scoring.score_of`.
+    rate : float or None
+        Error of the rate of turn in shares of its size.
+    """
+
+    measures: dict[str, float | None]
+    score: float
+    rate: float | None
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What became of a candidate.
+
+    Attributes
+    ----------
+    model : str
+        Its name.
+    coefficients, free, reads : int
+        How many it estimates, how many of them only trials determine, and how many recorded inputs it reads.
+    folds : tuple of Fold or None
+        One for each record left out; None where the others give no fit.
+    spread : float
+        Standard deviation over draws of the rate of turn of what is to be predicted, in shares of its size.
+    turn : HardTurn or None
+        What it does in a hard turn.
+    validation : mapping of str to mapping
+        Measures of trials kept apart, from a fit to all the others.
+    beyond : tuple of Notice
+        Where a trial kept apart goes beyond those that were fitted.
+    message : str
+        What went wrong on the way.
+    """
+
+    model: str
+    coefficients: int
+    free: int
+    reads: int
+    folds: tuple[Fold | None, ...]
+    spread: float = WORTHLESS
+    turn: HardTurn | None = None
+    validation: dict[str, dict[str, float | None]] = field(default_factory=dict)
+    beyond: tuple[Notice, ...] = ()
+    message: str = ""
+
+
+def try_candidate(candidate: Candidate) -> Tried:
+    """Try a candidate; one that cannot be fitted stops nothing.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        The model and the trials.
+    """
+    model, trials = candidate.model, candidate.trials
+    estimated = [model[n].quantity for n in model.parameters if model[n].quantity.estimated]
+    reads = [n for n in model.inputs if n not in _MOTION and all(t.has(n) for t in trials)]
+    free = sum(q.spread is None for q in estimated) + (_SURGE if "u" in model.inputs else 0)
+    counts = len(estimated), free, len(reads)
+    try:
+        with threadpool_limits(1, "blas"):
+            fit = _fitted(candidate, candidate.trials, candidate.validate)
+            left = _left_out(candidate, fit)
+            drawn = draws_of(fit.identified).unknowns
+            turn = hard_turn(fit.identified, drawn, WORTHLESS)
+            targets = fit.validation or [one.comparison for record in left for one in record or ()]
+            spread = _spread(fit.identified, targets, drawn, None if fit.validation else turn)
+    except ShipidError as error:
+        return Tried(model.name, *counts, (None,) * len(trials), message=str(error))
+    return Tried(
+        model.name,
+        *counts,
+        tuple(None if record is None else _fold(record, model) for record in left),
+        spread,
+        turn,
+        {
+            c.trial.name: counted_measures([LeftOut(c, swings_of(fit.identified, c))], model)[0][0]
+            for c in fit.validation
+        },
+        tuple(n for n in fit.warnings if n.kind == BEYOND),
+        "" if fit.converged else "the search did not converge.",
+    )
+
+
+def _fitted(candidate: Candidate, trials: Sequence[Trial], validate: Sequence[Trial]) -> Fit:
+    return identify(
+        candidate.model,
+        trials,
+        ship=candidate.ship,
+        validate=validate,
+        starts=candidate.starts,
+        seed=candidate.seed,
+    )
+
+
+def _left_out(candidate: Candidate, fit: Fit) -> tuple[tuple[LeftOut, ...] | None, ...]:
+    """The records of a fit left out in turn; where it minimises no cost that can go on without them, each is fitted anew."""
+    records = records_of(fit.fitted)
+    if can_be_left_out(fit.identified) and len(records) == len(candidate.trials):
+        return left_out(fit.identified, fit.fitted, records)
+    found: list[tuple[LeftOut, ...] | None] = []
+    for one in candidate.trials:
+        try:
+            again = _fitted(candidate, [o for o in candidate.trials if o is not one], [one])
+        except ShipidError:
+            found.append(None)
+            continue
+        found.append(tuple(LeftOut(c, swings_of(again.identified, c)) for c in again.validation))
+    return tuple(found)
+
+
+def _fold(record: Sequence[LeftOut], model: Model) -> Fold:
+    counted = counted_measures(record, model)
+    return Fold(
+        {n: together([measures[n] for measures, _, _ in counted]) for n in MEASURES},
+        float(np.exp(np.mean(np.log([score for _, score, _ in counted])))),
+        together([rate for _, _, rate in counted]),
+    )
+
+
+def _spread(
+    identified: Identified, targets: Sequence[Comparison], drawn: Sequence[np.ndarray], turn: HardTurn | None
+) -> float:
+    """Spread of the rate of turn over draws, in shares of its size, root-mean-square over what is to be predicted."""
+    shares = [_spread_of(identified, c, drawn) for c in targets]
+    found = [] if not shares else [float(np.sqrt(np.mean(np.square(shares))))]
+    return together([*found, *([] if turn is None else [turn.spread])]) or 0.0
+
+
+def _spread_of(identified: Identified, c: Comparison, drawn: Sequence[np.ndarray]) -> float:
+    model = identified.model
+    if "r" not in model:
+        return 0.0
+    runs = runs_of(identified, c, drawn, None)
+    record = make_record(model, ("r",))
+    rates = np.array([record.run(x0, runs.data.inputs, runs.data.intervals, p, bias)[0][0] for x0, p, bias in runs])
+    size = float(np.nanstd(c.trial["r"])) if c.trial.has("r") else float(np.std(rates[0]))
+    if not np.isfinite(rates).all() or not size > 0:
+        return WORTHLESS
+    return min(WORTHLESS, float(np.sqrt(np.mean((rates[1:] - rates[0]) ** 2))) / size)

@@ -1,0 +1,139 @@
+"""Make the pictures of the README and of the documentation: each report, and the bridge, as Chromium shows them.
+
+    python studies/pictures.py [NAME ...]
+
+Each picture comes from a command that a reader can run: the script prints it, runs it in an empty folder and takes the page from the
+top. Chromium and `pip install -e '.[test]'` are needed. The pictures go to `.docs/pictures`, each below 80 kB.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+
+ROOT = Path(__file__).resolve().parents[1]
+KEPT = ROOT / ".docs" / "pictures"
+LARGEST = 80_000
+TRIALS = "container-20-20.csv", "container-10-10.csv"
+#: The command of each report, in a folder that holds the two trials and the plots; how high the picture is.
+REPORTS = {
+    "identification": (
+        "identify container-20-20.csv --model de-keizer --ship soesterberg --validate container-10-10.csv --out out",
+        1500,
+    ),
+    "trial-day": ("report container-20-20.csv container-10-10.csv --length '226 m' --out out", 1500),
+    "filter": ("filter container-20-20.csv --model yaw-filter --ship soesterberg --out out", 1500),
+    "tuning": ("tune de-keizer --ship soesterberg --out out", 1500),
+    "prediction": (
+        "predict de-keizer --ship soesterberg --from container-20-20.csv@200 --heading '60 deg' --out out",
+        1500,
+    ),
+    "tracking": ("track plots.csv --position-std '15 m' --out out", 1500),
+}
+BRIDGE = "bridge --scenario T3 --clock-factor 20 --port 0"
+
+
+def plots() -> str:
+    """Return plots of one ship that turns to starboard, seen every 3 s with an error of 15 m."""
+    t = np.arange(0.0, 360.0, 3.0)
+    course = np.deg2rad(20.0) + np.deg2rad(0.6) * np.clip(t - 150.0, 0.0, 150.0)
+    x, y = 2500.0 + np.cumsum(21.0 * np.cos(course)), -1500.0 + np.cumsum(21.0 * np.sin(course))
+    seen = np.column_stack([x, y]) + np.random.default_rng(1).normal(0.0, 15.0, (t.size, 2))
+    return "\n".join(["t [s],x [m],y [m]", *(f"{a:g},{b:.1f},{c:.1f}" for a, (b, c) in zip(t, seen))]) + "\n"
+
+
+def keep(page: Page, name: str) -> None:
+    """Write what the window shows, in the best quality that is small enough."""
+    shown = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
+    for quality in (85, 75, 65, 55, 45, 35):
+        written = io.BytesIO()
+        shown.save(written, "webp", quality=quality, method=6)
+        if written.tell() < LARGEST:
+            break
+    KEPT.mkdir(exist_ok=True)
+    (KEPT / f"{name}.webp").write_bytes(written.getvalue())
+    print(f"    {name}.webp, {shown.width} x {shown.height}, {written.tell() / 1000:.0f} kB")
+
+
+def report(browser: Browser, name: str) -> None:
+    """Run the command of a report and take its page."""
+    command, height = REPORTS[name]
+    print(f"shipid {command}")
+    with tempfile.TemporaryDirectory() as folder:
+        for trial in TRIALS:
+            shutil.copy(ROOT / "studies" / "trials" / trial, folder)
+        (Path(folder) / "plots.csv").write_text(plots(), encoding="utf-8")
+        program = [sys.executable, "-m", "shipid", *shlex.split(command)]
+        done = subprocess.run(program, cwd=folder, capture_output=True, text=True)
+        if done.returncode not in (0, 5):
+            raise SystemExit(done.stderr)
+        page = browser.new_page(viewport={"width": 1000, "height": height})
+        page.goto((Path(folder) / "out" / "report.html").as_uri())
+        keep(page, name)
+        page.close()
+
+
+@contextlib.contextmanager
+def served(command: str) -> Iterator[str]:
+    """Run ``shipid bridge`` and give its address."""
+    program = [sys.executable, "-m", "shipid", *shlex.split(command)]
+    process = subprocess.Popen(program, stderr=subprocess.PIPE, text=True)
+    try:
+        assert process.stderr is not None
+        for line in process.stderr:
+            if found := re.search(r"http://\S+", line):
+                yield found[0]
+                return
+        raise SystemExit("the bridge did not open")
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def bridge(browser: Browser) -> None:
+    """Sail the tracking experiment until the ship has left some past track, try a heading, and take the page."""
+    print(f"shipid {BRIDGE}")
+    with served(BRIDGE) as address:
+        page = browser.new_page(viewport={"width": 1280, "height": 800})
+        page.goto(address)
+        page.wait_for_selector("body[data-connected=yes]")
+        page.wait_for_timeout(12_000)
+        for _ in range(30):
+            page.keyboard.press("ArrowRight")
+        page.wait_for_timeout(1_500)
+        keep(page, "bridge")
+        page.close()
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"{', '.join(REPORTS)}, bridge; all by default")
+    names = parser.parse_args().names or [*REPORTS, "bridge"]
+    if unknown := set(names) - {*REPORTS, "bridge"}:
+        parser.error(f"there is no picture called {', '.join(sorted(unknown))}")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        for name in names:
+            if name == "bridge":
+                bridge(browser)
+            else:
+                report(browser, name)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,95 @@
+"""The examples of the README and of the pages: commands exist as written, and those of the README's tour do what is said."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+import click
+import pytest
+
+from shipid.cli import main, run
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", *sorted(p for p in (ROOT / ".docs").rglob("*.md") if "generated" not in p.parts)]
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+#: Commands of the README's tour that are run; the others take long, and are run by the tests of their rooms.
+RUN = ("models", "show", "simulate", "check", "measure", "identify", "report")
+
+
+def blocks(path: Path, kind: str) -> list[str]:
+    return [text for found, text in BLOCK.findall(path.read_text(encoding="utf-8")) if found == kind]
+
+
+def commands(path: Path) -> list[list[str]]:
+    """Every call of shipid in the shell blocks of a page, with lines that go on joined, and without comments."""
+    found = []
+    for text in [*blocks(path, "sh"), *(re.sub(r"^\$ ", "", t, flags=re.MULTILINE) for t in blocks(path, "console"))]:
+        for line in text.replace("\\\n", " ").splitlines():
+            for part in re.split(r"&&|\|(?!\|)", line):
+                if part.strip().startswith("shipid "):
+                    found.append(shlex.split(part, comments=True)[1:])
+    return found
+
+
+CALLS = [(path, call) for path in PAGES for call in commands(path)]
+
+
+def test_there_are_examples():
+    assert len(CALLS) > 60
+    assert {call[0] for _, call in CALLS} >= set(main.list_commands(click.Context(main))) - {"ship", "format"}
+
+
+@pytest.mark.parametrize(("path", "call"), CALLS, ids=[f"{p.relative_to(ROOT)} {' '.join(c)}"[:90] for p, c in CALLS])
+def test_a_command_is_one(path, call, monkeypatch):
+    """Command, options, choices and quantities are known; whether a file is there is not asked."""
+    monkeypatch.setattr(click.Path, "convert", lambda self, value, param, context: value)
+    context = click.Context(main, info_name="shipid")
+    command = main.get_command(context, call[0])
+    assert command is not None, f"{path.name}: there is no command {call[0]}"
+    command.make_context(call[0], call[1:], parent=context)
+
+
+@pytest.fixture
+def clone(tmp_path, monkeypatch) -> Path:
+    """A folder with the trials of a clone, in which a reader works."""
+    shutil.copytree(ROOT / "studies" / "trials", tmp_path / "studies" / "trials")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_the_readme_does_what_it_says(clone, capsys):
+    """Its first command and its tour run one after the other, and write the files that it names; so does its Python."""
+    for call in commands(ROOT / "README.md"):
+        if call[0] in RUN and "n3=0.4" not in call:
+            assert run([a for a in call if a != "--open"]) == 0, capsys.readouterr().err
+    for name in (
+        "result/report.html",
+        "result/result.json",
+        "result/ship.toml",
+        "zeefakkel/ship.toml",
+        "sheet/report.html",
+    ):
+        assert (clone / name).is_file(), name
+    (python,) = blocks(ROOT / "README.md", "python")
+    exec(compile(python, "README.md", "exec"), {})
+    assert (clone / "report.html").is_file()
+
+
+def test_a_bare_number_is_refused_as_the_readme_prints_it(clone, capsys):
+    assert run(["simulate", "norrbin", "--ship", "zeefakkel", "--manoeuvre", "turn:20", "-o", "trial.csv"]) == 0
+    (text,) = blocks(ROOT / "README.md", "console")
+    line, _, printed = text.partition("\n")
+    capsys.readouterr()
+    assert run(shlex.split(line)[2:]) == 2
+    assert capsys.readouterr().err.split() == printed.split()
+
+
+def test_the_python_of_the_filter_page(clone):
+    """Filter, smoother, one sample at a time, and several models at once."""
+    names: dict[str, object] = {}
+    for text in blocks(ROOT / ".docs" / "guide" / "filters.md", "python"):
+        exec(compile(text, "filters.md", "exec"), names)
+    assert {"run", "smoothed", "estimate", "tracker"} <= names.keys()
