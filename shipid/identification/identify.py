@@ -162,13 +162,7 @@ def identify(
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         found = searched(problem, search_box(setting), method, how)
         if steered:
-            why = f"an autopilot steers {', '.join(steered)} against disturbances, which biases output error."
-            found = replace(
-                found,
-                rungs=tuple(
-                    replace(r, reason=f"{why} {r.reason[0].upper()}{r.reason[1:]}") if r.used else r for r in found.rungs
-                ),
-            )
+            found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None)
         return fit.validate(validate) if validate else fit
 
@@ -202,6 +196,12 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
 def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> _Found:
     """A method that minimises no residuals of whole records."""
     return _Found(*climb(problem, box, method, how), box)
+
+
+def _for_autopilots(rungs: tuple[Rung, ...], steered: Sequence[str]) -> tuple[Rung, ...]:
+    """The methods that were tried, with the reason for prediction error."""
+    why = f"an autopilot steers {', '.join(steered)} against disturbances, which biases output error."
+    return tuple(replace(r, reason=f"{why} {r.reason[0].upper()}{r.reason[1:]}") if r.used else r for r in rungs)
 
 
 def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:

@@ -34,11 +34,13 @@ def test_course_changes_give_the_truth_by_the_defaults(study):
     assert "an autopilot steers steps-20-0" in repr(fit)
     for name, true in study.TRUTH.items():
         found = fit.parameters[name]
-        assert found.value == pytest.approx(true, rel=0.1)
+        assert found.value == pytest.approx(true, rel=0.1)  # asked of a closed loop at this excitation
         assert abs(found.value - true) < 2 * found.std
-    # Output error is far off, and is taken only where it is asked for.
+    # Output error is farther off, and is taken only where it is asked for.
     plain = shipid.identify("nomoto", [trial], starts=1, method="output-error")
-    assert plain.identified.method == "output-error" and plain.parameters["K"].value < 0.5 * study.TRUTH["K"]
+    assert plain.identified.method == "output-error"
+    for name, true in study.TRUTH.items():
+        assert abs(plain.parameters[name].value - true) > abs(fit.parameters[name].value - true)
     # The finding that it is biased no longer spoils the fit that is not.
     serious = {m: _serious(f) for m, f in (("default", fit), ("plain", plain))}
     assert "closed-loop" not in serious["default"] and "closed-loop" in serious["plain"]
