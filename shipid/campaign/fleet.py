@@ -232,7 +232,7 @@ class FleetRun:
             return
         bearing = [
             f.finding.kind
-            for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs)
+            for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs, fit.identified.method)
             if f.finding.serious and f.bears
         ]
         row |= {

@@ -121,7 +121,11 @@ def _rank(tried: Tried) -> Rank:
     # A fold that could not be fitted counts as a prediction that is worth nothing.
     shares = np.array([WORTHLESS if fold is None else fold.score for fold in tried.folds])
     score = float(np.exp(np.mean(np.log(shares)))) if folds else None
-    std = score * float(np.std(np.log(shares), ddof=1)) / shares.size**0.5 if score is not None and len(folds) > 1 else None
+    std = (
+        score * float(np.std(np.log(shares), ddof=1)) / shares.size**0.5
+        if score is not None and len(folds) > 1
+        else None
+    )
     return Rank(
         tried.model,
         tried.coefficients,

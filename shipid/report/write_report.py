@@ -19,12 +19,17 @@ if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
     from shipid.encounter.tracking.tracking import Tracking
+    from shipid.estimation.multiple.multiple_run import MultipleModelRun
     from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
+    from shipid.estimation.records.smoother import Smoothed
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
     from shipid.prediction.prediction import Prediction
+    from shipid.prediction.sailing.voyage import Voyage
+    from shipid.prediction.tracks.predicted_track import PredictedTrack
+    from shipid.trials.trial import Trial
 
     Reported: TypeAlias = (
         Fit
@@ -40,6 +45,11 @@ if TYPE_CHECKING:
         | CampaignResult
         | FleetResult
         | Tracking
+        | Trial
+        | Voyage
+        | PredictedTrack
+        | Smoothed
+        | MultipleModelRun
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -57,6 +67,11 @@ _VIEWS = {
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
     "Tracking": "tracking.page:tracking_page",
+    "Trial": "record.page:trial_page",
+    "Voyage": "record.page:voyage_page",
+    "PredictedTrack": "record.page:track_page",
+    "Smoothed": "record.page:smoothed_page",
+    "MultipleModelRun": "record.page:multiple_page",
 }
 
 
@@ -72,7 +87,7 @@ def write_report(
     Parameters
     ----------
     result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult, FleetResult or Tracking
+TrialSheet, CampaignResult, FleetResult, Tracking, Trial, Voyage, PredictedTrack, Smoothed or MultipleModelRun
         What to report.
     path : str or Path
         The file to write.
@@ -130,9 +145,9 @@ def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
     UsageError
         If there is no report for this kind of result.
     """
-    kind = type(result).__name__
-    if kind not in _VIEWS:
-        raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")
+    kind = next((c.__name__ for c in type(result).__mro__ if c.__name__ in _VIEWS), None)
+    if kind is None:
+        raise UsageError(f"there is no report for a {type(result).__name__}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)
     page: Page = view(result, criteria) if kind == "Fit" else view(result)

@@ -130,7 +130,9 @@ class Ranking(Result):
             )
         elif self.lacking:
             found.append(
-                Notice(f"Too poor a campaign to choose by, so the simplest is taken. {' '.join(self.lacking)}", TOO_POOR)
+                Notice(
+                    f"Too poor a campaign to choose by, so the simplest is taken. {' '.join(self.lacking)}", TOO_POOR
+                )
             )
         best = next((r for r in self.ranks if r.model == self.best), None)
         if best is not None and best.turn is not None and best.turn.runs_away > MAY_RUN_AWAY:
@@ -211,7 +213,11 @@ class Ranking(Result):
 
     def _head(self, scores: bool = True) -> str:
         names = "".join(f"{_COLUMNS[n]:>9s}" for n in MEASURES)
-        return f"  {'model':<24s}" + (f"{'error':>7s}{'score':>15s}{'spread':>8s}{'weight':>8s}" if scores else f"{'':>38s}") + names
+        return (
+            f"  {'model':<24s}"
+            + (f"{'error':>7s}{'score':>15s}{'spread':>8s}{'weight':>8s}" if scores else f"{'':>38s}")
+            + names
+        )
 
 
 def _cells(measures: object) -> str:

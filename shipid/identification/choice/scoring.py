@@ -91,7 +91,9 @@ def score_of(measures: Mapping[str, float | None], size: Mapping[str, float]) ->
     return float(np.exp(np.average(np.log(shares), weights=weights)))
 
 
-def counted_measures(left_out: Sequence[LeftOut], model: Model) -> list[tuple[dict[str, float | None], float, float | None]]:
+def counted_measures(
+    left_out: Sequence[LeftOut], model: Model
+) -> list[tuple[dict[str, float | None], float, float | None]]:
     """Return for each trial its measures, its score, and the error of the rate of turn in shares of its size.
 
     Parameters
@@ -106,7 +108,9 @@ def counted_measures(left_out: Sequence[LeftOut], model: Model) -> list[tuple[di
         measures, sizes = measures_of(model, one.comparison, one.swings)
         rate = measures["rate"]
         known = rate is not None and sizes["rate"] > 0
-        found.append((measures, score_of(measures, sizes), rate / sizes["rate"] if known and rate is not None else None))
+        found.append(
+            (measures, score_of(measures, sizes), rate / sizes["rate"] if known and rate is not None else None)
+        )
     return found
 
 
