@@ -14,7 +14,7 @@ STD = np.array([10.0, 8.0, 0.01, 2e-4, 0.1, 0.02, 0.1])
 @pytest.fixture(scope="session")
 def pilot():
     """The course-changing autopilot of the container ship, by De Keizer's model."""
-    return shipid.design_autopilot("de-keizer", "soesterberg", damping=0.85)
+    return shipid.design_autopilot("de-keizer", "soesterberg", design="pole", damping=0.85)
 
 
 @pytest.fixture(scope="session")
