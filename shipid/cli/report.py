@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import TrialReader, reading, ship_option, trials_argument
+from shipid.cli.frame.options import TrialReader, optional_ship_given, reading, set_option, ship_option, trials_argument
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @trials_argument
 @reading
 @ship_option()
+@set_option
 @click.option(
     "--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m'; of the conditions or the ship by default."
 )
@@ -32,6 +33,7 @@ def report(
     trials: tuple[str, ...],
     read: TrialReader,
     ship: str | None,
+    values: dict[str, str],
     length: str | None,
     conditions: str | None,
     delivery: Delivery,
@@ -46,12 +48,12 @@ def report(
     shipid report log.csv --format logger.toml --conditions day.toml --out sheet
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.criteria.measured.trial_sheet import trial_sheet
-    from shipid.report.write_report import write_report
 
     stated = _conditions(conditions)
+    known = optional_ship_given(ship, values)
     with delivery.progress() as tell:
-        sheet = trial_sheet(trials, length=length, ship=ship, conditions=stated, reader=read, tell=tell)
-    return delivery.hand_over(sheet, {REPORT: lambda path: write_report(sheet, path)})
+        sheet = trial_sheet(trials, length=length, ship=known, conditions=stated, reader=read, tell=tell)
+    return delivery.hand_over(sheet, {REPORT: delivery.report(sheet)})
 
 
 def _conditions(file: str | None) -> Conditions | None:

@@ -140,4 +140,5 @@ def _rank(tried: Tried) -> Rank:
         tried.spread,
         together([fold.rate for fold in folds]),
         tried.turn,
+        tried.predictions,
     )

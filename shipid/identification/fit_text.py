@@ -73,7 +73,10 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     """
     lines = []
     for c in comparisons:
-        errors = ", ".join(_error_text(s, v) for s, v in c.rmse.items())
+        explained = c.fit_percent
+        errors = ", ".join(
+            _error_text(s, v) + (f" (fit {percent(explained[s])})" if s in explained else "") for s, v in c.rmse.items()
+        )
         lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
         if c.departure is not None:
             lines.append(f"             {c.departure}")
@@ -195,6 +198,17 @@ def method_words(rung: Rung, solution: Solution, noise_given: bool) -> str:
     else:
         words = [method, f"initial states and biases by output error on {signals}"]
     return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])
+
+
+def percent(value: float) -> str:
+    """Return a fit in percent: ``97.3 %``; of one that is far worse than the mean only that it is.
+
+    Parameters
+    ----------
+    value : float
+        In percent.
+    """
+    return f"{value + 0.0:.1f} %" if value >= -99.95 else "below -100 %"
 
 
 def _angle(value: float | None) -> str:

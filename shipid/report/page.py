@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from datetime import date
 from pathlib import PurePosixPath
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -33,6 +34,8 @@ class Section:
         How the contents call it; its title by default.
     parts : sequence of (str, str)
         Anchor and title of each part that the contents list instead of the section.
+    folded : bool
+        Whether only the heading is seen until the reader opens it; on paper it is open.
     """
 
     title: str
@@ -40,6 +43,7 @@ class Section:
     view: Mapping[str, object]
     short: str = ""
     parts: Sequence[tuple[str, str]] = ()
+    folded: bool = False
 
     @property
     def key(self) -> str:
@@ -77,9 +81,18 @@ class Page:
     cautions: Sequence[str] = ()
     footer: str = ""
 
-    def html(self) -> str:
-        """Return the page as HTML text."""
-        return _environment().get_template("page.html").render(page=self)
+    def html(self, command: str = "", made: date | None = None) -> str:
+        """Return the page as HTML text.
+
+        Parameters
+        ----------
+        command : str
+            What was typed to make it, as its last line says.
+        made : date, optional
+            When.
+        """
+        day = "" if made is None else f"{made.day} {made:%B %Y}"
+        return _environment().get_template("page.html").render(page=self, command=command, day=day)
 
 
 @functools.cache

@@ -1,14 +1,18 @@
-"""Write a result as one HTML file that needs nothing else: no network, no scripts, no other file."""
+"""Write a result as one HTML file that needs nothing else (no network, no scripts, no other file), or as PDF."""
 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 from shipid.foundation.errors import UsageError
-from shipid.foundation.replacing import check_place, write_text
+from shipid.foundation.replacing import check_place, put_in_place, write_text
+from shipid.foundation.scratch import scratch_folder
 from shipid.report.page import Page
+from shipid.report.pdf import write_pdf
 
 if TYPE_CHECKING:
     from shipid.autopilot.design.autopilot import Autopilot
@@ -19,12 +23,20 @@ if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
     from shipid.encounter.tracking.tracking import Tracking
+    from shipid.estimation.multiple.multiple_run import MultipleModelRun
     from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
+    from shipid.estimation.records.smoother import Smoothed
+    from shipid.identification.choice.ranking import Ranking
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
+    from shipid.planning.plan import Plan
     from shipid.prediction.prediction import Prediction
+    from shipid.prediction.sailing.voyage import Voyage
+    from shipid.prediction.tracks.predicted_track import PredictedTrack
+    from shipid.trials.doctor.findings import Diagnosis
+    from shipid.trials.trial import Trial
 
     Reported: TypeAlias = (
         Fit
@@ -40,6 +52,16 @@ if TYPE_CHECKING:
         | CampaignResult
         | FleetResult
         | Tracking
+        | Trial
+        | Voyage
+        | PredictedTrack
+        | Smoothed
+        | MultipleModelRun
+        | Ranking
+        | Plan
+        | Criteria
+        | Diagnosis
+        | Sequence[Diagnosis]
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -57,27 +79,45 @@ _VIEWS = {
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
     "Tracking": "tracking.page:tracking_page",
+    "Trial": "record.page:trial_page",
+    "Voyage": "record.page:voyage_page",
+    "PredictedTrack": "record.page:track_page",
+    "Smoothed": "record.page:smoothed_page",
+    "MultipleModelRun": "record.page:multiple_page",
+    "Ranking": "choice.page:ranking_page",
+    "Plan": "planning.page:plan_page",
+    "Criteria": "criteria.page:criteria_page",
+    "Diagnosis": "checking.page:check_page",
+    "several Diagnosis": "checking.page:checks_page",
 }
 
 
 def write_report(
-    result: Reported, path: str | Path, *, criteria: Criteria | str | None = None, overwrite: bool = True
+    result: Reported,
+    path: str | Path,
+    *,
+    criteria: Criteria | str | None = None,
+    command: str = "",
+    overwrite: bool = True,
 ) -> Path:
-    """Write a result as a self-contained HTML report.
+    """Write a result as a self-contained HTML report, or as PDF where the name ends in ``.pdf``.
 
-    The file appears under its name only when it is complete. The same result gives the same bytes. The report computes
-    nothing: what it shows is in the result, and it says what was not asked for (`shipid.assess` of a fit, `observability` of a
-    filter, `shipid.judge` of an autopilot).
+    The file appears under its name only when it is complete. The same result gives the same page on the same day. The report
+    computes nothing expensive: what it shows is in the result, and it says what was not asked for (`shipid.assess` of a fit,
+    `observability` of a filter, `shipid.judge` of an autopilot).
 
     Parameters
     ----------
     result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult, FleetResult or Tracking
+TrialSheet, CampaignResult, FleetResult, Tracking, Trial, Voyage, PredictedTrack, Smoothed, MultipleModelRun, Ranking, Plan, \
+Criteria, Diagnosis or a sequence of Diagnosis
         What to report.
     path : str or Path
         The file to write.
     criteria : Criteria or str, optional
         The manoeuvring criteria of an identified model, or why there are none: for a section of the report of a fit.
+    command : str
+        What was typed to make it, for the last line of the page.
     overwrite : bool
         Whether a file of that name may be replaced.
 
@@ -94,27 +134,42 @@ TrialSheet, CampaignResult, FleetResult or Tracking
         If the file exists and `overwrite` is False.
     MissingFileError
         If the folder does not exist or cannot be written to.
+    MissingExtraError
+        If it is to be a PDF, and there is no browser that prints one.
+    PdfError
+        If the browser does not print it.
     """
     path = Path(path)
     check_place(path, overwrite)
-    write_text(path, render(result, criteria=criteria))
+    page = render(result, criteria=criteria, command=command, made=date.today())
+    if path.suffix.lower() != ".pdf":
+        write_text(path, page)
+        return path
+    with scratch_folder(path.parent) as scratch:
+        (scratch / "page.html").write_text(page, encoding="utf-8")
+        write_pdf(scratch / "page.html", scratch / "page.pdf")
+        put_in_place({scratch / "page.pdf": path}, overwrite)
     return path
 
 
-def render(result: Reported, *, criteria: Criteria | str | None = None) -> str:
+def render(
+    result: Reported, *, criteria: Criteria | str | None = None, command: str = "", made: date | None = None
+) -> str:
     """Return the report of a result as HTML text.
 
     Parameters
     ----------
-    result, criteria
+    result, criteria, command
         As for `write_report`.
+    made : date, optional
+        When, for the last line of the page and the foot of a printed one.
 
     Raises
     ------
     UsageError
         If there is no report for this kind of result.
     """
-    return page_of(result, criteria).html()
+    return page_of(result, criteria).html(command, made)
 
 
 def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
@@ -130,9 +185,13 @@ def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
     UsageError
         If there is no report for this kind of result.
     """
-    kind = type(result).__name__
+    kind = next((c.__name__ for c in type(result).__mro__ if c.__name__ in _VIEWS), type(result).__name__)
+    if isinstance(result, list | tuple):
+        # Several results of one kind that make a page together: the trials that were checked.
+        kind = f"several {type(result[0]).__name__}" if result else kind
     if kind not in _VIEWS:
-        raise UsageError(f"there is no report for a {kind}. Reports exist for: {', '.join(_VIEWS)}.")
+        what = kind if kind.startswith("several ") else f"a {kind}"
+        raise UsageError(f"there is no report for {what}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)
     page: Page = view(result, criteria) if kind == "Fit" else view(result)

@@ -51,12 +51,14 @@ def test_every_section_and_trial_is_there(which, request, read_page):
         assert section in ids
     for c in (*fit.fitted, *fit.validation):
         assert page.text.count(c.trial.name) >= 3
-    assert page.tags.count("svg") == 6
+    # Heading and track of each trial first; histories, residuals and their correlation in its details. Residuals that run away
+    # have no correlation.
+    assert page.tags.count("svg") == (10 if which == "fit" else 9)
     for name in fit.parameters:
         assert name in page.text
     for fixed in fit.fixed:
         assert fixed in page.text
-    assert ("The search did not converge. Its message:" in page.text) is (which == "diverged")
+    assert ("The search did not converge: the search gave up." in page.text) is (which == "diverged")
 
 
 def test_the_answer_comes_first_in_words(fit, text, read_page):
@@ -68,7 +70,7 @@ def test_the_answer_comes_first_in_words(fit, text, read_page):
 
 
 def test_simulated_trials_are_labelled(text):
-    assert text.count("simulated, not measured</span>") == 4
+    assert text.count("simulated, not measured</span>") == 6
     assert "one simulated trial" in text
 
 
@@ -209,7 +211,7 @@ def test_three_long_noisy_trials_stay_small(fit, tmp_path):
     c = fit.fitted[0]
     result = dataclasses.replace(fit, fitted=(long(c, 1), long(c, 2)), validation=(long(fit.validation[0], 3),))
     path = write_report(result, tmp_path / "long.html")
-    assert path.stat().st_size < 1_500_000
+    assert path.stat().st_size < 1_000_000
 
 
 def test_real_trials_with_a_turning_circle(read_page):
@@ -223,12 +225,12 @@ def test_real_trials_with_a_turning_circle(read_page):
     page = read_page(text)
     assert "Turning circle to port" in page.text
     assert "Tactical diameter" in page.text
-    assert "goes beyond the fitted trials: rudder angle up to 35.0 deg" in page.text
+    assert "The rudder goes to 35 deg" in page.text
     assert "simulated" not in page.text
     for trial in trials:
         assert trial.source.sha256 in text
         assert trial.name in page.text
-    assert len(text) < 1_500_000
+    assert len(text) < 1_000_000
 
 
 def test_what_was_tried_and_found_is_on_the_page(fit, text, read_page):

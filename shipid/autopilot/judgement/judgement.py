@@ -17,7 +17,7 @@ from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity, with_units
+from shipid.foundation.numbers import columns_of, with_units
 from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
@@ -235,7 +235,8 @@ class Judgement(DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [self.pilot.text(), self.weakest.sentence]
+        head, _, rest = self.pilot.text().partition("\n")
+        lines = [head, self.weakest.sentence, rest]
         for name, robust in zip(self.pilot.conditions, self.robust):
             lines.append(
                 f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"

@@ -1,6 +1,6 @@
 """How a command hands over its result: printed as text or JSON, and written to a folder, whole or not at all.
 
-The options ``--out``, ``--open``, ``--overwrite`` and ``--json`` stand here only. The folder is looked at before the work
+The options ``--out``, ``--open``, ``--pdf``, ``--overwrite`` and ``--json`` stand here only. The folder is looked at before the work
 is done, and filled after it.
 """
 
@@ -14,16 +14,19 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Protocol, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeAlias, TypeVar
 
 import click
 
 from shipid.cli.frame.envelope import envelope, inputs_given
-from shipid.cli.frame.messages import progress, say, warned
+from shipid.cli.frame.messages import progress, say, typed, warned
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.printable import escaped, printable
+
+if TYPE_CHECKING:
+    from shipid.report.write_report import Reported
 
 #: What writes a file to the path it is given.
 Writer: TypeAlias = Callable[[Path], object]
@@ -33,10 +36,13 @@ Command = TypeVar("Command", bound=Callable[..., object])
 _DIGITS = 12
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
+_PDF = "report.pdf"
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace files that exist.")
 _open_option = click.option("--open", "open_report", is_flag=True, help="Open the report in the browser; with --out.")
+
+_pdf_option = click.option("--pdf", "as_pdf", is_flag=True, help=f"Write {_PDF} too; with --out, needs Chromium.")
 
 
 class Decorator(Protocol):
@@ -80,6 +86,8 @@ class Delivery:
         Whether files that exist are replaced.
     inputs : list of dict
         The files the command was given, with the hash of what they held when it began.
+    command : str
+        The command as it was typed, with the quotes of a shell.
     """
 
     as_json: bool
@@ -88,10 +96,29 @@ class Delivery:
     open_report: bool = False
     overwrite: bool = False
     inputs: list[dict[str, Plain]] = field(default_factory=inputs_given)
+    command: str = field(default_factory=typed)
 
     def progress(self) -> AbstractContextManager[Callable[[str], None]]:
         """Return a context manager that shows what is being done; silent where JSON is asked for."""
         return progress(self.as_json)
+
+    def report(self, result: Reported, **more: Plain) -> Writer:
+        """Return what writes the page of a result, with the command that made it.
+
+        Parameters
+        ----------
+        result : FilterRun, Fit, Judgement or another result that has a page
+            See `shipid.report.write_report`.
+        **more
+            Further arguments of `shipid.report.write_report`.
+        """
+
+        def write(path: Path) -> None:
+            from shipid.report.write_report import write_report
+
+            write_report(result, path, command=self.command, **more)
+
+        return write
 
     def hand_over(self, result: Deliverable, writers: Mapping[str, Writer] | None = None) -> ExitCode:
         """Write the files of a result, print it, and open its report.
@@ -138,6 +165,8 @@ class Delivery:
         failed: Exception | None = None
         if self.folder is not None:
             all_writers = {RESULT: _json_writer(data), **(writers or {})}
+            if _PDF in self.files:
+                all_writers[_PDF] = _print_page
             assert set(all_writers) == set(self.files), "the files written are those that were looked for"
             try:
                 with self.progress() as tell:
@@ -185,14 +214,16 @@ def delivered(
     Raises
     ------
     UsageError
-        When the command runs: if ``--open`` is given without ``--out``, or the folder cannot be used.
+        When the command runs: if ``--open`` or ``--pdf`` is given without ``--out``, or the folder cannot be used.
+    MissingExtraError
+        When the command runs: if there is no browser to print a page with.
     """
     *others, last = files or ("",)
     listed = f"{', '.join(others)} and {last}" if others else last
     out_option = click.option("--out", metavar="DIR", help=f"Folder for {listed}.")
     options = [json_option]
     if files:
-        options += [overwrite_option, *([_open_option] if REPORT in files else []), out_option]
+        options += [overwrite_option, *([_open_option, _pdf_option] if REPORT in files else []), out_option]
 
     def decorate(function: Command) -> Command:
         @functools.wraps(function)
@@ -201,12 +232,15 @@ def delivered(
             as_json: bool,
             out: str | None = None,
             open_report: bool = False,
+            as_pdf: bool = False,
             overwrite: bool = False,
             **values: object,
         ) -> object:
             expected = next((f for option, f in (instead or {}).items() if values.get(option)), files)
             if open_report and out is None:
                 raise click.UsageError("--open opens the report of --out DIR, which is not given.")
+            if as_pdf:
+                expected = _with_pdf(expected, out)
             overwrite = overwrite or bool(replaced_by and values.get(replaced_by))
             folder = _result_folder(out, expected, overwrite)
             delivery = Delivery(as_json, folder, tuple(expected), open_report, overwrite)
@@ -216,6 +250,23 @@ def delivered(
         return decorated
 
     return decorate
+
+
+def _with_pdf(expected: Sequence[str], out: str | None) -> tuple[str, ...]:
+    """The files with the printed page; refused before the work is done where nothing can print."""
+    from shipid.report.pdf import browser
+
+    if out is None or REPORT not in expected:
+        raise click.UsageError("--pdf prints the report of --out DIR, which is not given.")
+    browser()
+    return (*expected, _PDF)
+
+
+def _print_page(path: Path) -> None:
+    """Print the page that was written beside it."""
+    from shipid.report.pdf import write_pdf
+
+    write_pdf(path.with_name(REPORT), path)
 
 
 def json_text(value: Plain, *, indent: int | None = 1) -> str:

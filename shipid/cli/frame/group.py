@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import click
 
-from shipid.cli.frame.messages import say
+from shipid.cli.frame.messages import TYPED, say
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.stopping import Terminated, watched, why_stopped
@@ -17,6 +17,11 @@ from shipid.foundation.stopping import Terminated, watched, why_stopped
 
 class _LazyGroup(click.Group):
     """A group that imports a command when it is called, so that ``shipid --help`` imports nothing numeric."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Keep what was typed, before it is taken apart."""
+        ctx.meta[TYPED] = list(args)
+        return super().parse_args(ctx, args)
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order of the work."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 import textwrap
 from collections.abc import Callable, Iterator
@@ -16,6 +17,8 @@ from shipid.foundation.stopping import stop_if_asked
 
 #: Where the context of a command keeps what was said.
 _SAID = "shipid.said"
+#: Where it keeps what was typed behind ``shipid``.
+TYPED = "shipid.typed"
 
 
 def watched() -> bool:
@@ -59,6 +62,13 @@ def warned() -> list[Notice]:
     context = click.get_current_context(silent=True)
     said: list[Notice] = [] if context is None else context.meta.get(_SAID, [])
     return list(said)
+
+
+def typed() -> str:
+    """Return the running command as it was typed, with the quotes of a shell; empty where there is none."""
+    context = click.get_current_context(silent=True)
+    found: list[str] = [] if context is None else context.meta.get(TYPED, [])
+    return shlex.join(["shipid", *found]) if found else ""
 
 
 @contextmanager

@@ -12,6 +12,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
 from shipid.identification.choice.hard_turn import HardTurn
+from shipid.identification.validation.comparison import Comparison
 
 #: Factor of the smallest error within which models are tied; where a campaign is too poor to choose by, there is one of its own.
 TIED, TIED_IF_POOR = 1.25, 2.0
@@ -60,6 +61,8 @@ class Rank(Result):
         Error of the rate of turn of the left-out trials in shares of its size.
     turn : HardTurn or None
         What the model does in a hard turn.
+    predictions : tuple of Comparison
+        The left-out trials beside what it predicts of them; not part of `to_dict`.
     """
 
     model: str
@@ -75,6 +78,7 @@ class Rank(Result):
     spread: float = 0.0
     unexplained: float | None = None
     turn: HardTurn | None = None
+    predictions: tuple[Comparison, ...] = ()
 
     @property
     def error(self) -> float | None:

@@ -96,6 +96,8 @@ class Tried:
         Where a trial kept apart goes beyond those that were fitted.
     message : str
         What went wrong on the way.
+    predictions : tuple of Comparison
+        The records left out beside their predictions.
     """
 
     model: str
@@ -108,6 +110,7 @@ class Tried:
     validation: dict[str, dict[str, float | None]] = field(default_factory=dict)
     beyond: tuple[Notice, ...] = ()
     message: str = ""
+    predictions: tuple[Comparison, ...] = ()
 
 
 def try_candidate(candidate: Attempt) -> Tried:
@@ -145,6 +148,7 @@ def try_candidate(candidate: Attempt) -> Tried:
         },
         tuple(n for n in fit.warnings if n.kind == BEYOND),
         "" if fit.converged else "the search did not converge.",
+        tuple(one.comparison for record in left for one in record or ()),
     )
 
 

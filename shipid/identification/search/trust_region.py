@@ -10,6 +10,14 @@ from scipy.optimize import least_squares
 
 #: Part of the size of a column by which directions without information are held: far below the data's, far above rounding.
 _HOLD = 1e-7
+#: Why the search ended, by the status of `scipy.optimize.least_squares`, in words for the reader of a report.
+_ENDED = {
+    0: "the search was stopped after its largest number of runs.",
+    1: "the residuals no longer depend on the coefficients at first order.",
+    2: "a further step would not make the residuals smaller.",
+    3: "a further step would not change the coefficients.",
+    4: "a further step would change neither the residuals nor the coefficients.",
+}
 #: From unknowns to residuals and their Jacobian.
 Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
@@ -25,7 +33,7 @@ class SearchResult:
     converged : bool
         Whether it met its tolerances.
     message : str
-        The message of the search.
+        Why it ended, in words.
     evaluations : int
         Points that were tried.
     """
@@ -98,7 +106,7 @@ def search(
         gtol=1e-12,
         max_nfev=most,
     )
-    return SearchResult(to_q(found.x), found.status > 0, found.message, found.nfev)
+    return SearchResult(to_q(found.x), found.status > 0, _ENDED[found.status], found.nfev)
 
 
 def _held(residual: np.ndarray, jacobian: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,21 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.foundation.aliases import Plain
-from shipid.report.figures.svg import MUTED, WIDTH, axis_range, legend, panel_title, svg, thin
+from shipid.report.figures.svg import (
+    BLUE,
+    GOLD,
+    GREEN,
+    MUTED,
+    ORANGE,
+    PURPLE,
+    RED,
+    WIDTH,
+    axis_range,
+    legend,
+    panel_title,
+    svg,
+    thin,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +32,7 @@ if TYPE_CHECKING:
 #: Height of a panel in inches: of one among several, and of a panel of a Bode diagram, which stands beside a Nyquist curve.
 _PANEL, _TALL = 1.35, 1.65
 #: Colours of the lines, in order; readable on light and dark paper.
-_COLOURS = ("#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", MUTED)
+_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GOLD, MUTED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +81,7 @@ def _look(line: Line) -> dict[str, Plain]:
         "line": {"color": colour, "linewidth": 1.4},
         "points": {"color": colour, "linewidth": 1.2, "marker": "o", "markersize": 3.2},
         "dashed": {"color": colour, "linewidth": 1.2, "linestyle": (0, (4, 1.6))},
-        "limit": {"color": "#c0392b", "linewidth": 1.1, "linestyle": (0, (2, 2))},
+        "limit": {"color": RED, "linewidth": 1.1, "linestyle": (0, (2, 2))},
         "faint": {"color": MUTED, "linewidth": 0.5, "alpha": 0.6},
     }[line.look]
 
@@ -142,9 +156,9 @@ def nyquist(lines: Sequence[Line], disk: float, key: str, title: str) -> Markup:
         ends = -(2 + disk) / (2 - disk), -(2 - disk) / (2 + disk)
         centre, radius = 0.5 * sum(ends), 0.5 * (ends[1] - ends[0])
         ax.plot(np.cos(turn), np.sin(turn), color=MUTED, linewidth=0.7)
-        limit: dict[str, Plain] = {"color": "#c0392b", "linewidth": 1.1, "linestyle": (0, (2, 2))}
+        limit: dict[str, Plain] = {"color": RED, "linewidth": 1.1, "linestyle": (0, (2, 2))}
         ax.plot(centre + radius * np.cos(turn), radius * np.sin(turn), label="limit", **limit)
-        ax.plot([-1], [0], "+", color="#c0392b", markersize=7, label="_")
+        ax.plot([-1], [0], "+", color=RED, markersize=7, label="_")
         for line in lines:
             inside = (line.x > 1.5 * left) & (line.x < 1.5 * right) & (line.y > 1.5 * low) & (line.y < 1.5 * high)
             ax.plot(np.where(inside, line.x, np.nan), np.where(inside, line.y, np.nan), label=line.label, **_look(line))

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.report.figures.hull import outline
-from shipid.report.figures.svg import MUTED, WIDTH, legend, svg, thin, with_gaps
+from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, WIDTH, legend, svg, thin, with_gaps
 from shipid.trials.measuring.pull_out import PullOut
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_HEADING, _RUDDER, _MARK = "#2f7fc4", "#d9700a", "#2e9e6b"
+_HEADING, _RUDDER, _MARK = BLUE, ORANGE, GREEN
 #: Time between two ticks of a track in s: the first that gives no more than a dozen.
 _TICKS = (10.0, 30.0, 60.0, 120.0, 300.0, 600.0)
 _TEXT = 8.0

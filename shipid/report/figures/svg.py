@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
+from math import ceil
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,11 +22,25 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 #: Most points of one curve.
-MOST_POINTS = 1000
+MOST_POINTS = 600
 #: Width in inches: text of 9 pt stays readable when a phone shrinks it to 330 px.
 WIDTH = 4.7
-#: Colour of what is less important, on light and dark paper.
+#: Colours as matplotlib draws them. On a page each is the custom property of that name, which has a shade of its own on light
+#: paper, on dark paper and in print.
+BLUE, ORANGE, GREEN, PURPLE, GOLD, RED = "#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", "#c0392b"
+#: Of what is less important.
 MUTED = "#7d8590"
+_PROPERTIES = {
+    BLUE: "--blue",
+    ORANGE: "--orange",
+    GREEN: "--green",
+    PURPLE: "--purple",
+    GOLD: "--gold",
+    RED: "--red",
+    MUTED: "--muted",
+}
+#: Characters that a row of a legend holds, and its height in inches.
+_LEGEND, _ROW = 66, 0.17
 #: Margins of a figure and the gap between its panels, in inches.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.1, 0.5, 0.45, 0.27
 _SETTINGS = {
@@ -144,10 +159,15 @@ def legend(figure: Figure, axes: Iterable[Panels]) -> None:
             loc="upper left",
             bbox_to_anchor=(0.0, 1.0),
             borderaxespad=0.1,
-            ncols=4,
+            ncols=_columns(handles),
             columnspacing=1.2,
             handlelength=2.4,
         )
+
+
+def _columns(labels: Iterable[str]) -> int:
+    """Entries of a legend beside each other: fewer where a name is long."""
+    return max(1, min(4, int(_LEGEND // (5 + max(len(label) for label in labels)))))
 
 
 def panel_size(size: tuple[float, float]) -> tuple[float, float]:
@@ -190,15 +210,19 @@ class Drawing:
             figure = NotebookFigure(figsize=self.size)
             self.draw(figure)
             # Margins in inches, for labels whose size is known: laying out by measuring text takes half of the time.
-            width, height = self.size
+            labels = [text.get_text() for one in figure.legends for text in one.get_texts()]
+            extra = _ROW * (ceil(len(labels) / _columns(labels)) - 1) if labels else 0.0
+            width, height = self.size[0], self.size[1] + extra
+            figure.set_size_inches(width, height)
             place = figure.axes[0].get_subplotspec() if figure.axes else None
             rows = 1 if place is None else place.get_gridspec().nrows
-            panel = (height - _TOP - _BOTTOM - _GAP * (rows - 1)) / rows
+            top = _TOP + extra
+            panel = (height - top - _BOTTOM - _GAP * (rows - 1)) / rows
             figure.subplots_adjust(
                 left=_LEFT / width,
                 right=1 - _RIGHT / width,
                 bottom=_BOTTOM / height,
-                top=1 - _TOP / height,
+                top=1 - top / height,
                 hspace=_GAP / panel,
                 wspace=0.16,
             )
@@ -253,20 +277,47 @@ def collected() -> Iterator[Mapping[str, Drawing]]:
 
 
 _HEAD = re.compile(r"^.*?<svg[^>]*?(viewBox=\"[^\"]*\")[^>]*>", re.DOTALL)
-_METADATA = re.compile(r"<metadata>.*?</metadata>", re.DOTALL)
+_METADATA = re.compile(r"<metadata>.*?</metadata>|<style.*?</style>", re.DOTALL)
 _NAME = re.compile(r"(\sid=\"|url\(#|href=\"#)")
-_LONG = re.compile(r"(-?\d+\.\d\d)\d+")
+_NAMED = re.compile(r"\sid=\"([^\"]*)\"")
+_USED = re.compile(r"(?:url\(|href=\")#([^)\"]*)")
+#: Where a place stands, and not a word or a shade; a curve of many points needs one decimal, the outline of a mark two.
+_PLACE = re.compile(r" (?:d|x|y|transform|points)=\"[^\"]*\"")
+_LONG = {1: re.compile(r"(-?\d+\.\d)\d+"), 2: re.compile(r"(-?\d+\.\d\d)\d+")}
+_MANY = 400
+_ZERO = re.compile(r"-0(?:\.0+)?(?![\d.])|(?<=\d)\.0+(?!\d)")
 _FONT = re.compile(r"font: ([\d.]+px)[^;\"]*|font-family:[^;\"]*;?")
+_COLOUR = re.compile("|".join(_PROPERTIES))
+#: Lines of the grid, ticks and text that is not turned, as matplotlib writes each of them in full.
+_GRID = re.compile(
+    r" clip-path=\"[^\"]*\" style=\"fill: none; stroke: #7d8590; stroke-opacity: 0\.3; stroke-width: 0\.5[^\"]*\""
+)
+_TICK = re.compile(r"(<use [^>]*?) style=\"stroke: #000000; stroke-width: 0\.[68]\"")
+_UPRIGHT = re.compile(r" transform=\"rotate\(-?0 [^\"]*\"")
+_GROUP = re.compile(r"<g>((?:(?!</?g\b).)*)</g>", re.DOTALL)
 
 
 def _inline(svg: str, key: str, title: str) -> Markup:
-    """Make a whole SVG file fit for the inside of a page: no head, no names of its own, few digits."""
+    """Make a whole SVG file fit for the inside of a page: no head, no names of its own, few digits, nothing said twice."""
     head = _HEAD.match(svg)
     assert head is not None
-    body = _METADATA.sub("", svg[head.end() :])
-    body = _NAME.sub(rf"\g<1>{key}-", body.replace("xlink:href", "href"))
-    body = _LONG.sub(r"\1", body).replace("#000000", "currentColor").replace("\nL ", "L").replace("\n", " ")
+    body = _METADATA.sub("", svg[head.end() :]).replace("xlink:href", "href")
+    body = _UPRIGHT.sub("", _TICK.sub(r"\1", _GRID.sub(' class="grid"', body)))
+    used = set(_USED.findall(body))
+    body = _NAMED.sub(lambda m: m.group() if m.group(1) in used else "", body)
+    body = _NAME.sub(rf"\g<1>{key}-", body)
+    body = _PLACE.sub(lambda m: _short(m.group()), body)
+    body = body.replace("#000000", "currentColor").replace("\nL ", "L").replace("\n", " ")
+    body = _COLOUR.sub(lambda m: f"var({_PROPERTIES[m.group()]})", body)
     body = _FONT.sub(lambda m: f"font-size: {m.group(1)}" if m.group(1) else "", body)
+    body = re.sub(r"\s{2,}", " ", body).replace("> <", "><")
+    while (less := _GROUP.sub(r"\1", body)) != body:
+        body = less
     label = escape(title)
-    start = f'<svg {head.group(1)} role="img" aria-label="{label}"><title>{label}</title>'
-    return Markup(start + re.sub(r"\s{2,}", " ", body))
+    return Markup(f'<svg {head.group(1)} role="img" aria-label="{label}"><title>{label}</title>{body}')
+
+
+def _short(places: str) -> str:
+    """Places with the digits that are seen."""
+    few = _LONG[1 if len(places) > _MANY else 2].sub(r"\1", places)
+    return _ZERO.sub(lambda m: "0" if m.group()[0] == "-" else "", few)

@@ -9,14 +9,14 @@ from markupsafe import Markup
 
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.encounter.tracking.tracking import Tracking
-from shipid.report.figures.svg import MUTED, WIDTH, legend, svg
+from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, WIDTH, legend, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Panels
     from matplotlib.figure import Figure
 
 #: Colours of tracks that are held and lost, and of own ship.
-_HELD, _LOST, _OWN = "#2f7fc4", "#d9700a", "#2e9e6b"
+_HELD, _LOST, _OWN = BLUE, ORANGE, GREEN
 #: Most plots that are drawn: more than that is a grey field.
 _MOST = 3000
 #: Length of the velocity vectors, s.

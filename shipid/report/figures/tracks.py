@@ -10,7 +10,7 @@ from markupsafe import Markup
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.report.figures.hull import outline
 from shipid.report.figures.plan_view import draw_chart, draw_route
-from shipid.report.figures.svg import MUTED, WIDTH, legend, panel_size, svg
+from shipid.report.figures.svg import BLUE, MUTED, WIDTH, legend, panel_size, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from shipid.prediction.charts.chart import Chart
     from shipid.prediction.routes.route_turn import RouteTurn
 
-_COLOUR = "#2f7fc4"
+_COLOUR = BLUE
 #: Time between two ticks in s: the first that gives no more than a dozen.
 _TICKS = (30.0, 60.0, 120.0, 300.0, 600.0, 1800.0, 3600.0)
 

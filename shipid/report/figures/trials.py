@@ -1,4 +1,4 @@
-"""Figures of a trial or a filtered record: signals against time, and tracks."""
+"""Figures of a trial or a filtered record: signals against time."""
 
 from __future__ import annotations
 
@@ -10,23 +10,40 @@ import numpy as np
 from markupsafe import Markup
 
 from shipid.foundation.aliases import Plain
-from shipid.report.figures.svg import MOST_POINTS, MUTED, WIDTH, axis_range, legend, panel_title, svg, thin, with_gaps
+from shipid.report.figures.svg import (
+    BLUE,
+    MOST_POINTS,
+    MUTED,
+    ORANGE,
+    WIDTH,
+    Drawing,
+    axis_range,
+    legend,
+    panel_title,
+    thin,
+    with_gaps,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PANEL = 1.25
+#: An estimate is thin, and what was measured broad and pale beneath it, so that both are seen where they agree.
 _STYLES: dict[str, dict[str, Plain]] = {
-    "measured": {"color": "#2f7fc4", "linestyle": "-", "linewidth": 1.3},
-    "predicted": {"color": "#d9700a", "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
-    "estimate": {"color": "#d9700a", "linestyle": "-", "linewidth": 1.4},
-    "95 % band": {"color": "#d9700a", "linestyle": (0, (1, 1.5)), "linewidth": 1.0},
-    "innovation": {"color": "#2f7fc4", "linestyle": "none", "marker": ".", "markersize": 2.0},
+    "measured": {"color": BLUE, "linestyle": "-", "linewidth": 1.3},
+    "predicted": {"color": ORANGE, "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
+    "measured beneath": {"color": BLUE, "linestyle": "-", "linewidth": 2.8, "alpha": 0.55},
+    "estimate": {"color": ORANGE, "linestyle": "-", "linewidth": 1.0},
+    "95 % band": {"color": ORANGE, "linestyle": (0, (1, 1.5)), "linewidth": 1.0},
+    "innovation": {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 2.0},
     "95 % bounds": {"color": MUTED, "linestyle": (0, (4, 1.6)), "linewidth": 1.0},
-    "residual": {"color": "#2f7fc4", "linestyle": "-", "linewidth": 0.8},
-    "rudder": {"color": "black", "linestyle": "-", "linewidth": 1.1},
+    "residual": {"color": BLUE, "linestyle": "-", "linewidth": 0.8},
+    "rudder": {"color": "black", "linestyle": "-", "linewidth": 0.9},
     "order": {"color": MUTED, "linestyle": ":", "linewidth": 1.2},
 }
+_BOUNDS = ("95 % band", "95 % bounds")
+#: Innovations are shown up to so many times their bounds.
+_MOST_BOUNDS = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +53,8 @@ class Curve:
     Attributes
     ----------
     kind : str
-        measured, predicted, residual, rudder or order: its style and its name in the legend.
+        measured, predicted, residual, rudder or order: its style and its name in the legend. Measured beneath an estimate it is
+        ``measured beneath``.
     x, y : ndarray, shape (n,)
         Its points, in the units shown; NaN where a sample is missing.
     """
@@ -56,14 +74,18 @@ class Panel:
         What the vertical axis shows.
     curves : sequence of Curve
         Its lines; the first one decides the range when another runs far out of it.
+    settling : float
+        Share of the record at its beginning that does not set the range: there a filter still settles, and its bounds would
+        flatten the rest.
     """
 
     label: str
     unit: str
     curves: Sequence[Curve]
+    settling: float = 0.0
 
 
-def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
+def histories(panels: Sequence[Panel], key: str, title: str, most: int = MOST_POINTS) -> Markup:
     """Return panels above each other over one time axis as SVG.
 
     Parameters
@@ -74,6 +96,32 @@ def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
         Put before every id, so that several figures can stand in one page.
     title : str
         What a screen reader says.
+    most : int
+        Most points of a curve.
+    """
+    return histories_drawing(panels, title, most).svg(key)
+
+
+def halves(panels: Sequence[Panel], key: str, title: str) -> list[Markup]:
+    """Return panels as two figures that stand beside each other where there is room, and above each other where there is not.
+
+    Parameters
+    ----------
+    panels, key, title
+        As for `histories`.
+    """
+    middle = (len(panels) + 1) // 2
+    parts = [part for part in (panels[:middle], panels[middle:]) if part]
+    return [histories(part, f"{key}-{k}", f"{title}: {_labels(part)}") for k, part in enumerate(parts)]
+
+
+def histories_drawing(panels: Sequence[Panel], title: str, most: int = MOST_POINTS) -> Drawing:
+    """Return panels above each other over one time axis, to be drawn.
+
+    Parameters
+    ----------
+    panels, title, most
+        As for `histories`.
     """
 
     def draw(figure: Figure) -> None:
@@ -81,54 +129,35 @@ def histories(panels: Sequence[Panel], key: str, title: str) -> Markup:
         for ax, panel in zip(axes, panels):
             for curve in panel.curves:
                 x, y = with_gaps(curve.x, curve.y)
-                kept = thin(y)
-                ax.plot(x[kept], y[kept], label=curve.kind, **_STYLES[curve.kind])
+                kept = thin(y, most)
+                ax.plot(x[kept], y[kept], label=curve.kind.removesuffix(" beneath"), **_STYLES[curve.kind])
             ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
-            ax.set_ylim(*axis_range([c.y for c in panel.curves]))
+            ax.set_ylim(*_range(panel))
             ax.margins(x=0.01)
             ax.locator_params(axis="y", nbins=5)
         axes[-1].set_xlabel("time [s]")
         legend(figure, axes)
 
-    return svg(draw, (WIDTH, 0.75 + _PANEL * len(panels)), key, title)
+    return Drawing(draw, (WIDTH, 0.75 + _PANEL * len(panels)), title)
 
 
-def tracks(curves: Sequence[Curve], key: str, title: str) -> Markup:
-    """Return tracks on equal axes, north up, as SVG.
-
-    Parameters
-    ----------
-    curves : sequence of Curve
-        Horizontal: east in m; vertical: north in m.
-    key, title : str
-        As for `histories`.
-    """
-    across, along = axis_range([c.x for c in curves]), axis_range([c.y for c in curves])
-    wide, tall = across[1] - across[0], along[1] - along[0]
-    # A straight track would make a figure of one line's width: a panel is at most 1.8 times as wide as tall, or 1.25 as tall.
-    across, along = _widen(across, tall / 1.25), _widen(along, 0.55 * wide)
-    shape = (along[1] - along[0]) / (across[1] - across[0])
-
-    def draw(figure: Figure) -> None:
-        ax = figure.subplots()
-        for curve in curves:
-            kept = np.union1d(thin(curve.x, MOST_POINTS // 2), thin(curve.y, MOST_POINTS // 2))
-            ax.plot(curve.x[kept], curve.y[kept], label=curve.kind, **_STYLES[curve.kind])
-        begins = np.flatnonzero(np.isfinite(curves[0].x))[:1]
-        ax.plot(
-            curves[0].x[begins], curves[0].y[begins], "o", color="black", markersize=4, linestyle="none", label="start"
-        )
-        ax.set_aspect("equal", adjustable="box")
-        ax.set_xlim(*across)
-        ax.set_ylim(*along)
-        ax.set_xlabel("east [m]")
-        ax.set_ylabel("north [m]")
-        ax.locator_params(nbins=6)
-        legend(figure, [ax])
-
-    return svg(draw, (WIDTH, 0.9 + 3.9 * shape), key, title)
+def _range(panel: Panel) -> tuple[float, float]:
+    """The range of a panel: bounds are seen for most of the record, and neither they nor what lies far beyond them flatten the rest."""
+    bounds = [c for c in panel.curves if c.kind in _BOUNDS]
+    lines = [_settled(c.y, panel.settling) for c in panel.curves if c.kind not in _BOUNDS]
+    if not bounds:
+        return axis_range(lines)
+    usual = np.array([np.nanmedian(_settled(c.y, panel.settling)) for c in bounds])
+    first = lines[0]
+    if panel.curves[0].kind == "innovation":
+        first = np.clip(first, _MOST_BOUNDS * usual.min(), _MOST_BOUNDS * usual.max())
+    return axis_range([np.concatenate([first, usual]), *lines[1:]])
 
 
-def _widen(limits: tuple[float, float], least: float) -> tuple[float, float]:
-    short = max(0.0, least - (limits[1] - limits[0])) / 2
-    return limits[0] - short, limits[1] + short
+def _settled(y: np.ndarray, settling: float) -> np.ndarray:
+    later = y[int(settling * len(y)) :]
+    return later if np.isfinite(later).any() else y
+
+
+def _labels(panels: Sequence[Panel]) -> str:
+    return ", ".join(panel.label for panel in panels)

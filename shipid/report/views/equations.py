@@ -21,4 +21,6 @@ def equations_section(model: Model) -> Section:
         {"plain": e.plain, "mathml": Markup(e.mathml), "source": e.source, "where": f"{e.component}.{e.method}"}
         for e in typeset(model)
     ]
-    return Section(f"Equations of model {model.name}", "equations.html", {"equations": rows}, short="Equations")
+    return Section(
+        f"Equations of model {model.name}", "equations.html", {"equations": rows}, short="Equations", folded=True
+    )

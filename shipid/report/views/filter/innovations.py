@@ -8,6 +8,7 @@ from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel
 from shipid.report.page import Row
 from shipid.report.typography.quantities import Shown
+from shipid.report.views.filter.parameters import SETTLING
 from shipid.report.views.words import probability
 
 #: Probability below which innovations are called coloured.
@@ -52,4 +53,4 @@ def innovation_panel(how: Shown, t: np.ndarray, values: np.ndarray, variances: n
     bound = NORMAL_95 * np.sqrt(variances) * how.factor
     curves = [Curve("innovation", t, values * how.factor)]
     curves += [Curve("95 % bounds", t, s * bound) for s in (-1, 1)]
-    return Panel(f"Innovation, {how.label.lower()}", how.unit, curves)
+    return Panel(f"Innovation, {how.label.lower()}", how.unit, curves, SETTLING)

@@ -11,7 +11,7 @@ from scipy.special import chdtri
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.numbers import fixed, uncertain
-from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
@@ -105,10 +105,10 @@ def _signals(run: FilterRun) -> Section:
         rows.append(
             {"name": name, "value": value, "unit": how.unit, "meaning": run.design.model[name].quantity.meaning}
         )
-    return Section("Filtered signals", "filter/signals.html", {"states": rows, "figure": _signal_figure(run)})
+    return Section("Filtered signals", "filter/signals.html", {"states": rows, "figures": _signal_figures(run)})
 
 
-def _signal_figure(run: FilterRun) -> Markup | None:
+def _signal_figures(run: FilterRun) -> list[Markup]:
     panels, arranged = [], run.arranged
     for j, name in enumerate(run.design.measured):
         measures = run.design.model[name].quantity.measures or name
@@ -116,11 +116,11 @@ def _signal_figure(run: FilterRun) -> Markup | None:
             continue
         how, there = shown(run.design.model, measures), arranged.there[:, j]
         curves = [
-            Curve("measured", arranged.t[there], arranged.z[there, j] * how.factor),
+            Curve("measured beneath", arranged.t[there], arranged.z[there, j] * how.factor),
             Curve("estimate", run.t, run[measures] * how.factor),
         ]
         panels.append(Panel(how.label, how.unit, curves))
-    return histories(panels, "signals", "Measured and filtered signals") if panels else None
+    return halves(panels, "signals", "Measured and filtered")
 
 
 def _innovations(run: FilterRun) -> Section:

@@ -11,9 +11,12 @@ from shipid.declaration.units import pretty
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import interval, uncertain
 from shipid.foundation.statistics import NORMAL_95
-from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.figures.trials import Curve, Panel, halves
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import named
+
+#: Share of a record in which a filter settles: its bounds there would flatten the rest of a figure.
+SETTLING = 0.1
 
 
 class Estimating(Protocol):
@@ -58,10 +61,10 @@ def parameters_section(run: Estimating, model: Model) -> Section | None:
         value, std = run[name], run.std_of(name)
         curves = [Curve("estimate", run.t, value)]
         curves += [Curve("95 % band", run.t, value + s * NORMAL_95 * std) for s in (-1, 1)]
-        panels.append(Panel(name, pretty(model[name].unit), curves))
-    figure = histories(panels, "parameters", "Histories of the estimated parameters")
+        panels.append(Panel(name, pretty(model[name].unit), curves, SETTLING))
+    figures = halves(panels, "parameters", "Estimated parameters against time")
     rows = [_row(p, model) for p in estimates.values()]
-    return Section("Parameters", "filter/parameters.html", {"rows": rows, "figure": figure})
+    return Section("Parameters", "filter/parameters.html", {"rows": rows, "figures": figures})
 
 
 def _row(p: Estimate, model: Model) -> Row:

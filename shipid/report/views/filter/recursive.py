@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.foundation.numbers import fixed, uncertain
 from shipid.identification.recursive.result import RecursiveIdentification
-from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
@@ -56,10 +56,10 @@ def _signals(run: RecursiveIdentification) -> Section:
     how = shown(run.design.model, run.design.output)
     measured = run.arranged.z[run.arranged.shown, 0] * how.factor
     there = run.arranged.there[run.arranged.shown, 0]
-    curves = [Curve("measured", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
+    curves = [Curve("measured beneath", run.t[there], measured[there]), Curve("estimate", run.t, run.y * how.factor)]
     title = "Measured and estimated signal"
-    figure = histories([Panel(how.label, how.unit, curves)], "signals", title)
-    return Section("Filtered signals", "filter/signals.html", {"states": [], "figure": figure})
+    figures = halves([Panel(how.label, how.unit, curves)], "signals", title)
+    return Section("Filtered signals", "filter/signals.html", {"states": [], "figures": figures})
 
 
 def _innovations(run: RecursiveIdentification) -> Section:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shipid.estimation.multiple.which_ship import WhichShip
 from shipid.foundation.numbers import fixed
-from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.figures.trials import Curve, Panel, halves
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
@@ -49,8 +49,8 @@ def _probabilities(found: WhichShip) -> Section:
         Panel(f"probability of {n}", "1", [Curve("estimate", run.t, run.probabilities[:, j])])
         for j, n in enumerate(run.modes)
     ]
-    figure = histories(panels, "ships", "Probability of each ship along the record")
-    return Section("Ships", "filter/ships.html", {"rows": rows, "figure": figure})
+    figures = halves(panels, "ships", "Along the record")
+    return Section("Ships", "filter/ships.html", {"rows": rows, "figures": figures})
 
 
 def _noise(found: WhichShip) -> Section:

@@ -16,7 +16,7 @@ from shipid.report.typography.quantities import named, symbol_markup
 
 
 def coefficients_section(fit: Fit) -> Section:
-    """Return the section of the coefficients: fitted, following, held fixed; and the ship's particulars.
+    """Return the section of the coefficients: fitted, and following from those.
 
     Parameters
     ----------
@@ -27,10 +27,21 @@ def coefficients_section(fit: Fit) -> Section:
     view = {
         "fitted": [_coefficient(fit, e) for e in estimates if not e.follows],
         "following": [_coefficient(fit, e) for e in estimates if e.follows],
-        "fixed": _fixed(fit),
-        "particulars": _particulars(fit),
     }
     return Section("Coefficients", "fit/coefficients.html", view)
+
+
+def held_section(fit: Fit) -> Section:
+    """Return the section of what was held fixed, and of the ship's particulars.
+
+    Parameters
+    ----------
+    fit : Fit
+        The result.
+    """
+    view = {"fixed": _fixed(fit), "particulars": _particulars(fit)}
+    title = "Held fixed, and particulars of the ship"
+    return Section(title, "fit/held.html", view, short="Held fixed", folded=True)
 
 
 def correlation_section(fit: Fit) -> Section:
@@ -44,9 +55,9 @@ def correlation_section(fit: Fit) -> Section:
     names = fit.estimated
     view = {
         "condition": _condition(fit),
-        "symbols": [symbol_markup(fit.model, n) for n in names],
+        "symbols": [{"symbol": symbol_markup(fit.model, n), "name": n} for n in names],
         "rows": [
-            {"symbol": symbol_markup(fit.model, n), "cells": [_cell(fit, i, j) for j in range(len(names))]}
+            {"symbol": symbol_markup(fit.model, n), "name": n, "cells": [_cell(fit, i, j) for j in range(len(names))]}
             for i, n in enumerate(names)
         ],
         "undetermined": [{"named": named(fit.model, n), "why": fit.parameters[n].why} for n in fit.unidentifiable],
@@ -60,7 +71,9 @@ def correlation_section(fit: Fit) -> Section:
             for d in (fit.assessment.directions if fit.assessment else ())
         ],
     }
-    return Section("Correlation, and what is not determined", "fit/correlation.html", view, short="Correlation")
+    return Section(
+        "Correlation, and what is not determined", "fit/correlation.html", view, short="Correlation", folded=True
+    )
 
 
 def _coefficient(fit: Fit, e: Estimate) -> Row:

@@ -5,26 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import PureWindowsPath
 
-import numpy as np
-
 from shipid.criteria.criteria import Criteria
 from shipid.estimation.standing import NEAR_ZERO, UNKNOWN
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures.runaway import runaway
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
+from shipid.report.views.criteria.page import criteria_section
 from shipid.report.views.equations import equations_section
-from shipid.report.views.fit.coefficients import coefficients_section, correlation_section
-from shipid.report.views.fit.criteria import criteria_section
-from shipid.report.views.fit.runaway import runaway
+from shipid.report.views.fit.belief import belief_section
+from shipid.report.views.fit.coefficients import coefficients_section, correlation_section, held_section
+from shipid.report.views.fit.picture import picture_section
 from shipid.report.views.fit.search import check_section, noise_section, posterior_section
 from shipid.report.views.fit.trial import trials_section
-from shipid.report.views.words import count, listed
+from shipid.report.views.words import count, listed, sentence
 from shipid.trials.trial import Trial
 
-#: A validation trial that goes this much beyond the fitted ones is an extrapolation.
-_BEYOND = 1.1
 _NOT_ASSESSED = (
     "The fit was not assessed: residuals, weakly determined directions, prediction bands and the check of the trials are those "
     "of shipid.assess, which was not asked for."
@@ -47,18 +45,21 @@ def provenance_section(fit: Fit) -> Section:
         "model_sha256": str(fit.provenance.get("model_sha256", "")),
         "versions": f"{versions}.",
     }
-    return Section("Provenance", "fit/provenance.html", view)
+    return Section("Provenance", "fit/provenance.html", view, folded=True)
 
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[Fit, Criteria | str | None], Section | None]] = [
-    lambda fit, _: coefficients_section(fit),
-    lambda fit, _: equations_section(fit.model),
-    lambda fit, _: trials_section(fit),
-    lambda fit, _: posterior_section(fit),
+    lambda fit, _: picture_section(fit),
     lambda fit, _: check_section(fit),
+    lambda fit, _: belief_section(fit),
+    lambda fit, _: coefficients_section(fit),
     lambda _, criteria: criteria_section(criteria),
+    lambda fit, _: trials_section(fit),
+    lambda fit, _: equations_section(fit.model),
+    lambda fit, _: held_section(fit),
     lambda fit, _: correlation_section(fit),
+    lambda fit, _: posterior_section(fit),
     lambda fit, _: noise_section(fit),
     lambda fit, _: provenance_section(fit),
 ]
@@ -125,37 +126,20 @@ def _accuracy(fit: Fit, comparisons: tuple[Comparison, ...], verb: str, where: s
 
 
 def _warnings(fit: Fit) -> list[str]:
-    found = [] if fit.converged else [f"The search did not converge. Its message: {fit.message}"]
-    compared = (*fit.fitted, *fit.validation)
-    for c in compared:
+    """What makes the result unusable: the serious warnings of the fit in its own words, and predictions that run away."""
+    found = [sentence(str(n)) for n in fit.warnings if n.serious]
+    for c in (*fit.fitted, *fit.validation):
         t = runaway(c)
         if t is not None:
             found.append(
                 f"The prediction of {c.trial.name} runs away at t = {number(t)} s; its curves stop there, and it has no rms error."
             )
-    found += [f"The prediction of {c.trial.name} is {c.departure}." for c in compared if c.departure is not None]
     return found
 
 
 def _cautions(fit: Fit) -> list[str]:
-    """Where a validation trial leaves the range of the fitted ones, and what was not asked for."""
-    beyond: dict[str, list[str]] = {}
-    for name in ("delta", "r"):
-        largest = max(
-            (float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)),
-            default=np.inf,
-        )
-        how = shown(fit.model, name)
-        for c in fit.validation:
-            size = float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) if c.trial.has(name) else 0.0
-            if size > _BEYOND * largest:
-                beyond.setdefault(c.trial.name, []).append(
-                    f"{how.label.lower()} up to {how.number(size)} {how.unit} (fitted up to {how.number(largest)} {how.unit})"
-                )
-    found = [
-        f"{trial} goes beyond the fitted trials: {listed(words)}. Its prediction is an extrapolation."
-        for trial, words in beyond.items()
-    ]
+    """What limits the result: the other warnings of the fit, and what was not asked for."""
+    found = [str(n) for n in fit.warnings if not n.serious]
     return found if fit.assessment is not None else [*found, _NOT_ASSESSED]
 
 

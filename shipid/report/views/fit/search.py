@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.units import pretty
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import fixed, number
 from shipid.identification.fit import Fit
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
@@ -44,7 +44,7 @@ def noise_section(fit: Fit) -> Section:
         for r in fit.ladder
     ]
     view = {"signals": _signals(fit), "method": _method(fit), "ladder": ladder}
-    return Section("Noise and method", "fit/noise.html", view)
+    return Section("Noise and method", "fit/noise.html", view, folded=True)
 
 
 def check_section(fit: Fit) -> Section | None:
@@ -67,7 +67,7 @@ def check_section(fit: Fit) -> Section | None:
         }
         for c in fit.assessment.findings
     ]
-    return Section("Check of the trials", "fit/check.html", {"findings": rows}, short="Check")
+    return Section("What the check of the trials found", "fit/check.html", {"findings": rows}, short="Check")
 
 
 def posterior_section(fit: Fit) -> Section | None:
@@ -88,14 +88,14 @@ def posterior_section(fit: Fit) -> Section | None:
             {
                 "name": name,
                 "unit": pretty(p.units[k]),
-                "median": given(float(f"{p.quantiles[2, k]:.5g}")),
-                "interval": f"{p.quantiles[0, k]:.5g} to {p.quantiles[-1, k]:.5g}",
+                "median": number(float(p.quantiles[2, k]), 4),
+                "interval": f"{number(float(p.quantiles[0, k]), 4)} to {number(float(p.quantiles[-1, k]), 4)}",
                 "ratio": "" if ratio is None else fixed(ratio, 2),
                 "independent": f"{p.independent[k]:.0f}",
             }
         )
     view = {"rows": rows, "draws": len(p.draws), "walkers": p.walkers, "mixed": p.mixed}
-    return Section("Sampled posterior", "fit/posterior.html", view)
+    return Section("Sampled posterior", "fit/posterior.html", view, folded=True)
 
 
 def _signals(fit: Fit) -> list[Row]:
@@ -133,5 +133,5 @@ def _method(fit: Fit) -> list[str]:
         f"Mean squared weighted residual per degree of freedom: {number(chi, 3)} (1 where the noise levels are right)."
         if np.isfinite(chi)
         else "The weighted residual is not finite: the model ran away.",
-        f"Message of the search: {fit.message}",
+        f"The search ended: {fit.message}",
     ]

@@ -9,14 +9,18 @@ from shipid.foundation.numbers import fixed, number
 from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
+from shipid.report.figures.runaway import runaway
+from shipid.report.figures.svg import MOST_POINTS
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown, shown_field
-from shipid.report.views.fit.runaway import runaway
-from shipid.report.views.fit.trial_figures import histories_of, predicted_signals, residuals_of, track_of
+from shipid.report.views.fit.picture import error_rows
+from shipid.report.views.fit.trial_figures import correlations_of, histories_of, predicted_signals, residuals_of
 from shipid.report.views.fit.turning_circle import turn_rows
 from shipid.trials.trial import Trial
 
 _HEADING = shown_field("psi")
+#: So many trials have figures, and share so many points of a curve, which keeps the page small.
+_DRAWN, _POINTS = 10, 3000
 
 
 def trials_section(fit: Fit) -> Section:
@@ -28,18 +32,21 @@ def trials_section(fit: Fit) -> Section:
         The result.
     """
     pairs = [*(("fitted", c) for c in fit.fitted), *(("validation", c) for c in fit.validation)]
-    views = [_trial(fit, role, c, f"trial-{k}") for k, (role, c) in enumerate(pairs, start=1)]
-    parts = [(f"trial-{k}", f"{c.trial.name} ({role})") for k, (role, c) in enumerate(pairs, start=1)]
-    return Section("Trials", "fit/trials.html", {"trials": views}, parts=parts)
+    drawn = len(pairs) if len(pairs) <= _DRAWN else _DRAWN
+    most = int(np.clip(_POINTS // drawn, 150, MOST_POINTS))
+    views = [
+        _trial(fit, role, c, f"trial-{k}", most if k <= drawn else 0) for k, (role, c) in enumerate(pairs, start=1)
+    ]
+    return Section("Trials in detail", "fit/trials.html", {"trials": views}, short="Trials", folded=True)
 
 
-def _trial(fit: Fit, role: str, comparison: Comparison, key: str) -> Row:
+def _trial(fit: Fit, role: str, comparison: Comparison, key: str, most: int) -> Row:
+    """What is said of a trial; its figures with so many points a curve, none where that is zero."""
     model, trial = fit.model, comparison.trial
     manoeuvres = fit.assessment.manoeuvres if fit.assessment else None
     manoeuvre, lost = (manoeuvres or {}).get(trial.name), runaway(comparison)
     speed = "u" in predicted_signals(comparison, model)
     turn_title, turn = turn_rows(comparison, speed, fit.ship.particular("L", "m"), manoeuvre)
-    drawn, note = track_of(comparison, key)
     return {
         "key": key,
         "name": trial.name,
@@ -48,15 +55,14 @@ def _trial(fit: Fit, role: str, comparison: Comparison, key: str) -> Row:
         "summary": _summary(trial, model),
         "inputs": [*_inputs(comparison, model), *_missing(comparison)],
         "runaway": "" if lost is None else number(lost),
-        "errors": _errors(comparison, model, lost),
+        "errors": error_rows(fit, comparison),
         "bias": _bias(comparison, model, role),
         "overshoots": _overshoots(comparison, manoeuvre),
         "turn_title": turn_title,
         "turn": turn,
-        "histories": histories_of(comparison, model, key),
-        "residuals": residuals_of(comparison, model, key),
-        "track": drawn,
-        "track_note": note,
+        "histories": histories_of(comparison, model, key, most) if most else None,
+        "residuals": residuals_of(comparison, model, key, most) if most else None,
+        "correlations": correlations_of(comparison, model, key) if most else None,
     }
 
 
@@ -93,21 +99,6 @@ def _summary(trial: Trial, model: Model) -> str:
             low, high = (fixed(v * how.factor, decimals) for v in (np.nanmin(trial[name]), np.nanmax(trial[name])))
             parts.append(f"{what} {low} to {high} {how.unit}")
     return ", ".join(parts)
-
-
-def _errors(comparison: Comparison, model: Model, lost: float | None) -> list[Row]:
-    rows: list[Row] = []
-    for name, value in comparison.rmse.items():
-        how, again = shown(model, name), comparison.refitted.get(name)
-        rows.append(
-            {
-                "label": how.label,
-                "unit": how.unit,
-                "rms": "ran away" if lost is not None else how.number(value),
-                "refitted": "" if again is None else how.number(again) if np.isfinite(again) else "ran away",
-            }
-        )
-    return rows
 
 
 def _bias(comparison: Comparison, model: Model, role: str) -> str:

@@ -1,25 +1,25 @@
-"""The figures of one trial beside its prediction: histories, residuals, track."""
+"""The figures of one trial beside its prediction: histories, residuals and their correlation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from markupsafe import Markup
 
 from shipid.declaration.model import Model
 from shipid.identification.validation.comparison import Comparison
-from shipid.report.figures.svg import with_gaps
-from shipid.report.figures.trials import Curve, Panel, histories, tracks
+from shipid.identification.validation.residual_correlation import residual_correlations
+from shipid.report.figures.correlations import correlations_drawing
+from shipid.report.figures.runaway import good_samples
+from shipid.report.figures.svg import MOST_POINTS
+from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.typography.quantities import shown, shown_field
-from shipid.report.views.fit.runaway import good_samples
-from shipid.trials.filling import interpolated
-from shipid.trials.measuring.track import track
-from shipid.trials.trial import Trial
 
 #: Signals that come first, whether or not they were fitted.
 _FIRST = ("psi", "r", "u", "v")
+#: Of so many signals the correlation of the residuals is drawn.
+_CORRELATED = 3
 
 
 def predicted_signals(comparison: Comparison, model: Model) -> Mapping[str, np.ndarray]:
@@ -35,7 +35,7 @@ def predicted_signals(comparison: Comparison, model: Model) -> Mapping[str, np.n
     return {n: p for n, p in comparison.predicted.items() if n not in model or model[n].quantity.kind != "given"}
 
 
-def histories_of(comparison: Comparison, model: Model, key: str) -> Markup:
+def histories_of(comparison: Comparison, model: Model, key: str, most: int = MOST_POINTS) -> Markup:
     """Return the measured and the predicted signals against time, with the rudder beneath.
 
     Parameters
@@ -46,6 +46,8 @@ def histories_of(comparison: Comparison, model: Model, key: str) -> Markup:
         The fitted model.
     key : str
         What the names inside the figure start with.
+    most : int
+        Most points of a curve.
     """
     trial, own, count = comparison.trial, predicted_signals(comparison, model), good_samples(comparison)
     t, panels = trial["t"], []
@@ -64,15 +66,17 @@ def histories_of(comparison: Comparison, model: Model, key: str) -> Markup:
     ]
     if rudder:
         panels.append(Panel(how.label, how.unit, rudder))
-    return histories(panels, f"{key}-h", f"Measured and predicted against time, trial {trial.name}: {_labels(panels)}")
+    return histories(
+        panels, f"{key}-h", f"Measured and predicted against time, trial {trial.name}: {_labels(panels)}", most
+    )
 
 
-def residuals_of(comparison: Comparison, model: Model, key: str) -> Markup | None:
+def residuals_of(comparison: Comparison, model: Model, key: str, most: int = MOST_POINTS) -> Markup | None:
     """Return the measured signals less the predicted ones against time; None where there is none.
 
     Parameters
     ----------
-    comparison, model, key
+    comparison, model, key, most
         As for `histories_of`.
     """
     trial, own, count = comparison.trial, predicted_signals(comparison, model), good_samples(comparison)
@@ -85,53 +89,25 @@ def residuals_of(comparison: Comparison, model: Model, key: str) -> Markup | Non
         panels.append(Panel(how.label, how.unit, [Curve("residual", trial["t"][:count], error)]))
     if not panels:
         return None
-    return histories(panels, f"{key}-r", f"Residuals, measured less predicted, trial {trial.name}: {_labels(panels)}")
+    return histories(
+        panels, f"{key}-r", f"Residuals, measured less predicted, trial {trial.name}: {_labels(panels)}", most
+    )
 
 
-def track_of(comparison: Comparison, key: str) -> tuple[Markup | None, str]:
-    """Return the measured and the predicted track, and where the measured one comes from; None where there is none.
+def correlations_of(comparison: Comparison, model: Model, key: str) -> Markup | None:
+    """Return the residuals of the first signals against themselves and against the rudder; None where there is none.
 
     Parameters
     ----------
-    comparison, key
+    comparison, model, key
         As for `histories_of`.
     """
-    trial, predicted, count = comparison.trial, comparison.predicted, good_samples(comparison)
-    measured = _measured_track(trial)
-    curves, note = [], ""
-    shift = (0.0, 0.0)
-    if measured is not None:
-        north, east, source = measured
-        curves.append(Curve("measured", east, north))
-        note = f"Measured track from {source}."
-        if source != "positions" and count and "x" in predicted:
-            shift = (float(predicted["x"][0]), float(predicted["y"][0]))
-    if "x" in predicted and "y" in predicted and count > 1:
-        curves.append(Curve("predicted", predicted["y"][:count] - shift[1], predicted["x"][:count] - shift[0]))
-    if not curves:
-        return None, ""
-    return tracks(curves, f"{key}-t", f"Track, north up, trial {trial.name}"), note
-
-
-def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
-    """North and east in m, NaN where the line breaks, and where they come from."""
-    t = trial["t"]
-    if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
-        north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
-        return north, east, "positions"
-    return track(_between_samples(trial))
-
-
-def _between_samples(trial: Trial) -> Trial:
-    """A trial with straight lines over the short holes of its signals, without the signals that have long ones."""
-    if not trial.table.isna().to_numpy().any():
-        return trial
-    filled = {n: interpolated(trial["t"], trial[n]) for n in trial.table.columns if n != "t"}
-    whole = np.isfinite(filled["psi"]) if "psi" in filled else np.ones(len(trial), dtype=bool)
-    # Before the first heading and behind the last one there is no track.
-    inside = slice(int(np.argmax(whole)), len(trial) - int(np.argmax(whole[::-1])))
-    table = trial.table.assign(**filled).iloc[inside].reset_index(drop=True)
-    return replace(trial, table=table.dropna(axis="columns"))
+    found = residual_correlations(comparison)[:_CORRELATED]
+    if not found:
+        return None
+    labels = {c.signal: shown(model, c.signal).label for c in found}
+    title = f"Residuals with themselves and with the rudder, trial {comparison.trial.name}"
+    return correlations_drawing(found, labels, title).svg(f"{key}-c")
 
 
 def _labels(panels: list[Panel]) -> str:

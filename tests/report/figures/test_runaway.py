@@ -9,7 +9,7 @@ import pytest
 import shipid
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures
-from shipid.report.views.fit.runaway import good_samples, runaway
+from shipid.report.figures.runaway import good_samples, runaway
 
 
 @pytest.fixture

@@ -1,0 +1,159 @@
+"""A trial beside what one model or several predict: heading with the rudder, and the track."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures.runaway import good_samples
+from shipid.report.figures.svg import BLUE, GOLD, GREEN, MUTED, ORANGE, PURPLE, WIDTH, Drawing, legend, thin, with_gaps
+from shipid.trials.filling import interpolated
+from shipid.trials.measuring.track import track
+from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from shipid.foundation.aliases import Plain
+
+_COLOURS = (ORANGE, GREEN, PURPLE, GOLD)
+_DASHES = ("--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)))
+#: Height of a track over its width, at most and at least.
+_TALLEST, _FLATTEST = 0.8, 0.5
+
+
+def heading_drawing(comparisons: Mapping[str, Comparison]) -> Drawing | None:
+    """Return heading, measured and predicted, with the rudder on one axis; None where no heading was measured.
+
+    Parameters
+    ----------
+    comparisons : mapping of str to Comparison
+        The same trial beside each prediction, by what the prediction is called.
+    """
+    first = next(iter(comparisons.values()))
+    trial = first.trial
+    if not trial.has("psi") or not np.isfinite(trial["psi"]).any():
+        return None
+    t, psi = trial["t"], trial["psi"]
+    start = float(psi[np.isfinite(psi)][0])
+
+    def draw(figure: Figure) -> None:
+        ax = figure.subplots()
+        for name, label, style in (("delta_order", "rudder order", ":"), ("delta", "rudder", "-")):
+            if trial.has(name):
+                _line(ax, t, np.degrees(trial[name]), label, color=MUTED, linewidth=1.0, linestyle=style)
+        _line(ax, t, np.degrees(psi - start), "measured", color=BLUE, linewidth=2.4, alpha=0.6)
+        for k, (label, c) in enumerate(comparisons.items()):
+            if "psi" in c.predicted:
+                n = good_samples(c)
+                look: dict[str, Plain] = {"color": _COLOURS[k % 4], "linestyle": _DASHES[k % 4], "linewidth": 1.4}
+                _line(ax, t[:n], np.degrees(c.predicted["psi"][:n] - start), label, **look)
+        ax.axhline(0, color=MUTED, linewidth=0.6)
+        ax.margins(x=0.01)
+        ax.set_title("heading from its start, and rudder, to starboard [deg]", loc="left", fontsize=9, pad=3)
+        ax.set_xlabel("time [s]")
+        legend(figure, [ax])
+
+    words = f"Heading measured and predicted by {', '.join(comparisons)}" if len(comparisons) > 1 else "Heading"
+    return Drawing(draw, (WIDTH, 3.1), f"{words}, with the rudder, trial {trial.name}")
+
+
+def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None, str]:
+    """Return the measured and the predicted tracks, north up, and where the measured one comes from; None where there is none.
+
+    Parameters
+    ----------
+    comparisons : mapping of str to Comparison
+        See `heading_drawing`.
+    """
+    trial = next(iter(comparisons.values())).trial
+    measured = _measured_track(trial)
+    lines: list[tuple[str, np.ndarray, np.ndarray]] = []
+    note = "" if measured is None else f"Measured track from {measured[2]}."
+    if measured is not None:
+        lines.append(("measured", measured[0], measured[1]))
+    for label, c in comparisons.items():
+        n = good_samples(c)
+        if n > 1 and "x" in c.predicted and "y" in c.predicted:
+            north, east = c.predicted["x"][:n], c.predicted["y"][:n]
+            if measured is not None and measured[2] != "positions":
+                north, east = north - north[0], east - east[0]
+            lines.append((label, north, east))
+    if not lines:
+        return None, ""
+    across, along = _span([east for _, _, east in lines]), _span([north for _, north, _ in lines])
+    wide, tall = across[1] - across[0], along[1] - along[0]
+    across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
+
+    def draw(figure: Figure) -> None:
+        ax = figure.subplots()
+        predicted = 0
+        for label, north, east in lines:
+            kept = np.union1d(thin(east, 300), thin(north, 300))
+            if label == "measured":
+                look: dict[str, Plain] = {"color": BLUE, "linewidth": 2.4, "alpha": 0.6}
+            else:
+                look = {"color": _COLOURS[predicted % 4], "linestyle": _DASHES[predicted % 4], "linewidth": 1.4}
+                predicted += 1
+            ax.plot(east[kept], north[kept], label=label, **look)
+        begin = int(np.argmax(np.isfinite(lines[0][1])))
+        ax.plot(lines[0][2][begin], lines[0][1][begin], "o", color="black", markersize=4, label="start")
+        ax.set_aspect("equal", adjustable="box")
+        ax.set_xlim(*across)
+        ax.set_ylim(*along)
+        ax.set_xlabel("east [m]")
+        ax.set_title("north [m]", loc="left", fontsize=9, pad=3)
+        ax.locator_params(nbins=5)
+        legend(figure, [ax])
+
+    shape = (along[1] - along[0]) / (across[1] - across[0])
+    return Drawing(draw, (WIDTH, 0.95 + 4.05 * shape), f"Track, north up, trial {trial.name}"), note
+
+
+def _line(ax: Axes, t: np.ndarray, y: np.ndarray, label: str, **look: Plain) -> None:
+    x, values = with_gaps(t, y)
+    if x.size:
+        kept = thin(values)
+        ax.plot(x[kept], values[kept], label=label, **look)
+
+
+def _measured_track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
+    """North and east in m, NaN where the line breaks, and where they come from."""
+    t = trial["t"]
+    if trial.has("x", "y") and (both := np.isfinite(trial["x"] + trial["y"])).any():
+        north, east = (with_gaps(t[both], trial[n][both])[1] for n in ("x", "y"))
+        return north, east, "positions"
+    return track(_between_samples(trial))
+
+
+def _between_samples(trial: Trial) -> Trial:
+    """A trial with straight lines over the short holes of its signals, without the signals that have long ones."""
+    if not trial.table.isna().to_numpy().any():
+        return trial
+    filled = {n: interpolated(trial["t"], trial[n]) for n in trial.table.columns if n != "t"}
+    whole = np.isfinite(filled["psi"]) if "psi" in filled else np.ones(len(trial), dtype=bool)
+    # Before the first heading and behind the last one there is no track.
+    inside = slice(int(np.argmax(whole)), len(trial) - int(np.argmax(whole[::-1])))
+    table = trial.table.assign(**filled).iloc[inside].reset_index(drop=True)
+    return replace(trial, table=table.dropna(axis="columns"))
+
+
+def _span(values: list[np.ndarray]) -> tuple[float, float]:
+    """Range of an axis: what was measured, and no more than one and a half of its spans beyond it."""
+    first = values[0][np.isfinite(values[0])]
+    reach = max(float(np.ptp(first)), 1.0)
+    every = np.concatenate([v[np.isfinite(v)] for v in values])
+    low = max(float(every.min()), float(first.min()) - 1.5 * reach)
+    high = min(float(every.max()), float(first.max()) + 1.5 * reach)
+    pad = 0.05 * max(high - low, 1.0)
+    return low - pad, high + pad
+
+
+def _widen(limits: tuple[float, float], least: float) -> tuple[float, float]:
+    short = max(0.0, least - (limits[1] - limits[0])) / 2
+    return limits[0] - short, limits[1] + short

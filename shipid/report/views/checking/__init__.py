@@ -1,0 +1,1 @@
+"""Findings on trials as a page."""

@@ -1,0 +1,1 @@
+"""Models ranked by their predictions, as a page."""

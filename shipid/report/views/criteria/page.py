@@ -1,0 +1,113 @@
+"""IMO's manoeuvring criteria of a model: a page of their own, and a section of the page of a fit."""
+
+from __future__ import annotations
+
+from shipid.criteria.criteria import NOT_COVERED, Criteria, CriterionSide
+from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import fixed, number
+from shipid.report.page import Page, Row, Section
+from shipid.report.views.words import sentence, versions_now
+
+
+def criteria_page(found: Criteria) -> Page:
+    """Return what the page says of the criteria of a model.
+
+    Parameters
+    ----------
+    found : Criteria
+        The criteria.
+    """
+    return Page(
+        f"Manoeuvring criteria of {found.ship} with model {found.model}",
+        [("", _answer(found))],
+        [_told(found)],
+        footer=versions_now(),
+    )
+
+
+def _answer(found: Criteria) -> list[str]:
+    """Which quantities are within their limits: the verdicts of the table in words."""
+    said = []
+    for verdict, words in ((False, "Beyond its limit"), (True, "Within its limit")):
+        names = [row.meaning for row in found.rows if row.within is verdict]
+        said += [f"{words}: {'; '.join(names)}."] if names else []
+    open_ = [row.meaning for row in found.rows if row.within is None and row.limit is not None]
+    return [*said, *([f"Not decided: {'; '.join(open_)}."] if open_ else [])]
+
+
+def criteria_section(found: Criteria | str | None) -> Section | None:
+    """Return the section on IMO's criteria; None where they were not asked for.
+
+    Parameters
+    ----------
+    found : Criteria, str or None
+        The criteria of the model, or why there are none.
+    """
+    if found is None:
+        return None
+    if isinstance(found, str):
+        return _section({"refused": found})
+    return _told(found)
+
+
+def _told(found: Criteria) -> Section:
+    length, speed = found.length, found.speed
+    head = (
+        f"L {number(length)} m, V {number(speed, 3)} m/s, L/V {number(length / speed, 3)} s; turning circle with "
+        f"{angle(found.rudder, 2)} of rudder. Each number is followed by its 95 % band."
+    )
+    rows: list[Row] = [
+        {
+            "meaning": sentence(row.meaning),
+            "verdict": {True: "within", False: "beyond", None: "no limit" if row.limit is None else "not decided"}[
+                row.within
+            ],
+            "class": {True: "", False: "beyond", None: "" if row.limit is None else "undecided"}[row.within],
+            "starboard": _value(row.starboard, row.unit),
+            "port": _value(row.port, row.unit),
+            "limit": row.limit_text or "none",
+            "remark": " ".join(_why(side) for side in (row.starboard, row.port) if side.value is None),
+        }
+        for row in found.rows
+    ]
+    view = {
+        "refused": "",
+        "head": head,
+        "rows": rows,
+        "spiral": _spiral(found),
+        "notes": [*found.notes, *(f"Not covered: {what}." for what in NOT_COVERED)],
+    }
+    return _section(view)
+
+
+def _section(view: Row) -> Section:
+    return Section("Manoeuvring criteria", "criteria/criteria.html", view)
+
+
+def _value(side: CriterionSide, unit: str) -> str:
+    if side.value is None:
+        return side.words.partition(":")[0]
+    band = f" ({_band(side.band95)})" if side.band95 else ""
+    return f"{fixed(side.value, 2)}{band} {unit}"
+
+
+def _why(side: CriterionSide) -> str:
+    return sentence(side.words.partition(":")[2].strip())
+
+
+def _band(band: tuple[float, float] | None) -> str:
+    return "" if band is None else f"{fixed(band[0], 2)} to {fixed(band[1], 2)}"
+
+
+def _spiral(found: Criteria) -> str:
+    s = found.spiral
+    if s is None:
+        return "The model has no steady turn to draw a spiral from."
+    if s["half_width"]["value"] == 0:
+        return "Spiral: no loop; the ship is stable on a straight course."
+    height, band = s["loop_height"]["value"], _band(s["half_width"]["interval_95"])
+    words = f"Spiral: the ship is unstable on a straight course; half width of the loop {fixed(s['half_width']['value'], 2)} deg"
+    words += f" (95 % band {band} deg)" if band else ""
+    words += f", height {number(height, 3)} deg/s" if height is not None else ""
+    verdict = "within" if s["within"] else "beyond"
+    return f"{words}; its width of {fixed(s['loop_width']['value'], 2)} deg is {verdict} the {s['limit_text']}."

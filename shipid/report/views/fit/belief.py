@@ -1,0 +1,176 @@
+"""What may be believed of a fit, and how far: one verdict a question, with its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from shipid.foundation.numbers import number
+from shipid.identification.fit import Fit
+from shipid.identification.fit_text import percent
+from shipid.identification.validation.comparison import Comparison
+from shipid.report.figures.runaway import runaway
+from shipid.report.page import Row, Section
+from shipid.report.typography.quantities import shown
+from shipid.report.views.words import listed, sentence
+
+_COLUMNS = [("Question", "question"), ("Verdict", "verdict", "keep"), ("In numbers", "numbers", "wide")]
+
+
+def belief_section(fit: Fit) -> Section:
+    """Return the section of the verdicts.
+
+    Parameters
+    ----------
+    fit : Fit
+        The result.
+    """
+    view = {"columns": _COLUMNS, "rows": list(_rows(fit))}
+    return Section("What may be believed, and how far", "fit/belief.html", view, short="Belief")
+
+
+def _rows(fit: Fit) -> Iterator[Row]:
+    yield _row(
+        "Did the search converge?",
+        "yes" if fit.converged else "no",
+        sentence(fit.message),
+        "" if fit.converged else "beyond",
+    )
+    yield _trials(fit)
+    yield _determined(fit)
+    yield _near("Does it reproduce the fitted trials?", fit, fit.fitted)
+    if fit.validation:
+        yield _near("Does it predict trials that were not fitted?", fit, fit.validation)
+    else:
+        words = "No trial was kept apart. Name one with --validate: only such a trial tests a prediction."
+        yield _row("Does it predict trials that were not fitted?", "not tested", words, "undecided")
+    yield from _bands(fit)
+    yield from _white(fit)
+    yield _range(fit)
+
+
+def _row(question: str, verdict: str, numbers: str, kind: str = "") -> Row:
+    return {"question": question, "verdict": verdict, "numbers": numbers, "class": kind}
+
+
+def _trials(fit: Fit) -> Row:
+    question = "Are the trials sound?"
+    findings = None if fit.assessment is None else fit.assessment.findings
+    if findings is None:
+        return _row(question, "not checked", "The trials were not checked.", "undecided")
+    serious = [f for f in findings if f.finding.serious and f.bears]
+    if serious:
+        named = listed([f"{f.trial} ({f.finding.kind})" for f in serious])
+        return _row(question, "no", f"A fault that spoils an identification stands in {named}.", "beyond")
+    other = f" {len(findings)} of the findings below spoil nothing here." if findings else ""
+    return _row(question, "yes", f"The check found no fault that spoils the fit.{other}")
+
+
+def _determined(fit: Fit) -> Row:
+    names, lost = fit.estimated, fit.unidentifiable
+    count = f"{len(names) - len(lost)} of {len(names)}"
+    words = "; ".join(f"{n}: {fit.parameters[n].standing}" for n in lost)
+    return _row(
+        "Do the trials determine the coefficients?",
+        "all" if not lost else count,
+        words + "." if words else f"Each of the {len(names)} has an interval that the trials set.",
+        "undecided" if lost else "",
+    )
+
+
+def _near(question: str, fit: Fit, comparisons: Sequence[Comparison]) -> Row:
+    """How near the model comes, in each signal."""
+    lost = [c.trial.name for c in comparisons if runaway(c) is not None]
+    if lost:
+        return _row(question, "no", f"The prediction of {listed(lost)} runs away.", "beyond")
+    parts = []
+    lead: list[float] = []
+    for name in fit.noise:
+        found = [(c.fit_percent[name], c.rmse[name]) for c in comparisons if name in c.fit_percent]
+        if not found:
+            continue
+        how = shown(fit.model, name)
+        lead = lead or [f for f, _ in found]
+        errors = [e for _, e in found]
+        parts.append(
+            f"{how.label.lower()} {_between([_percent(f) for f, _ in sorted(found)])}, rms {_ends(errors, how.number)} {how.unit}"
+        )
+    verdict = "" if not lead else _between([_percent(f) for f in sorted(lead)])
+    return _row(
+        question, f"fit {verdict}" if verdict else "not known", sentence("; ".join(parts)) + "." if parts else ""
+    )
+
+
+def _percent(value: float) -> str:
+    return percent(value).replace("-", "−")
+
+
+def _between(values: Sequence[str]) -> str:
+    return values[0] if values[0] == values[-1] else f"{values[0].removesuffix(' %')} to {values[-1]}"
+
+
+def _ends(values: Sequence[float], text: Callable[[float], str]) -> str:
+    low, high = text(min(values)), text(max(values))
+    return low if low == high else f"{low} to {high}"
+
+
+def _bands(fit: Fit) -> Iterator[Row]:
+    """How many of the measured overshoots lie in the band of their prediction."""
+    known = {} if fit.assessment is None or fit.assessment.manoeuvres is None else fit.assessment.manoeuvres
+    inside = total = 0
+    for c in fit.validation:
+        m = known.get(c.trial.name)
+        for measured, band in zip(m.overshoots, m.band95) if m else ():
+            if band is not None:
+                total += 1
+                inside += band[0] <= measured <= band[1]
+    if total:
+        words = (
+            f"{inside} of {total} measured overshoots of trials that were not fitted lie in the 95 % band of their prediction. The "
+            "bands hold what the uncertainty of the coefficients allows, not the errors of the model itself."
+        )
+        yield _row("Do the bands hold?", f"{inside} of {total}", words, "" if inside >= 0.8 * total else "undecided")
+
+
+def _white(fit: Fit) -> Iterator[Row]:
+    found = {} if fit.assessment is None else fit.assessment.residuals
+    if not found:
+        return
+    coloured = {n: r for n, r in found.items() if not r.white}
+    question = "Is anything left unexplained?"
+    if not coloured:
+        yield _row(question, "no", "The residuals of every signal are white: what is left is noise.")
+        return
+    parts = [
+        f"{shown(fit.model, n).label.lower()} for {number(r.autocorrelation_time_s, 2)} s" for n, r in coloured.items()
+    ]
+    words = (
+        f"The residuals are correlated: {listed(parts)}. The model leaves out something of the ship, the sea or the sensors; the "
+        "standard deviations count it as noise."
+    )
+    yield _row(question, "yes", words, "undecided")
+
+
+def _range(fit: Fit) -> Row:
+    """The range that the fitted trials cover."""
+    parts = []
+    for name in ("delta", "r"):
+        sizes = [float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)]
+        if sizes:
+            how = shown(fit.model, name)
+            parts.append(f"{how.label.lower()} up to {how.number(max(sizes))} {how.unit}")
+    for name in ("u", "U"):
+        there = [c.trial[name][np.isfinite(c.trial[name])] for c in fit.fitted if c.trial.has(name)]
+        there = [t for t in there if t.size]
+        if there:
+            how = shown(fit.model, name)
+            low, high = min(float(t.min()) for t in there), max(float(t.max()) for t in there)
+            parts.append(f"speed {how.number(low)} to {how.number(high)} {how.unit}")
+            break
+    words = f"The fitted trials hold {listed(parts)}. " if parts else ""
+    return _row(
+        "Up to where?",
+        parts[0].removeprefix("rudder angle ") if parts else "not known",
+        f"{words}Beyond what was sailed the model extrapolates, and no band contains that error.",
+    )

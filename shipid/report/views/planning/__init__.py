@@ -1,0 +1,1 @@
+"""Planned trials as a page."""

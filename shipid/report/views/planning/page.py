@@ -1,0 +1,101 @@
+"""Planned trials as a page: what to sail and when, what it tells of each coefficient, what that rests on."""
+
+from __future__ import annotations
+
+from shipid.foundation.numbers import given, number, uncertain
+from shipid.planning.plan import Forecast, Leg, Plan
+from shipid.report.page import Page, Row, Section
+from shipid.report.typography.quantities import named, shown_field
+from shipid.report.views.equations import equations_section
+from shipid.report.views.words import count, sentence, versions_now, with_unit
+
+
+def plan_page(plan: Plan) -> Page:
+    """Return what the page says of a plan.
+
+    Parameters
+    ----------
+    plan : Plan
+        The plan.
+    """
+    return Page(
+        f"Trials to sail for {plan.model.name} of {plan.ship}",
+        [("", _answer(plan))],
+        [_legs(plan), _forecasts(plan), _grounds(plan), equations_section(plan.model)],
+        cautions=[sentence(str(w)) for w in plan.warnings],
+        footer=versions_now(),
+    )
+
+
+def clock(seconds: float) -> str:
+    """Return ``12:05``, or ``1:12:05`` for an hour and more.
+
+    Parameters
+    ----------
+    seconds : float
+        A time in s.
+    """
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
+
+
+def _answer(plan: Plan) -> list[str]:
+    said = [
+        f"{sentence(count(len(plan.legs), 'manoeuvre'))} in {clock(plan.duration)}; {clock(plan.time)} are available (minutes and seconds)."
+    ]
+    if plan.det_gain is not None:
+        said.append(
+            f"For each coefficient the determinant of the information is {number(plan.det_gain, 2)} times that of the standard zig-zags."
+        )
+    lost = [n for n, f in plan.parameters.items() if f.std is None]
+    if lost:
+        said.append(f"Not determined by these trials: {', '.join(lost)}.")
+    return said
+
+
+def _legs(plan: Plan) -> Section:
+    view = {"legs": [_leg(leg) for leg in plan.legs], "standard": [_leg(leg) for leg in plan.standard]}
+    return Section("What to sail", "plan/legs.html", view, short="Manoeuvres")
+
+
+def _leg(leg: Leg) -> Row:
+    seed = str(leg.seed) if leg.manoeuvre.startswith("telegraph") else ""
+    return {
+        "start": clock(leg.start),
+        "manoeuvre": leg.manoeuvre,
+        "speed": f"{number(leg.speed, 3)} m/s",
+        "duration": clock(leg.duration),
+        "seed": seed,
+    }
+
+
+def _forecasts(plan: Plan) -> Section:
+    rows = [_forecast(plan, f) for f in plan.parameters.values()]
+    return Section("What the trials will tell", "plan/forecasts.html", {"rows": rows}, short="Coefficients")
+
+
+def _forecast(plan: Plan, f: Forecast) -> Row:
+    return {
+        "named": named(plan.model, f.name),
+        "value": with_unit(given(float(f"{f.value:.4g}")) if f.std is None else uncertain(f.value, f.std), f.unit),
+        "standard": "stays open" if f.standard_std is None else with_unit(f"± {number(f.standard_std, 2)}", f.unit),
+        "gain": "" if f.ratio is None else number(f.ratio, 2),
+        "determined": f.std is not None,
+        "meaning": f.meaning,
+    }
+
+
+def _grounds(plan: Plan) -> Section:
+    noise: list[Row] = []
+    for name, level in plan.noise.items():
+        how = shown_field(name)
+        noise.append({"label": how.label, "level": f"{how.number(level, 2)} {how.unit}"})
+    over = f"{'the worst' if plan.worst_case else 'the average'} of {plan.draws} draws of the coefficients"
+    goal = "the determinant of the information" if plan.criterion == "D" else "the mean relative variance"
+    view = {
+        "noise": noise,
+        "words": f"Chosen from {plan.candidates} candidates by {goal}, over {over if plan.draws else 'the coefficients as they are'}.",
+        "samples": f"A sample every {number(plan.sampling, 2)} s; one independent of the last every {number(plan.independent, 2)} s.",
+    }
+    return Section("What this rests on", "plan/grounds.html", view, folded=True)

@@ -1,0 +1,162 @@
+"""Every kind of page, as a reader meets it: valid, small, no digits without a meaning, and in a browser readable everywhere."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import shutil
+
+import html5lib
+import numpy as np
+import pypdf
+import pytest
+
+import shipid
+from shipid.criteria.measured.trial_sheet import trial_sheet
+from shipid.foundation.errors import UsageError
+from shipid.identification.choice.choosing import Rank
+from shipid.identification.choice.ranking import Ranking
+from shipid.report.write_report import render, write_report
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.doctor.findings import not_read
+
+#: `diverged` has the elements of `fit`.
+SCREENS = ("fit", "filter", "ranking", "plan", "criteria", "check", "sheet")
+KINDS = ("fit", "diverged", "filter", "ranking", "plan", "criteria", "check", "sheet")
+
+
+@pytest.fixture(scope="module")
+def results(fit, diverged, criteria):
+    """One result of each kind, by name."""
+    trial = fit.fitted[0].trial
+    ekf = shipid.ExtendedKalmanFilter(
+        shipid.find_model("de-keizer"), "soesterberg", measured={"psi": "0.2 deg", "r": "0.02 deg/s"}, estimated=["K"]
+    )
+    table = trial.table.copy()
+    table["delta"] *= -1
+    mirrored = dataclasses.replace(trial, name="mirrored", table=table)
+    ranks = [
+        Rank(name, 6, 6, 1, score, 0.01, (score,), {"rate": 0.01}, {}, predictions=fit.validation)
+        for name, score in (("de-keizer", 0.1), ("a model with a long name", 0.5))
+    ]
+    ranking = Ranking(tuple(ranks), ("second",))
+    return {
+        "fit": fit,
+        "diverged": diverged,
+        "filter": ekf.filter(trial),
+        "ranking": ranking,
+        "plan": shipid.plan_trials("nomoto", "soesterberg", "15 min", draws=0),
+        "criteria": criteria,
+        "check": (check_trial(trial), check_trial(mirrored, fit.ship), not_read("x.csv", "no column is a time.")),
+        "sheet": trial_sheet([trial], length=226.0),
+    }
+
+
+@pytest.fixture(scope="module")
+def pages(results, criteria):
+    return {n: render(r, **({"criteria": criteria} if n == "fit" else {})) for n, r in results.items()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_is_valid_and_small(pages, kind):
+    text = pages[kind]
+    html5lib.HTMLParser(strict=True).parse(text)
+    assert len(text.encode()) < 1_000_000
+    ids = re.findall(r"\sid=\"([^\"]*)\"", text)
+    assert len(ids) == len(set(ids))
+    assert set(re.findall(r"href=\"#([^\"]*)\"", text)) <= set(ids)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_numbers_are_for_people(pages, kind, read_page):
+    words = read_page(pages[kind]).text
+    assert re.findall(r"\d\.\d{9,}", words) == []
+    assert re.findall(r"(?<![\w.])[-−]0(?:\.0+)?(?![\d.]*[1-9.])(?!\d)", words.replace(" to -0", " to 0")) == []
+    assert re.findall(r"ftol|xtol|gtol|max_nfev|termination condition|nan\b", words) == []
+    assert re.findall(r"rotate\(-0|[\" ]-0[\" ]", pages[kind]) == []
+
+
+def test_the_identification_report_is_read_in_order(pages, read_page):
+    titles = [
+        "Measured and predicted", "What the check of the trials found", "What may be believed, and how far", "Coefficients",
+        "Manoeuvring criteria", "Trials in detail", "Equations of model", "Provenance",
+    ]  # fmt: skip
+    text = pages["fit"]
+    places = [re.search(rf"<h2[^>]*>{title}", text).start() for title in titles]
+    assert places == sorted(places)
+    folded = [text.rfind("<details>", 0, p) > text.rfind("<section>", 0, p) for p in places]
+    assert folded == [False] * 5 + [True] * 3
+    assert text.index("<svg") < places[1], "the picture comes first"
+
+
+def test_the_fit_in_percent_stands_on_page_terminal_and_json(fit, pages):
+    kept = fit.validation[0]
+    measured, predicted = kept.trial["psi"], kept.predicted["psi"]
+    percent = 100 * (1 - np.linalg.norm(measured - predicted) / np.linalg.norm(measured - measured.mean()))
+    assert kept.fit_percent["psi"] == pytest.approx(percent, rel=1e-9)
+    assert f"{percent:.1f} %" in pages["fit"]
+    assert f"(fit {percent:.1f} %)" in fit.text()
+    assert fit.to_dict()["validation"]["second"]["psi"]["fit_percent"] == pytest.approx(percent)
+
+
+def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
+    assert "would spoil an identification" in read_page(pages["check"]).text
+    assert "no column is a time." in read_page(pages["check"]).text
+    assert "The model to take is" in read_page(pages["ranking"]).text
+    assert pages["ranking"].count("<svg") == 2
+    assert "Within its limit: " in read_page(pages["criteria"]).text
+    command = "shipid plan nomoto --ship 'my ship' --time <20>"
+    said = read_page(render(results["plan"], command=command))
+    assert f"by {command}" in said.text
+
+
+def test_a_report_asks_for_a_kind_it_knows(results):
+    with pytest.raises(UsageError, match="no report for a list"):
+        render([])
+    with pytest.raises(UsageError, match="no report for several int"):
+        render([1, 2])
+
+
+@pytest.fixture(scope="module")
+def browser():
+    """Debian's Chromium, driven by Playwright; where one of them is not installed there is nothing to test with."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("no Chromium on this machine")
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield running
+        running.close()
+
+
+@pytest.mark.parametrize("kind", SCREENS)
+def test_a_page_is_readable_on_every_screen(browser, pages, kind):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe-playwright-python is not installed")
+    context = browser.new_context(viewport={"width": 390, "height": 844})
+    page = context.new_page()
+    page.set_content(pages[kind])
+    page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
+    assert page.evaluate("document.documentElement.scrollWidth") == 390
+    # A verdict is seen without scrolling its table sideways.
+    hidden = "[...document.querySelectorAll('.stack td')].filter(d => d.getBoundingClientRect().right > 390).length"
+    assert page.evaluate(hidden) == 0
+    for mode in ("light", "dark") if kind in ("fit", "check") else ("dark",):
+        page.emulate_media(color_scheme=mode)
+        found = axe.Axe().run(page).response["violations"]
+        assert [(fault["id"], [node["target"] for node in fault["nodes"]]) for fault in found] == [], mode
+    context.close()
+
+
+def test_a_report_is_printed(fit, criteria, tmp_path):
+    if shutil.which("chromium") is None:
+        pytest.skip("no Chromium on this machine")
+    path = write_report(fit, tmp_path / "fit.pdf", criteria=criteria, command="shipid identify x.csv")
+    printed = pypdf.PdfReader(path)
+    assert len(printed.pages) <= 12
+    last = printed.pages[-1].extract_text()
+    assert f"{len(printed.pages)} / {len(printed.pages)}" in last
+    assert re.search(r"\d+ \w+ 20\d\d", printed.pages[0].extract_text().splitlines()[-1] + last)
+    whole = " ".join(p.extract_text() for p in printed.pages)
+    assert "Ljung and Box" in whole, "what is folded on a screen is open on paper"
+    assert [p.name for p in tmp_path.iterdir()] == ["fit.pdf"]
