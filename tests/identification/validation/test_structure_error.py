@@ -53,7 +53,7 @@ def test_bands_grow_beyond_the_amplitudes_that_were_fitted(fit):
     value = manoeuvre.turn["tactical_diameter"]
     # 5 % of structure, as many times as the rudder goes beyond, either side.
     assert value.band95[1] - value.predicted >= 1.96 * 0.05 * growths[2] * value.predicted
-    assert f"hard: {growths[2]:.1f} times" in repr(assessed) and assessed.assessment.structure.trials == 2
+    assert f"hard: {growths[2]:.1f} times" in assessed.text() and assessed.assessment.structure.trials == 2
 
 
 def test_each_record_is_left_out_and_predicted_by_the_others(fit):
