@@ -19,8 +19,11 @@ extensions = [
     "sphinx.ext.autosummary",
     "numpydoc",
     "myst_parser",
+    "accessible",
     "command_pages",
+    "declared",
     "equations",
+    "links",
     "public_api",
     "ship_models",
     "references",
@@ -63,5 +66,5 @@ html_show_sphinx = False
 html_show_copyright = False
 html_math_renderer = "drawing"
 html_theme_options = {"navigation_with_keys": True}
-pygments_style = "tango"
+pygments_style = "a11y-high-contrast-light"
 pygments_dark_style = "native"

@@ -6,8 +6,11 @@ every ship joins (`shipid.parts`).
 
 from __future__ import annotations
 
+import ast
 import importlib
 import pkgutil
+from collections.abc import Iterator
+from pathlib import Path
 from types import ModuleType
 
 from shipid import parts
@@ -27,3 +30,27 @@ def __getattr__(name: str) -> type[Component] | Model | ModuleType:
                 globals()[name] = vars(module)[name]
                 return globals()[name]
     raise AttributeError(f"no file in shipid.models declares '{name}'")
+
+
+def __dir__() -> list[str]:
+    """The components and joined models of all files, and the files themselves; nothing is imported for it."""
+    files = [f for package in (__name__, parts.__name__) for f in _files(package)]
+    names = {name for file in files for name in _declared(file)}
+    return sorted({*names, *(file.stem for file in _files(__name__)), "__doc__", "__file__", "__name__"})
+
+
+def _files(package: str) -> list[Path]:
+    folders = importlib.import_module(package).__path__
+    return [Path(folder) / f"{m.name}.py" for folder in folders for m in pkgutil.iter_modules([folder]) if not m.ispkg]
+
+
+def _declared(file: Path) -> Iterator[str]:
+    """Names of the components of a file, and of what it joins."""
+    for node in ast.parse(file.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef):
+            names = [node.name]
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Call):
+            names = [target.id for target in node.targets if isinstance(target, ast.Name)]
+        else:
+            continue
+        yield from (name for name in names if not name.startswith("_"))

@@ -39,6 +39,7 @@ class CrossFlow(SpeedScaled):
     u_disturbance = given(
         "m/s^2", "forward acceleration by wind or another disturbance", default=0.0, latex=r"\dot u_d"
     )
+    v_disturbance = given("m/s^2", "sway acceleration by wind or another disturbance", default=0.0, latex=r"\dot v_d")
     q21 = parameter("1", "sway force per drift angle", start=0.55, low=0.0, high=5.0, spread=0.1, latex="q_{21}")
     r21 = parameter("1", "sway force per rate of turn", start=-0.33, low=-5.0, high=0.0, spread=0.1, latex="r_{21}")
     s21 = parameter("1", "sway force per rudder angle", start=-0.15, low=-3.0, high=0.0, latex="s_{21}")
@@ -125,7 +126,7 @@ class CrossFlow(SpeedScaled):
     def sway(self):
         """Pershitz (1973), eq. (5) of Semerdjiev and Mihaylova (2000) for the sway speed; cross-flow drag by a factor of this project's own."""
         linear = -self.way * self.q21 * self.v + self.s21 * self.rudder() + self.r21 * self.way * self.L * self.r
-        return (linear - self.c_y * self.drag(0)) / self.L
+        return (linear - self.c_y * self.drag(0)) / self.L + self.v_disturbance
 
     @r.rate
     def yaw(self):

@@ -107,6 +107,35 @@ class DeKeizerCubic(DeKeizer):
         return self.u_star + self.beta3 * self.u_star**3
 
 
+class DeKeizerAsymmetric(DeKeizer):
+    """Yaw with all four terms of the reversed spiral, and surge: a ship that turns with the rudder amidships."""
+
+    alpha0 = parameter(
+        "1",
+        "rudder angle that keeps a straight course, times K*",
+        start=0.0,
+        low=-2.0,
+        high=2.0,
+        nominal=0.02,
+        latex=r"\alpha_0^*",
+    )
+    alpha2 = parameter(
+        "1",
+        "quadratic yaw damping: the turn is slower to starboard where it is positive",
+        start=0.0,
+        low=-10.0,
+        high=10.0,
+        nominal=0.05,
+        dimensional="s/rad",
+        latex=r"\alpha_2^*",
+    )
+
+    def yaw_feedback(self):
+        """H(r*), Passenier (1989), eq. (2.27) in the dimensionless form of (2.45)."""
+        return self.alpha3 * self.r_star**3 + self.alpha2 * self.r_star**2 + self.alpha1 * self.r_star + self.alpha0
+
+
 de_keizer = join("de-keizer", DeKeizer, VanLeeuwenSway, PlanarMotion)
 de_keizer_minimal = join("de-keizer-minimal", DeKeizerMinimal, VanLeeuwenSway, PlanarMotion)
 de_keizer_cubic = join("de-keizer-cubic", DeKeizerCubic, CubicSway, PlanarMotion)
+de_keizer_asymmetric = join("de-keizer-asymmetric", DeKeizerAsymmetric, VanLeeuwenSway, PlanarMotion)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from shipid import Component, constant, derived, given, join, parameter, state
 from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
+from shipid.parts.wind import Leeway
 
 
 class VanLeeuwen(SpeedScaled):
@@ -106,6 +107,14 @@ class VanLeeuwenSway(Component):
         (2.57) prints r* squared, which would give sway to the same side in turns to either side; (2.60) has the linear form.
         """
         return -self.gamma * self.L * self.r
+
+
+class VanLeeuwenSwayInWind(Leeway, VanLeeuwenSway):
+    """Sway speed proportional to the rate of turn, and the leeway by the wind."""
+
+    def sway(self):
+        """Passenier (1989), eq. (2.60) with (2.63), and the steady sway of (2.76)."""
+        return self.v_leeway - self.gamma * self.L * self.r
 
 
 class CubicSway(Component):

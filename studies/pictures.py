@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import io
 import re
 import shlex
 import shutil
@@ -21,12 +20,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from _browser import chromium, keep
+from playwright.sync_api import Browser
 
 ROOT = Path(__file__).resolve().parents[1]
 KEPT = ROOT / ".docs" / "pictures"
-LARGEST = 80_000
 TRIALS = "container-20-20.csv", "container-10-10.csv"
 #: The command of each report, in a folder that holds the two trials and the plots; how high the picture is.
 REPORTS = {
@@ -41,9 +39,9 @@ REPORTS = {
         "predict de-keizer --ship soesterberg --from container-20-20.csv@200 --heading '60 deg' --out out",
         1500,
     ),
-    "tracking": ("track plots.csv --position-std '15 m' --out out", 1500),
+    "tracking": ("track plots.csv --position-std '15 m' --own container-20-20.csv --out out", 1500),
 }
-BRIDGE = "bridge --scenario T3 --clock-factor 20 --port 0"
+BRIDGE = "bridge --scenario T3 --clock-factor 10 --port 0"
 
 
 def plots() -> str:
@@ -53,19 +51,6 @@ def plots() -> str:
     x, y = 2500.0 + np.cumsum(21.0 * np.cos(course)), -1500.0 + np.cumsum(21.0 * np.sin(course))
     seen = np.column_stack([x, y]) + np.random.default_rng(1).normal(0.0, 15.0, (t.size, 2))
     return "\n".join(["t [s],x [m],y [m]", *(f"{a:g},{b:.1f},{c:.1f}" for a, (b, c) in zip(t, seen))]) + "\n"
-
-
-def keep(page: Page, name: str) -> None:
-    """Write what the window shows, in the best quality that is small enough."""
-    shown = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    for quality in (85, 75, 65, 55, 45, 35):
-        written = io.BytesIO()
-        shown.save(written, "webp", quality=quality, method=6)
-        if written.tell() < LARGEST:
-            break
-    KEPT.mkdir(exist_ok=True)
-    (KEPT / f"{name}.webp").write_bytes(written.getvalue())
-    print(f"    {name}.webp, {shown.width} x {shown.height}, {written.tell() / 1000:.0f} kB")
 
 
 def report(browser: Browser, name: str) -> None:
@@ -82,7 +67,7 @@ def report(browser: Browser, name: str) -> None:
             raise SystemExit(done.stderr)
         page = browser.new_page(viewport={"width": 1000, "height": height})
         page.goto((Path(folder) / "out" / "report.html").as_uri())
-        keep(page, name)
+        keep(page.screenshot(), KEPT / f"{name}.webp")
         page.close()
 
 
@@ -90,7 +75,7 @@ def report(browser: Browser, name: str) -> None:
 def served(command: str) -> Iterator[str]:
     """Run ``shipid bridge`` and give its address."""
     program = [sys.executable, "-m", "shipid", *shlex.split(command)]
-    process = subprocess.Popen(program, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen(program, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stderr is not None
         for line in process.stderr:
@@ -108,13 +93,13 @@ def bridge(browser: Browser) -> None:
     print(f"shipid {BRIDGE}")
     with served(BRIDGE) as address:
         page = browser.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(address)
-        page.wait_for_selector("body[data-connected=yes]")
-        page.wait_for_timeout(12_000)
+        page.goto(address, wait_until="commit", timeout=120_000)
+        page.wait_for_selector("body[data-connected=yes]", timeout=120_000)
+        page.wait_for_timeout(20_000)
         for _ in range(30):
             page.keyboard.press("ArrowRight")
         page.wait_for_timeout(1_500)
-        keep(page, "bridge")
+        keep(page.screenshot(), KEPT / "bridge.webp")
         page.close()
 
 
@@ -124,15 +109,12 @@ def main() -> None:
     names = parser.parse_args().names or [*REPORTS, "bridge"]
     if unknown := set(names) - {*REPORTS, "bridge"}:
         parser.error(f"there is no picture called {', '.join(sorted(unknown))}")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+    with chromium() as browser:
         for name in names:
             if name == "bridge":
                 bridge(browser)
             else:
                 report(browser, name)
-        browser.close()
 
 
 if __name__ == "__main__":

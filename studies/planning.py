@@ -23,7 +23,8 @@ from scipy.special import polygamma
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.generation.record import make_record
-from shipid.planning.plan import Leg, Plan
+from shipid.planning.leg import Leg
+from shipid.planning.plan import Plan
 
 CASES = (("norrbin", "zeefakkel"), ("de-keizer", "soesterberg"), ("norrbin", "kvlcc2"))
 DETERMINANT, SPREAD = 2.0, 1.2

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import functools
 import json
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from click.testing import CliRunner
 from docutils import nodes
@@ -20,7 +21,9 @@ from sphinx.util.docutils import SphinxDirective
 from shipid.cli import main
 
 PAPERS = Path(__file__).resolve().parents[1] / "papers"
-_HEADS = (("claim", "Claim"), ("published", "Published, or asked"), ("ours", "Here"), ("spread", "Spread"))
+_HEADS = (("verdict", "Verdict"), ("published", "Published, or asked"), ("ours", "Here"), ("spread", "Spread"))
+#: How a row that belongs to a claim of a paper begins; the others compare with other programs, or go beyond the paper.
+_CLAIM = re.compile(r"[A-DP]\d")
 
 
 @functools.cache
@@ -95,11 +98,16 @@ def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> nodes.table:
     return nodes.table("", group, classes=["verdicts"])
 
 
+def _rows(first: str, rows: list[dict[str, str]]) -> list[nodes.Node]:
+    heads = [("claim", first), *((key, head) for key, head in _HEADS if any(r.get(key) for r in rows))]
+    return [table([head for _, head in heads], [[r.get(key, "") for key, _ in heads] for r in rows])] if rows else []
+
+
 class Equations(SphinxDirective):
     """Equations of a model, typeset by the toolbox, each with its source."""
 
     required_arguments = 1
-    option_spec = {"of": directives.unchanged_required}
+    option_spec: ClassVar = {"of": directives.unchanged_required}
 
     def run(self) -> list[nodes.Node]:
         """Return an equation and its source for each quantity."""
@@ -127,9 +135,10 @@ class Verdicts(SphinxDirective):
         study = json.loads(kept.read_text(encoding="utf-8")).get(name)
         if study is None:
             raise self.error(f"{kept.name} holds no study '{name}'. Run studies/papers.py {name}.")
-        heads = [h for key, h in _HEADS if any(r.get(key) for r in study["rows"])] + ["Verdict"]
-        keys = [key for key, h in _HEADS if h in heads] + ["verdict"]
-        made: list[nodes.Node] = [table(heads, ([str(r.get(key, "")) for key in keys] for r in study["rows"]))]
+        claimed = [r for r in study["rows"] if _CLAIM.match(r["claim"])]
+        made = _rows("Claim", claimed)
+        if beside := [r for r in study["rows"] if r not in claimed]:
+            made += [nodes.paragraph("", "Beside the claims:"), *_rows("What", beside)]
         readings = list(dict.fromkeys(r["reading"] for r in study["rows"] if r.get("reading")))
         if readings:
             made.append(nodes.paragraph("", "Readings:"))

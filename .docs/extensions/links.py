@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 _FETCHED = {"script": "src", "img": "src", "source": "src", "iframe": "src", "link": "href"}
 #: Links of the head that name an address and fetch nothing.
 _NAMED_ONLY = {"canonical", "next", "prev", "index", "search", "author", "license"}
-_IN_STYLE = re.compile(r"""(?:@import\s+|url\()\s*["']?([^"')\s]+)""")
+_IN_STYLE = re.compile(r"""(?:@import\s+(?!url)|url\()\s*["']?([^"')\s]+)""")
 
 
 class Page(HTMLParser):

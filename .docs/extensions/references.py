@@ -18,7 +18,8 @@ def _name_files(app: Any, page: nodes.document) -> None:
     """
     for link in list(page.findall(pending_xref)):
         target = str(link["reftarget"])
-        if link["reftype"] == "myst" and target and any((_ROOT / f / target).exists() for f in ("", ".github")):
+        folders = (_ROOT, _ROOT / ".github", Path(app.env.doc2path(app.env.docname)).parent)
+        if link["reftype"] == "myst" and target and any((f / target).exists() for f in folders):
             link.replace_self(link.children)
 
 

@@ -17,6 +17,7 @@ from public_api import public_classes
 
 import shipid
 from shipid.cli import main
+from shipid.declaration.component import declared_quantities
 
 _KINDS = {
     "state": "States",
@@ -73,7 +74,8 @@ def _other_components(known: dict[str, Any]) -> list[list[str]]:
     homes = ("shipid.models.", "shipid.parts.")
     rows = []
     for each in sorted(_descendants(shipid.Component) - joined, key=lambda c: c.__name__):
-        if each.__module__.startswith(homes) and not each.__name__.startswith("_"):
+        states_something = {q.kind for q in declared_quantities(each).values()} & {"state", "derived", "output"}
+        if each.__module__.startswith(homes) and not each.__name__.startswith("_") and states_something:
             model = shipid.join(each.__name__, each)
             stated, read = model.states + model.derived + model.outputs, model.inputs
             about = plain((inspect.getdoc(each) or "").partition("\n\n")[0].replace("\n", " "))

@@ -37,6 +37,8 @@ class BridgeSettings:
         Of a simulation: speed and the direction it flows TO.
     seed : int
         Of the noise of a simulation.
+    values, inputs : tuple of (str, str)
+        Values of the ship that are replaced, and inputs of the model that are held, with their units.
     """
 
     ship: str | None = None
@@ -55,3 +57,5 @@ class BridgeSettings:
     current: tuple[float, float] | None = None
     wind: tuple[float, float] | None = None
     seed: int = 0
+    values: tuple[tuple[str, str], ...] = ()
+    inputs: tuple[tuple[str, str], ...] = ()

@@ -27,7 +27,9 @@ from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.parameters.catalogue import find_model, find_ship
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.replaced import with_values
 from shipid.prediction.charts.read_chart import read_chart
 from shipid.prediction.routes.read_route import read_route
 
@@ -112,12 +114,13 @@ def pilot_of(settings: BridgeSettings) -> Autopilot:
         If the model has no position and heading.
     """
     ship = find_ship(settings.ship or SHIP)
-    model = find_model(settings.model or preferred_model(ship))
+    model = hold_inputs(find_model(settings.model or preferred_model(ship)), dict(settings.inputs))
+    ship = with_values(ship, dict(settings.values), [model])
     if not {"x", "y", "psi"} <= set(model.states):
         raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
     if settings.schedule is None:
         return design_autopilot(model, ship)
-    return replace(read_schedule(settings.schedule, model.name), model=model, ships=(ship,))
+    return replace(read_schedule(settings.schedule, model), model=model, ships=(ship,))
 
 
 def preferred_model(ship: ParameterSet) -> str:

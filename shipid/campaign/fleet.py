@@ -22,6 +22,8 @@ from shipid.identification.uncertainty.estimates import published_names
 from shipid.identification.validation.trial_findings import findings_of
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.parameter_file import parameter_table
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.replaced import with_values
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.logs.reading import read_trial
 
@@ -57,6 +59,8 @@ class FleetSettings:
         Starting points of each search.
     search_seed : int
         Of the random ones: the same for every trial, so that a row is what `shipid.identify` gives for it.
+    values : tuple of (str, str)
+        Values of the ship that are replaced, with their units.
     """
 
     model: str
@@ -66,6 +70,7 @@ class FleetSettings:
     estimate: tuple[str, ...] | None = None
     starts: int = 5
     search_seed: int = 0
+    values: tuple[tuple[str, str], ...] = ()
 
 
 def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
@@ -95,7 +100,7 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     if not files:
         raise CampaignRequestError(f"there are no trials in '{folder}'. Give the folder that holds their files.")
     model = find_model(settings.model)
-    ship = find_ship(settings.ship) if settings.ship else None
+    ship = _ship(settings, model)
     names = coefficients_of(model, settings.estimate)
     measures = {
         "trial": Measure("text", meaning="file"),
@@ -114,6 +119,11 @@ def fleet_campaign(folder: str | Path, settings: FleetSettings) -> Campaign:
     identity = hashlib.sha256(json.dumps(about, default=str).encode()).hexdigest()
     run = FleetRun(str(folder.absolute()), tuple(files), settings, tuple(names))
     return Campaign("fleet", run, measures, batch=1, engine="processes", most=len(files), identity=identity)
+
+
+def _ship(settings: FleetSettings, model: Model) -> ParameterSet | None:
+    """The ship, with the values that are replaced; None where none is named."""
+    return with_values(find_ship(settings.ship), dict(settings.values), [model]) if settings.ship else None
 
 
 def trial_files(folder: Path) -> list[str]:
@@ -201,7 +211,7 @@ class FleetRun:
 
     def _fill(self, row: dict[str, Plain], path: Path) -> None:
         asked = self.settings
-        ship = find_ship(asked.ship) if asked.ship else None
+        ship = _ship(asked, find_model(asked.model))
         try:
             trial = read_trial(path, format=asked.format, window=asked.window)
         except ShipidError as error:
@@ -222,7 +232,7 @@ class FleetRun:
             return
         bearing = [
             f.finding.kind
-            for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs)
+            for f in findings_of(fit.ship, fit.fitted, (), fit.model.inputs, fit.identified.method)
             if f.finding.serious and f.bears
         ]
         row |= {

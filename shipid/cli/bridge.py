@@ -8,7 +8,14 @@ import click
 
 from shipid.cli.frame.delivery import output_file, overwrite_option
 from shipid.cli.frame.messages import say
-from shipid.cli.frame.options import format_option, seed_option, ship_option
+from shipid.cli.frame.options import (
+    format_option,
+    input_option,
+    optional_model_option,
+    seed_option,
+    set_option,
+    ship_option,
+)
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -18,7 +25,9 @@ if TYPE_CHECKING:
 
 @click.command()
 @ship_option(required=False)
-@click.option("--model", metavar="MODEL", help="A model's name, or path/to/file.py:Class.")
+@optional_model_option
+@set_option
+@input_option
 @click.option(
     "--schedule", metavar="FILE", help="The autopilot, a schedule.toml of shipid tune; one is designed by default."
 )
@@ -60,6 +69,8 @@ if TYPE_CHECKING:
 def bridge(
     ship: str | None,
     model: str | None,
+    values: dict[str, str],
+    inputs: dict[str, str],
     schedule: str | None,
     source: str,
     format_: str | None,
@@ -110,6 +121,8 @@ def bridge(
             current=flow_of(current, "current"),
             wind=flow_of(wind, "wind"),
             seed=seed,
+            values=tuple(values.items()),
+            inputs=tuple(inputs.items()),
         ),
         host,
         port,

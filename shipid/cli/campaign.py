@@ -17,6 +17,7 @@ from shipid.cli.frame.options import (
     optional_model_option,
     reading,
     seed_option,
+    set_option,
     ship_option,
     starts_option,
 )
@@ -37,6 +38,7 @@ _TABLE = "runs.csv"
 )
 @optional_model_option
 @ship_option()
+@set_option
 @reading
 @estimate_option()
 @starts_option
@@ -54,6 +56,7 @@ def campaign(
     runs: int | None,
     model: str | None,
     ship: str | None,
+    values: dict[str, str],
     read: TrialReader,
     estimate: list[str] | None,
     starts: int,
@@ -68,7 +71,11 @@ def campaign(
     STUDY is the name of a shipped one, or path/to/file.py:name, a file that declares a shipid.Campaign. FOLDER holds trials:
     each becomes a row with its coefficients, and a file that cannot be used is a row that says why. With --out, finished runs
     are kept in DIR while the campaign goes on: after an interruption the same command with --resume loses none of them.
-    """
+
+    \b
+    shipid campaign study.py:drawn --runs 200 --out runs
+    shipid campaign trials/ --model nomoto --ship zeefakkel --out fleet
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.campaign.find_campaign import find_campaign, whole
     from shipid.campaign.fleet import FleetSettings, fleet_campaign
     from shipid.campaign.fleet_result import fleet_result
@@ -79,12 +86,14 @@ def campaign(
     folder = Path(study).is_dir()
     if folder and model is None:
         raise UsageError(f"'{study}' is a folder of trials; say with --model what to identify from each.")
-    if not folder and (model or ship or estimate or read.format or read.window):
+    if not folder and (model or ship or values or estimate or read.format or read.window):
         raise UsageError(
-            "--model, --ship, --format, --window and --estimate are for a folder of trials; a study has its own."
+            "--model, --ship, --set, --format, --window and --estimate are for a folder of trials; a study has its own."
         )
     if not folder and runs is None:
         raise UsageError("say with --runs how many runs the study is to have.")
+    if values and not ship:
+        raise UsageError("--set replaces values of a ship: name the ship with --ship.")
     if resume and delivery.folder is None:
         raise UsageError("--resume goes on with the runs of --out DIR, which is not given.")
     chosen: Campaign | CampaignFile
@@ -93,7 +102,14 @@ def campaign(
         chosen = fleet_campaign(
             study,
             FleetSettings(
-                model, ship, read.format, read.window, None if estimate is None else tuple(estimate), starts, seed
+                model,
+                ship,
+                read.format,
+                read.window,
+                None if estimate is None else tuple(estimate),
+                starts,
+                seed,
+                tuple(values.items()),
             ),
         )
     else:

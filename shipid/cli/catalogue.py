@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 from typing import TYPE_CHECKING
 
 import click
 
+from shipid.cli.frame.completing import complete_model_or_ship
 from shipid.cli.frame.delivery import Delivery, delivered
-from shipid.cli.frame.options import model_argument
 from shipid.foundation.exit_codes import ExitCode
 
 if TYPE_CHECKING:
@@ -30,7 +31,12 @@ _KINDS = {
 @click.command()
 @delivered()
 def models(delivery: Delivery) -> ExitCode:
-    """List models and ships, one line each."""
+    """List models and ships, one line each.
+
+    \b
+    shipid models
+    shipid models --json
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.parameters.catalogue import known_models, known_ships
 
     found, ships = known_models(), known_ships()
@@ -54,18 +60,37 @@ def _about(model: Model) -> str:
 
 
 @click.command()
-@model_argument
+@click.argument("model", metavar="MODEL|SHIP", shell_complete=complete_model_or_ship)
 @click.option("--latex", is_flag=True, help="Print the equations as LaTeX.")
 @delivered()
 def show(model: str, latex: bool, delivery: Delivery) -> ExitCode:
-    """Show a model: quantities, units, equations, sources.
+    """Show a model: quantities, units, equations, sources; or a ship: values, units, sources.
 
-    MODEL is a name (see shipid models) or path/to/file.py:Class.
-    """
+    MODEL is a name (see shipid models) or path/to/file.py:Class, and SHIP a name or the path of a ship file.
+
+    \b
+    shipid show norrbin
+    shipid show norrbin --latex
+    shipid show zeefakkel
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
+    from shipid.cli.ship import ship_data, ship_text
+    from shipid.foundation.errors import UnknownNameError, UsageError
     from shipid.generation.typesetting.typeset import typeset
-    from shipid.parameters.catalogue import find_model
+    from shipid.parameters.catalogue import find_model, find_ship, known_ships
 
-    found = find_model(model)
+    ships = known_ships()
+    if model.endswith(".toml") or model in ships:
+        if latex:
+            raise UsageError(f"'{model}' is a ship, and has no equations: leave --latex out.")
+        known = find_ship(model)
+        return delivery.hand_over_parts(ship_data(known), ship_text(known))
+    try:
+        found = find_model(model)
+    except UnknownNameError as error:
+        # A misspelt ship is answered by the nearest ship.
+        if difflib.get_close_matches(model, ships, n=1):
+            raise UnknownNameError("ship", model, ships) from None
+        raise error
     equations = typeset(found)
     if latex:
         rows = [e.latex.replace(" = ", " &= ", 1) + f" && \\text{{{e.component}.{e.method}}}" for e in equations]

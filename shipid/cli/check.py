@@ -8,7 +8,7 @@ import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.messages import say
-from shipid.cli.frame.options import format_option, ship_option, trials_argument
+from shipid.cli.frame.options import format_option, optional_ship_given, set_option, ship_option, trials_argument
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.notices import Notice
@@ -21,19 +21,29 @@ if TYPE_CHECKING:
 @trials_argument
 @format_option
 @ship_option()
+@set_option
 @click.option("--fix", is_flag=True, help="Apply the proposed repairs and write a trial.")
 @click.option("-o", "--output", metavar="FILE", help="File for --fix; it must not exist.")
 @delivered(RESULT, REPORT)
 def check(
-    trials: tuple[str, ...], format_: str | None, ship: str | None, fix: bool, output: str | None, delivery: Delivery
+    trials: tuple[str, ...],
+    format_: str | None,
+    ship: str | None,
+    values: dict[str, str],
+    fix: bool,
+    output: str | None,
+    delivery: Delivery,
 ) -> int:
     """Find what is wrong with a trial, what it does to an identification, and what repairs it.
 
     The length of the ship tells how quickly it can turn. Exit code 3 where something would spoil an identification, 0 where
     nothing would.
-    """
+
+    \b
+    shipid check trial.csv
+    shipid check trial.csv --ship zeefakkel --fix -o repaired.csv
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.foundation.errors import MissingExtraError, MissingFileError, UsageError
-    from shipid.parameters.catalogue import find_ship
     from shipid.trials.doctor.check_trial import check_trial
     from shipid.trials.doctor.findings import not_read
     from shipid.trials.doctor.repair import fix_trial
@@ -43,7 +53,7 @@ def check(
         raise UsageError("--fix and -o FILE go together: the repairs are written to a file of their own.")
     if fix and len(trials) > 1:
         raise UsageError(f"--fix repairs one trial at a time, and {len(trials)} are named.")
-    known = find_ship(ship) if ship else None
+    known = optional_ship_given(ship, values)
     answers: list[dict[str, Plain]] = []
     texts: list[str] = []
     checked: list[Diagnosis] = []

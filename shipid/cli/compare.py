@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import click
 
+from shipid.cli.frame.completing import complete_model
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     TrialReader,
     Variadic,
     names_of,
+    optional_ship_given,
     reading,
     seed_option,
+    set_option,
     ship_option,
     starts_option,
     trials_argument,
@@ -21,10 +24,17 @@ from shipid.foundation.exit_codes import ExitCode
 
 @click.command(cls=Variadic)
 @trials_argument
-@click.option("--models", required=True, metavar="m1,m2,..", help="Candidates: names, or path/to/file.py:Class.")
+@click.option(
+    "--models",
+    required=True,
+    metavar="m1,m2,..",
+    help="Candidates: names, or path/to/file.py:Class.",
+    shell_complete=complete_model,
+)
 @ship_option()
 @reading
 @validate_option
+@set_option
 @starts_option
 @seed_option("the random starting points")
 @delivered(RESULT, REPORT)
@@ -34,6 +44,7 @@ def compare(
     ship: str | None,
     read: TrialReader,
     validate: tuple[str, ...],
+    values: dict[str, str],
     starts: int,
     seed: int,
     delivery: Delivery,
@@ -42,12 +53,16 @@ def compare(
 
     Each trial is left out in turn, every model is fitted to the others and predicts it; a single trial is cut in two halves.
     Trials of --validate are kept apart: reported, never ranked by.
-    """
+
+    \b
+    shipid compare first.csv second.csv --models nomoto,norrbin,de-keizer --ship zeefakkel
+    shipid compare trial.csv --models nomoto,my.py:Yaw --ship ship.toml --validate other.csv
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.identification.compare_models import compare_models
-    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.parameters.catalogue import find_model
 
     candidates = [find_model(m) for m in names_of(models)]
-    known = find_ship(ship) if ship else None
+    known = optional_ship_given(ship, values, *candidates)
     with delivery.progress() as tell:
         ranking = compare_models(
             candidates,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
+from shipid.cli.frame.completing import complete_file
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
@@ -16,7 +17,10 @@ from shipid.cli.frame.options import (
     estimate_option,
     levels_option,
     model_option,
+    optional_ship_given,
     reading,
+    set_option,
+    ship_given,
     ship_option,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
@@ -33,7 +37,7 @@ _ESTIMATES = "estimates.csv"
 
 
 @click.command("filter")
-@click.argument("trial", required=False, metavar="[TRIAL]")
+@click.argument("trial", required=False, metavar="[TRIAL]", shell_complete=complete_file)
 @model_option
 @ship_option(several="with --method imm, which tells the one that sails")
 @click.option(
@@ -45,6 +49,7 @@ _ESTIMATES = "estimates.csv"
     help=f"{', '.join(METHODS)} or imm. ekf filters; imm tells which of several ships sails; all others identify the parameters of one "
     "measured state.",
 )
+@set_option
 @reading
 @levels_option("--measured", f"Sensors and their noise per sample, {LEVELS}; standard ones by default.")
 @estimate_option(", 'none' for none")
@@ -76,6 +81,7 @@ def filter_trial(
     model: str,
     ships: tuple[str, ...],
     method: str,
+    values: dict[str, str],
     read: TrialReader,
     measured: dict[str, str] | None,
     estimate: list[str] | None,
@@ -95,10 +101,15 @@ def filter_trial(
     estimates with their intervals, and whether the innovations are as large as their predicted variance, and white. With --out, a
     table of the estimates against time, the result, and a report. With --follow, a log is read line by line as it is written: a
     table with a header, one that --format describes, or NMEA 0183; each sample gives a line of estimates.
-    """
+
+    \b
+    shipid filter trial.csv --model nomoto --ship soesterberg --out filtered
+    shipid filter trial.csv --model yaw-filter --ship ship.toml --measured 'psi=0.2 deg,r=0.02 deg/s'
+    shipid filter --follow live.nmea --model yaw-filter --ship ship.toml
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.estimation.settings.defaults import parameters_to_estimate
     from shipid.foundation.errors import UsageError
-    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.parameters.catalogue import find_model
 
     if (trial is None) == (follow is None):
         raise UsageError("give a TRIAL to filter, or --follow FILE for samples as they arrive, and not both.")
@@ -112,7 +123,9 @@ def filter_trial(
         raise UsageError(
             "several ships are compared by --method imm, and it needs two or more: --ship LOADED --ship BALLAST."
         )
-    found, known = find_model(model), find_ship(ships[0]) if ships else None
+    found = find_model(model)
+    every = [ship_given(s, values, found) for s in ships]
+    known = every[0] if every else optional_ship_given(None, values)
     names = parameters_to_estimate(found) if estimate is None else () if estimate == ["none"] else tuple(estimate)
     settings: dict[str, Plain] = {
         "noise": noise or {},
@@ -121,7 +134,7 @@ def filter_trial(
         "inputs": assignments(inputs),
     }
     if method == "imm":
-        return _which_ship(read, str(trial), found, ships, measured, settings, delivery)
+        return _which_ship(read, str(trial), found, every, measured, settings, delivery)
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
         return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
@@ -212,7 +225,7 @@ def _which_ship(
     read: TrialReader,
     trial: str,
     model: Model,
-    ships: tuple[str, ...],
+    ships: Sequence[ParameterSet],
     measured: dict[str, str] | None,
     settings: dict[str, Plain],
     delivery: Delivery,
@@ -221,7 +234,6 @@ def _which_ship(
     from shipid.estimation.multiple.which_ship import which_ship
     from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
-    from shipid.parameters.catalogue import find_ship
 
     with delivery.progress() as tell:
         tell("reading")
@@ -230,7 +242,7 @@ def _which_ship(
         kept = [f"sensor:{n}" for n in measured or ()] + [f"noise:{n}" for n in settings["noise"]]
         found = which_ship(
             reduced(model, tuple(sensors)),
-            [find_ship(s) for s in ships],
+            ships,
             record,
             measured=sensors,
             kept=kept,

@@ -15,11 +15,15 @@ from shipid.cli.frame.options import (
     Variadic,
     assignments,
     estimate_option,
+    input_option,
     levels_option,
+    model_given,
     model_option,
     names_of,
+    optional_ship_given,
     reading,
     seed_option,
+    set_option,
     ship_option,
     starts_option,
     trials_argument,
@@ -46,6 +50,8 @@ _DRAWS = 12
 @click.option(
     "--fix", multiple=True, metavar="NAME=VALUE", help="Hold a coefficient, with its unit: n3='0.4 s^2/deg^2'."
 )
+@set_option
+@input_option
 @validate_option
 @click.option("--signals", metavar="a,b,..", help="Signals to fit: psi, r, u, v, x, y. By default what is measured.")
 @levels_option("--noise", f"Noise levels of the signals, {LEVELS}; estimated by default.")
@@ -80,6 +86,8 @@ def identify(
     read: TrialReader,
     estimate: list[str] | None,
     fix: tuple[str, ...],
+    values: dict[str, str],
+    inputs: dict[str, str],
     validate: tuple[str, ...],
     signals: str | None,
     noise: dict[str, str] | None,
@@ -96,13 +104,18 @@ def identify(
     """Identify a model from one trial or several, jointly.
 
     Writes result.json, ship.toml (a parameter set every later command takes as --ship) and report.html into DIR.
-    """
+
+    \b
+    shipid identify zigzag.csv --model norrbin --ship zeefakkel --out result --open
+    shipid identify first.csv second.csv --model de-keizer --ship ship.toml --validate turn.csv --out result
+    shipid identify log.csv@1622:1712 --format log.toml --model nomoto --fix tau='20 s'
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.identification.assess import assess
     from shipid.identification.identify import identify as run_identify
-    from shipid.parameters.catalogue import find_model, find_ship
     from shipid.parameters.parameter_file import write_parameter_set
 
-    found, known = find_model(model), find_ship(ship) if ship else None
+    found = model_given(model, inputs)
+    known = optional_ship_given(ship, values, found)
     with delivery.progress() as tell:
         fit = run_identify(
             found,

@@ -36,7 +36,12 @@ def measure(
     """Measure a zig-zag, a turning circle, a spiral or a pull-out in the terms of ITTC and IMO.
 
     The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why.
-    """
+
+    \b
+    shipid measure trial.csv
+    shipid measure turn.csv --length '45 m'
+    shipid measure log.csv --manoeuvre 3
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.declaration.units import to_si
     from shipid.foundation.errors import UsageError
     from shipid.trials.measuring.measure import measure as run_measure

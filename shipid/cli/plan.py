@@ -10,10 +10,13 @@ from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
+    input_option,
+    model_given,
     model_option,
     names_of,
     sampling_option,
     seed_option,
+    ship_given,
     ship_option,
     speed_option,
     values_option,
@@ -59,6 +62,7 @@ if TYPE_CHECKING:
 )
 @click.option("--draws", default=8, type=click.IntRange(0), show_default=True, help="Draws of the coefficients.")
 @values_option
+@input_option
 @seed_option("draws and random telegraphs")
 @delivered(RESULT, REPORT)
 def plan(
@@ -76,18 +80,24 @@ def plan(
     between: str | None,
     draws: int,
     values: dict[str, str],
+    inputs: dict[str, str],
     seed: int,
     delivery: Delivery,
 ) -> ExitCode:
     """Plan which manoeuvres shrink the confidence intervals most within a time.
 
-    Each manoeuvre is one of ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
+    The timetable holds every rudder order with its time or its condition, and the sea room. Each manoeuvre is one of
+    ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
     Standard deviations are Cramer-Rao bounds, which hold for a ship that the model describes exactly.
-    """
-    from shipid.parameters.catalogue import find_model, find_ship
+
+    \b
+    shipid plan --model norrbin --ship zeefakkel --time 20min
+    shipid plan --model de-keizer --ship ship.toml --time '1 h' --repertoire zigzag,turn:20 --noise 'psi=0.2 deg'
+    """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.planning.plan_trials import plan_trials
 
-    found, known = find_model(model), find_ship(ship)
+    found = model_given(model, inputs)
+    known = ship_given(ship, values, found)
     with delivery.progress() as tell:
         result = plan_trials(
             found,
@@ -99,7 +109,6 @@ def plan(
             criterion=criterion,
             worst_case=worst_case,
             repertoire=None if repertoire is None else names_of(repertoire),
-            values=values,
             sampling=sampling,
             correlation=correlation,
             between=between,

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import format_option, model_argument, ship_option
+from shipid.cli.frame.options import (
+    format_option,
+    input_option,
+    model_argument,
+    model_given,
+    set_option,
+    ship_given,
+    ship_option,
+)
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -55,6 +63,8 @@ _STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m"
 @click.option(
     "--band", default="linear", show_default=True, metavar="linear|samples|none", help="How the 95 % band is found."
 )
+@set_option
+@input_option
 @format_option
 @delivered(RESULT, _TRACK, REPORT)
 def predict(
@@ -72,6 +82,8 @@ def predict(
     current: str | None,
     wind: str | None,
     band: Band,
+    values: dict[str, str],
+    inputs: dict[str, str],
     format_: str | None,
     delivery: Delivery,
 ) -> ExitCode:
@@ -100,7 +112,7 @@ def predict(
     if route is None and not ordered:
         raise UsageError("predict needs an order: --heading, --rudder, --rate or --route. See shipid predict --help.")
     plan = None if route is None else read_route(route)
-    pilot = _pilot(model, ship, schedule)
+    pilot = _pilot(model, ship, schedule, values, inputs)
     with delivery.progress() as tell:
         situation, origin, told, trial = _situation(
             pilot, begin, current, wind, format_, tell, on_route=plan is not None
@@ -146,18 +158,18 @@ def predict(
     )
 
 
-def _pilot(model: str, ship: str, schedule: str | None) -> Autopilot:
+def _pilot(model: str, ship: str, schedule: str | None, values: dict[str, str], inputs: dict[str, str]) -> Autopilot:
     """The autopilot: of the schedule, on the model and the ship of the command line; or one by the defaults of ``shipid tune``."""
     from dataclasses import replace
 
     from shipid.autopilot.design.design_autopilot import design_autopilot
     from shipid.autopilot.design.read_schedule import read_schedule
-    from shipid.parameters.catalogue import find_model, find_ship
 
-    found, known = find_model(model), find_ship(ship)
+    found = model_given(model, inputs)
+    known = ship_given(ship, values, found)
     if schedule is None:
         return design_autopilot(found, known)
-    return replace(read_schedule(schedule, model), model=found, ships=(known,))
+    return replace(read_schedule(schedule, found), model=found, ships=(known,))
 
 
 def _situation(

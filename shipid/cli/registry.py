@@ -22,4 +22,5 @@ COMMANDS = {
     "campaign": ("shipid.cli.campaign:campaign", "Run a study many times, or identify each trial of a folder."),
     "track": ("shipid.cli.track:track", "Track other ships from the plots of radar, lidar or AIS."),
     "criteria": ("shipid.cli.criteria:criteria", "Evaluate a model against IMO's manoeuvring criteria."),
+    "completion": ("shipid.cli.completion:completion", "Print the script that completes shipid in bash, zsh or fish."),
 }

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import TrialReader, reading, ship_option, trials_argument
+from shipid.cli.frame.options import TrialReader, optional_ship_given, reading, set_option, ship_option, trials_argument
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @trials_argument
 @reading
 @ship_option()
+@set_option
 @click.option(
     "--length", type=NumberWithUnit("m"), help="Ship length, as in '320 m'; of the conditions or the ship by default."
 )
@@ -32,6 +33,7 @@ def report(
     trials: tuple[str, ...],
     read: TrialReader,
     ship: str | None,
+    values: dict[str, str],
     length: str | None,
     conditions: str | None,
     delivery: Delivery,
@@ -48,8 +50,9 @@ def report(
     from shipid.criteria.measured.trial_sheet import trial_sheet
 
     stated = _conditions(conditions)
+    known = optional_ship_given(ship, values)
     with delivery.progress() as tell:
-        sheet = trial_sheet(trials, length=length, ship=ship, conditions=stated, reader=read, tell=tell)
+        sheet = trial_sheet(trials, length=length, ship=known, conditions=stated, reader=read, tell=tell)
     return delivery.hand_over(sheet, {REPORT: delivery.report(sheet)})
 
 

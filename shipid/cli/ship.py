@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
+from shipid.cli.frame.completing import complete_ship
 from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
 from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
@@ -37,7 +38,7 @@ def _particulars(function: F) -> F:
 
 
 @click.command()
-@click.argument("ship", required=False, metavar="[SHIP]")
+@click.argument("ship", required=False, metavar="[SHIP]", shell_complete=complete_ship)
 @click.option("--new", metavar="NAME", help="Draft a ship file of this name instead.")
 @_particulars
 @click.option("--source", metavar="TEXT", help="With --new: where these values come from.")
@@ -85,7 +86,7 @@ def ship(
         if given:
             raise UsageError(f"{', '.join(given)}: only with --new NAME, which drafts a ship file.")
         found = find_ship(ship)
-        return delivery.hand_over_parts(_data(found), _text(found))
+        return delivery.hand_over_parts(ship_data(found), ship_text(found))
     if source is not None and not source.strip():
         raise UsageError("--source is empty. Say where the values come from; 'assumed' is a source.")
     path = output_file(output, overwrite) if output is not None else None
@@ -121,13 +122,27 @@ def _unstated(found: ParameterSet) -> list[str]:
     return [known.name for known in KNOWN_PARTICULARS if known.name not in there]
 
 
-def _data(found: ParameterSet) -> dict[str, Plain]:
+def ship_data(found: ParameterSet) -> dict[str, Plain]:
+    """Return what is known of a ship as plain values.
+
+    Parameters
+    ----------
+    found : ParameterSet
+        The ship.
+    """
     from shipid.parameters.parameter_file import parameter_table
 
     return parameter_table(found) | {"assumed": _assumed(found), "not_stated": _unstated(found)}
 
 
-def _text(found: ParameterSet) -> str:
+def ship_text(found: ParameterSet) -> str:
+    """Return what is known of a ship in lines of text.
+
+    Parameters
+    ----------
+    found : ParameterSet
+        The ship.
+    """
     from shipid.declaration.units import pretty
     from shipid.parameters.draft import KNOWN_PARTICULARS
 

@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from shipid.cli.frame.completing import complete_manoeuvre
 from shipid.cli.frame.delivery import output_file, overwrite_option
 from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
     LEVELS,
-    assignments,
+    input_option,
     model_argument,
+    model_given,
     sampling_option,
     seed_option,
     ship_option,
@@ -29,7 +31,12 @@ if TYPE_CHECKING:
 @click.command()
 @model_argument
 @ship_option(required=True)
-@click.option("--manoeuvre", metavar="M", help="zigzag:20/20, turn:35, spiral:25, course:60, ...")
+@click.option(
+    "--manoeuvre",
+    metavar="M",
+    help="zigzag:20/20, turn:35, spiral:25, course:60, ...",
+    shell_complete=complete_manoeuvre,
+)
 @click.option(
     "--autopilot", metavar="FILE", help="Sail courses under this schedule.toml of shipid tune, in place of a manoeuvre."
 )
@@ -57,15 +64,9 @@ if TYPE_CHECKING:
 )
 @click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
-@click.option("--waves", metavar="W", help="With --autopilot or --route: yaw by waves, '0.5 deg from 300 deg'.")
-@click.option(
-    "--input",
-    "inputs",
-    multiple=True,
-    metavar="NAME=VALUE",
-    help="With --autopilot or --route: an input of the model that is held, with its unit.",
-)
+@click.option("--waves", metavar="W", help="Yaw by waves that the instruments show, '0.5 deg from 300 deg'.")
 @values_option
+@input_option
 @click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
 @overwrite_option
 def simulate(
@@ -84,8 +85,8 @@ def simulate(
     current: str | None,
     wind: str | None,
     waves: str | None,
-    inputs: tuple[str, ...],
     values: dict[str, str],
+    inputs: dict[str, str],
     output: str | None,
     overwrite: bool,
 ) -> None:
@@ -100,28 +101,30 @@ def simulate(
 
     \b
     shipid simulate de-keizer --ship soesterberg --manoeuvre zigzag:20/20 -o trial.csv
+    shipid simulate de-keizer --ship soesterberg --manoeuvre turn:35 --current '2 kn to 90 deg' --waves '0.3 deg from 40 deg'
     shipid simulate de-keizer --ship soesterberg --autopilot schedule.toml --course '60 deg' -o voyage.csv
     shipid simulate de-keizer --ship soesterberg --route plan.rtz --current '2 kn to 30 deg' -o voyage.csv
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.foundation.notices import Notice
     from shipid.trials.logs.writing import write_trial
 
-    _check(manoeuvre, autopilot, courses, route, waves, inputs)
+    _check(manoeuvre, autopilot, courses, route)
     place = None if output is None else output_file(output, overwrite)
     settings = {
         "speed": speed, "noise": noise, "seed": seed, "duration": duration, "sampling": sampling, "heading": heading,
-        "current": flow_of(current, "current"), "wind": flow_of(wind, "wind"), "values": values,
+        "current": flow_of(current, "current"), "wind": flow_of(wind, "wind"), "waves": flow_of(waves, "waves", "rad"), "values": values,
+        "inputs": inputs,
     }  # fmt: skip
     summary = ""
     if manoeuvre is not None:
         trial = _manoeuvre(model, ship, manoeuvre, settings)
     elif route is not None:
         del settings["heading"]
-        voyage = _route(model, ship, autopilot, route, waves, inputs, settings)
+        voyage = _route(model, ship, autopilot, route, settings)
         trial, summary = voyage.trial, voyage.text()
     else:
         assert autopilot is not None
-        trial = _voyage(model, ship, autopilot, courses, waves, inputs, settings)
+        trial = _voyage(model, ship, autopilot, courses, settings)
     for note in trial.source.notes:
         if isinstance(note, Notice):
             warn(note)
@@ -144,8 +147,6 @@ def _check(
     autopilot: str | None,
     courses: tuple[str, ...],
     route: str | None,
-    waves: str | None,
-    inputs: tuple[str, ...],
 ) -> None:
     from shipid.foundation.errors import UsageError
 
@@ -161,8 +162,8 @@ def _check(
         )
     if autopilot is not None and not courses:
         raise UsageError("--autopilot needs a --course to sail, as in --course '60 deg', or a --route.")
-    if autopilot is None and (courses or waves or inputs):
-        raise UsageError("--course, --waves and --input belong to --autopilot: leave them out of a manoeuvre.")
+    if autopilot is None and courses:
+        raise UsageError("--course belongs to --autopilot: leave it out of a manoeuvre.")
 
 
 def _manoeuvre(model: str, ship: str, manoeuvre: str, settings: dict[str, Any]) -> Trial:
@@ -177,24 +178,21 @@ def _voyage(
     ship: str,
     autopilot: str,
     courses: tuple[str, ...],
-    waves: str | None,
-    inputs: tuple[str, ...],
     settings: dict[str, Any],
 ) -> Trial:
     from shipid.autopilot.design.read_schedule import read_schedule
-    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.parameters.catalogue import find_ship
     from shipid.prediction.sailing.sail import sail
 
     orders: list[tuple[str, str]] | str = (
         [_order_of(c) for c in courses] if len(courses) > 1 or ":" in courses[0] else courses[0]
     )
+    sailing = model_given(model, settings.pop("inputs"))
     return sail(
-        read_schedule(autopilot, model),
+        read_schedule(autopilot, sailing),
         orders,
-        model=find_model(model),
+        model=sailing,
         ship=find_ship(ship),
-        waves=flow_of(waves, "waves", "rad"),
-        inputs=assignments(inputs),
         **settings,
     )
 
@@ -204,26 +202,22 @@ def _route(
     ship: str,
     autopilot: str | None,
     route: str,
-    waves: str | None,
-    inputs: tuple[str, ...],
     settings: dict[str, Any],
 ) -> Voyage:
     from shipid.autopilot.design.design_autopilot import design_autopilot
     from shipid.autopilot.design.read_schedule import read_schedule
-    from shipid.parameters.catalogue import find_model, find_ship
+    from shipid.parameters.catalogue import find_ship
     from shipid.prediction.routes.read_route import read_route
     from shipid.prediction.sailing.sail_route import sail_route
 
     plan = read_route(route)
-    sailing, known = find_model(model), find_ship(ship)
-    pilot = design_autopilot(sailing, known) if autopilot is None else read_schedule(autopilot, model)
+    sailing, known = model_given(model, settings.pop("inputs")), find_ship(ship)
+    pilot = design_autopilot(sailing, known) if autopilot is None else read_schedule(autopilot, sailing)
     return sail_route(
         pilot,
         plan,
         model=sailing,
         ship=known,
-        waves=flow_of(waves, "waves", "rad"),
-        inputs=assignments(inputs),
         **settings,
     )
 

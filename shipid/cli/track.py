@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import click
 
+from shipid.cli.frame.completing import complete_file
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import format_option, ship_option
+from shipid.cli.frame.options import format_option, optional_ship_given, set_option, ship_option
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -15,11 +16,12 @@ _TRACKERS = ("imm", "cv", "fs-aimm", "vs-aimm", "agimm", "alpha-beta")
 
 
 @click.command()
-@click.argument("detections")
+@click.argument("detections", shell_complete=complete_file)
 @click.option(
     "--tracker", type=click.Choice(_TRACKERS), default="imm", show_default=True, help="How targets are taken to move."
 )
 @ship_option()
+@set_option
 @click.option(
     "--truth", metavar="FILE", help="True tracks: t, x, y (or lat, lon) and ship. The tracks are then judged."
 )
@@ -34,6 +36,7 @@ def track(
     detections: str,
     tracker: str,
     ship: str | None,
+    values: dict[str, str],
     truth: str | None,
     own: str | None,
     format_: str | None,
@@ -56,11 +59,10 @@ def track(
     from shipid.encounter.plots.read_plots import read_detections
     from shipid.encounter.tracking.track import track as run
     from shipid.encounter.tracking.tracker import TrackerSettings
-    from shipid.parameters.catalogue import find_ship
 
     with delivery.progress() as tell:
         tell("reading")
-        known = find_ship(ship) if ship is not None else None
+        known = optional_ship_given(ship, values)
         found = read_detections(
             detections, format=format_, own=own, truth=truth, sensor_values=_given(position_std, latency, scan)
         )

@@ -9,8 +9,17 @@ from typing import TYPE_CHECKING
 
 import click
 
+from shipid.cli.frame.completing import complete_model
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.options import levels_option, seed_option, ship_option
+from shipid.cli.frame.options import (
+    input_option,
+    levels_option,
+    model_given,
+    seed_option,
+    set_option,
+    ship_given,
+    ship_option,
+)
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
 
@@ -24,8 +33,10 @@ _SCHEDULE = "schedule.toml"
 
 
 @click.command()
-@click.argument("model", required=False)
+@click.argument("model", required=False, shell_complete=complete_model)
 @ship_option(several="for load conditions")
+@set_option
+@input_option
 @click.option("--speeds", metavar="A:B:STEP", help="With the unit: '4:12:1 m/s'; or a list, '8,12,16 kn'.")
 @click.option(
     "--design",
@@ -73,6 +84,8 @@ _SCHEDULE = "schedule.toml"
 def tune(
     model: str | None,
     ships: tuple[str, ...],
+    values: dict[str, str],
+    inputs: dict[str, str],
     speeds: str | None,
     design: Design | None,
     mode: Mode,
@@ -106,13 +119,13 @@ def tune(
     from shipid.autopilot.design.write_schedule import write_schedule
     from shipid.autopilot.on_board.run_on_board import run_on_board
     from shipid.foundation.errors import UsageError
-    from shipid.parameters.catalogue import find_model, find_ship, names_a_file
+    from shipid.parameters.catalogue import names_a_file
 
     asked = _Asked(samples, seed, wind, sea, current, limits or {})
     if compare is not None:
-        if (model is not None and not names_a_file(model)) or ships or on_board is not None:
+        if (model is not None and not names_a_file(model)) or ships or on_board is not None or values or inputs:
             raise UsageError(
-                "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship and --on-board out. Only a "
+                "--compare reads two schedules, which hold their model and ship: leave MODEL, --ship, --set, --input and --on-board out. Only a "
                 "model file is given, as FILE.py:NAME."
             )
         return _compare(compare, model, asked, delivery)
@@ -125,9 +138,10 @@ def tune(
     for name, value, its in (("--integral", integral, "pid"), ("--rudder-weight", rudder_weight, "lqr")):
         if value is not None and design != its:
             raise UsageError(f"{name} belongs to --design {its}; leave it out, or ask for that design.")
+    found = model_given(model, inputs)
     pilot = design_autopilot(
-        find_model(model),
-        [find_ship(s) for s in ships],
+        found,
+        [ship_given(s, values, found) for s in ships],
         speeds=speeds,
         design=design,
         mode=mode,

@@ -15,6 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from shipid.declaration.units import factor, pretty
+from shipid.foundation.numbers import uncertain_text
 
 Number = TypeVar("Number", float, np.ndarray)
 
@@ -171,6 +172,23 @@ def shown(value: float, name: str, inside: str = "", digits: int = 4) -> str:
     """
     unit = pretty(display_unit(name, inside))
     return f"{to_display(value, name, inside):.{digits}g}" + ("" if unit == "1" else f" {unit}")
+
+
+def shown_estimate(value: float | None, std: float | None, name: str, inside: str = "") -> str:
+    """Return an estimate with its standard deviation and its unit as a reader expects it: ``"10.20 ± 0.12 deg"``.
+
+    Parameters
+    ----------
+    value, std : float or None
+        In the unit inside; a standard deviation that is not known is left out.
+    name : str
+        Of the quantity.
+    inside : str
+        The unit inside, for a quantity outside the vocabulary.
+    """
+    unit = pretty(display_unit(name, inside))
+    both = (None if v is None else float(to_display(v, name, inside)) for v in (value, std))
+    return uncertain_text(*both) + ("" if unit == "1" else f" {unit}")
 
 
 def angle(value: float, digits: int = 4) -> str:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.encounter.errors import TargetError
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
 from shipid.prediction.tracks.predicted_track import PredictedTrack
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,3 +159,11 @@ class Avoidance(Result):
             for p in self.passings
         ]
         return "\n".join([*lines, *(f"  warning: {w}" for w in self.warnings)])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the other ships along the avoiding track as a pandas table."""
+        rows = (
+            {"ship": p.name, "distance [m]": p.distance, "std [m]": p.std, "time [s]": p.t, "share_of_domain": p.share}
+            for p in self.passings
+        )
+        return table(rows, "ship", ("distance [m]", "std [m]", "time [s]", "share_of_domain"))

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from shipid.declaration.vocabulary import shown_estimate
 from shipid.encounter.errors import EncounterRequestError, TargetError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Below this relative speed in m/s the range of two ships does not change: by 1 m in eleven days.
 _STEADY = 1e-6
@@ -22,6 +26,7 @@ _SIZE = 4
 
 #: Whether the closest approach lies ahead in time, is past, or the range does not change.
 Motion = Literal["closing", "opening", "steady"]
+_UNITS = {"range": "m", "relative_speed": "m/s", "cpa": "m", "tcpa": "s", "nearest": "m", "domain": "m", "chance": "1"}
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,6 +87,27 @@ class ClosestApproach(Result):
             )
             for name, value in vars(self).items()
         }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the numbers as a pandas table, SI: value, standard deviation and 95 % interval, where they are known."""
+        rows = (
+            {
+                "name": n,
+                "value": getattr(self, n),
+                "std": getattr(self, f"{n}_std", None),
+                "unit": u,
+                "interval_95": getattr(self, f"{n}_interval", None),
+            }
+            for n, u in _UNITS.items()
+        )
+        return table(rows, "name")
+
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        lines = [
+            f"  {n:<16s} {shown_estimate(r['value'], r['std'], n, r['unit'])}" for n, r in self.to_frame().iterrows()
+        ]
+        return "\n".join([f"closest approach, {self.motion}", *lines])
 
 
 def closest_approach(

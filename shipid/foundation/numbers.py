@@ -33,8 +33,10 @@ def number(value: float | None, digits: int = _DIGITS) -> str:
         return NO_NUMBER
     if abs(value) < 1 / _LARGEST:
         return "0"
-    power = _power(abs(value))
-    return _join(_fixed(value, power, digits - 1 - floor(log10(abs(value)))), power)
+    # The size is that of the rounded number: 0.99999 has the digits of 1.
+    size = float(f"{abs(value):.{digits - 1}e}")
+    power = _power(size)
+    return _join(_fixed(value, power, digits - 1 - floor(log10(size))), power)
 
 
 def given(value: float | None) -> str:

@@ -7,7 +7,7 @@ knows where that is at home, and loads it then.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -96,6 +96,26 @@ def shortened(text: str, first: tuple[Notice, ...] = ()) -> str:
         kept = lines[1 : LINES - 1 - len(warned)]
         lines = [lines[0], *warned, *kept, f"  … {len(lines) - 1 - len(kept)} more lines: print(….text())"]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
+
+
+def table(rows: Iterable[Mapping[str, Plain]], index: str | list[str], columns: Sequence[str] = ()) -> pd.DataFrame:
+    """Return rows as a pandas table.
+
+    Parameters
+    ----------
+    rows : iterable of mapping
+        The cells of each row by column.
+    index : str or list of str
+        The column, or columns, that name the rows.
+    columns : sequence of str
+        The other columns, where there may be no row.
+    """
+    import pandas as pd
+
+    found = list(rows)
+    names = [index] if isinstance(index, str) else index
+    frame = pd.DataFrame(found, columns=None if found else [*names, *columns])
+    return frame.set_index(index)
 
 
 def _serious(result: Result) -> tuple[Notice, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -15,6 +16,9 @@ from shipid.foundation.errors import ShipidError, UnknownNameError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.result import Result
 from shipid.generation.system import System, generate
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: States that may change at a constant rate in a steady motion: position and heading. Others that no
 #: equation but their own kind reads, such as a distance sailed, are found by `_settling`.
@@ -69,6 +73,21 @@ class Linearisation(Result):
             inputs=list(self.inputs),
             outputs=list(self.outputs),
         )
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the blocks A, B above C, D as a pandas table: rates of states, then outputs, against states and inputs."""
+        import pandas as pd
+
+        rows = [("rate", s) for s in self.states] + [("output", y) for y in self.outputs]
+        columns = [("state", s) for s in self.states] + [("input", u) for u in self.inputs]
+        blocks = np.block([[self.A, self.B], [self.C, self.D]])
+        return pd.DataFrame(blocks, pd.MultiIndex.from_tuples(rows), pd.MultiIndex.from_tuples(columns))
+
+    def text(self) -> str:
+        """Return the linear model in lines of text."""
+        sizes = f"states {', '.join(self.states)}; inputs {', '.join(self.inputs)}; outputs {', '.join(self.outputs)}"
+        poles = ", ".join(f"{p.real:.4g}" if not p.imag else f"{p.real:.4g}{p.imag:+.4g}j" for p in self.poles)
+        return f"linear model: {sizes}\n  poles [1/s]  {poles}"
 
 
 def linearise(

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
 from shipid.estimation.estimate import Estimate
-from shipid.foundation.aliases import Plain
+from shipid.foundation.aliases import Expression, Plain
+from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
+from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.fit_text import (
@@ -191,6 +194,50 @@ class Fit(DrawnResult):
             If the unknowns are too many, or the density is improper.
         """
         return posterior_of(self.identified, draws, seed)
+
+    def to_control(
+        self,
+        speed: str | None = None,
+        inputs: Sequence[str] | None = None,
+        outputs: Sequence[str] | None = None,
+        given: Mapping[str, str] | None = None,
+    ) -> Expression:
+        """Return the ship on a straight course as a state-space system of python-control, SI: m, s, rad.
+
+        The linearisation is exact, with the rudder amidships; ``shipid.linearise`` takes any other condition.
+
+        Parameters
+        ----------
+        speed : str, optional
+            Forward speed with its unit, such as ``"9 kn"``; by default that of the trials.
+        inputs, outputs : sequence of str, optional
+            Which to keep, such as ``["delta"]`` and ``["psi", "r"]``; by default all inputs, and the states as outputs.
+        given : mapping of str to str, optional
+            Other inputs of the model, with their units, such as ``{"n": "80 rpm"}``.
+
+        Returns
+        -------
+        control.StateSpace
+
+        Raises
+        ------
+        UsageError
+            If neither the trials nor the ship say a speed, or a name does not exist.
+        NoSteadyStateError
+            If the ship does not go straight at this speed with these inputs.
+        """
+        return linear_ship(self.model, self.ship, self._speed(speed), given, inputs, outputs).to_state_space()
+
+    def _speed(self, speed: str | None) -> float:
+        """A speed in m/s: the one that is asked for, that of the trials, or the ship's own."""
+        if speed is not None:
+            return to_si(speed, "m/s", "the speed")
+        joint = self.ship.joint.get(self.model.name)
+        sailed = None if joint is None or joint.speeds is None else 0.5 * sum(joint.speeds)
+        known = sailed or self.ship.particular("speed", "m/s")
+        if known is None:
+            raise UsageError("neither the trials nor the ship say a speed: give one with its unit, as in '9 kn'.")
+        return known
 
     def to_frame(self) -> pd.DataFrame:
         """Return the coefficients as a pandas table."""

@@ -40,6 +40,7 @@ from shipid.identification.uncertainty.estimates import estimates_of, unseen_wor
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials.doctor.autopilot_steers import autopilot_steers
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.trial import Trial
 
@@ -89,7 +90,8 @@ def identify(
         noise levels come from the likelihood through the Kalman filter (method prediction-error).
     method : {"output-error", "equation-error", "instrumental-variables", "multiple-shooting", "prediction-error"}, optional
         By default the ladder of them: output error from several starts, one of them by equation error where the states
-        are measured, and multiple shooting where it fails. A method that is named is the only one tried.
+        are measured, and multiple shooting where it fails; prediction error where an autopilot steers a trial against
+        disturbances, which biases output error. A method that is named is the only one tried.
     loss : {"linear", "huber", "soft-l1"}
         How residuals count: by their squares, or large ones less, so that outliers have little effect.
     rudder_bias : bool
@@ -124,6 +126,10 @@ def identify(
     if not trials:
         raise UsageError("identify needs at least one trial.")
     trials, validate = _named_apart(trials, validate)
+    free = purpose is None and method is None and noise is None and loss == "linear"
+    steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
+    if steered:
+        method = "prediction-error"
     setting = settle(model, trials, ship, estimate, fixed or {})
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
     for trial in trials:
@@ -155,6 +161,15 @@ def identify(
     with threadpool_limits(1, "blas"):
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         found = searched(problem, search_box(setting), method, how)
+        if steered:
+            why = f"an autopilot steers {', '.join(steered)} against disturbances, which biases output error."
+            found = replace(
+                found,
+                rungs=tuple(
+                    replace(r, reason=f"{why} {r.reason[0].upper()}{r.reason[1:]}") if r.used else r
+                    for r in found.rungs
+                ),
+            )
         fit = _result(setting, found, [t for _, t in pairs], noise is not None)
         return fit.validate(validate) if validate else fit
 

@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from shipid.declaration.component import Scope
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty, split, to_si
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.parameters.correlation import Joint
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 PARTICULARS = "particulars"
 
@@ -176,6 +180,16 @@ class ParameterSet(Result):
             If a table does not cover the speed.
         """
         return resolve(model, _Lookup(self, model, speed))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return what is known of the ship as a pandas table: section, quantity, value in the unit of its source, source."""
+        columns = ("value", "std", "unit", "source")
+        rows = (
+            {"section": section, "name": v.name, **{n: getattr(v, n) for n in columns}}
+            for section, values in self.sections.items()
+            for v in values.values()
+        )
+        return table(rows, ["section", "name"], columns)
 
 
 class _Lookup(dict[str, float]):

@@ -88,7 +88,8 @@ def _declared(name: str, models: Sequence[Model]) -> tuple[str, str, list[Model]
         if known.name == name:
             return known.unit, known.meaning, []
     quantities = {n: q for part in _JOINED for n, q in declared_quantities(part).items()}
-    quantities |= {name: m[name].quantity for m in having}
+    for model in having:
+        quantities[name] = model[name].quantity
     known_kinds = {n: q for n, q in quantities.items() if q.kind in ("parameter", "constant")}
     if name in known_kinds:
         return known_kinds[name].unit, known_kinds[name].meaning, []

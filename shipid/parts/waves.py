@@ -8,7 +8,31 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.quantity import constant, derived, given, state
+from shipid.declaration.quantity import constant, derived, given, parameter, state
+
+
+def wave_spectrum(omega: np.ndarray, height: float, period: float) -> np.ndarray:
+    """Return the spectrum of the elevation of a fully developed sea.
+
+    Passenier (1989), eq. (2.89), A omega^-p exp(-B omega^-q), with the numbers of the ITTC (1978): p = 5, q = 4, A = 173 H^2/T^4 and
+    B = 691/T^4. Its integral is (H/4)^2, and it is largest at (4 B/5)^(1/4).
+
+    Parameters
+    ----------
+    omega : ndarray, shape (N,)
+        Frequencies in rad/s, greater than zero.
+    height : float
+        Significant wave height in m.
+    period : float
+        Average period in s.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        In m^2 s.
+    """
+    a, b = 173.0 * height**2 / period**4, 691.0 / period**4
+    return a * omega**-5.0 * np.exp(-b * omega**-4.0)
 
 
 class Waves(Component):
@@ -55,6 +79,52 @@ class Waves(Component):
         kept = np.minimum(omega / self.wave_frequency, 1.0) ** 1.5
         damping = 2 * self.wave_damping * omega * self.r_wave
         return kept * self.wave_noise - damping - omega**2 * self.psi_wave
+
+
+class WaveMoment(Component):
+    """The yaw acceleration by waves, which moves the ship itself: elevation at the frequency of encounter, times sin 2 gamma_w.
+
+    `Waves` shows a motion to the instruments that the track does not have; this is the other form of the thesis, an input of the yaw
+    equation. White noise of intensity 4 zeta omega_e^3 (H/4)^2 gives the elevation of a sea of significant height H.
+    """
+
+    elevation = state("m", "elevation of the sea as the ship meets it", nominal=1.0, latex=r"\zeta_w")
+    elevation_rate = state("m/s", "rate of the elevation", nominal=1.0, latex=r"\dot\zeta_w")
+    elevation_noise = given("m/s^2", "white noise that drives the elevation", default=0.0, latex="w")
+    wave_direction = given("rad", "direction the waves run to", default=0.0, wraps=True, latex=r"\psi_g")
+    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
+    u = given("m/s", "forward speed through the water")
+    r_residual = given("rad/s^2", "yaw acceleration by anything but the waves", default=0.0, latex=r"\dot r_{res}")
+    wave_frequency = constant("rad/s", "frequency of the waves", default="0.6 rad/s", latex=r"\omega_0")
+    wave_damping = constant("1", "damping ratio of the filter", default=0.15, latex=r"\zeta")
+    g = constant("m/s^2", "acceleration of gravity", default="9.81 m/s^2")
+    H_g = parameter(
+        "rad/m/s^2",
+        "yaw acceleration per elevation, in waves from the quarter",
+        start=0.1,
+        low=-20.0,
+        high=20.0,
+        prime=True,
+    )
+    r_disturbance = derived("rad/s^2", "yaw acceleration by the waves and by what else acts", latex=r"\dot r_d")
+
+    @elevation.rate
+    def rise(self):
+        """The elevation is the integral of its rate: Passenier (1989), fig. 2.14."""
+        return self.elevation_rate
+
+    @elevation_rate.rate
+    def shaping(self):
+        """The second-order filter of Passenier (1989), fig. 2.14, at the frequency of encounter, eq. (2.90), as in `Waves`."""
+        along = self.u * np.cos(self.wave_direction - self.psi)
+        encounter = self.wave_frequency - self.wave_frequency**2 * along / self.g
+        omega = np.maximum(np.abs(encounter), self.wave_damping * self.wave_frequency)
+        return self.elevation_noise - 2 * self.wave_damping * omega * self.elevation_rate - omega**2 * self.elevation
+
+    @r_disturbance.equals
+    def moment(self):
+        """Passenier (1989), eq. (2.91): H_g sin(2 gamma_w), with one H_g over the narrow band of the waves."""
+        return self.H_g * np.sin(2 * (self.wave_direction - self.psi)) * self.elevation + self.r_residual
 
 
 class ColouredWaves(Component):

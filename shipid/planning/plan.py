@@ -15,45 +15,12 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
 from shipid.foundation.result import Result
+from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
+from shipid.planning.timetable import Timetable, clock
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-@dataclass(frozen=True)
-class Leg:
-    """One manoeuvre of a plan.
-
-    Attributes
-    ----------
-    manoeuvre : str
-        As ``shipid simulate --manoeuvre`` takes it.
-    speed : float
-        Speed of the approach in m/s.
-    duration : float
-        In s, with a straight approach of one L/U.
-    start : float
-        When it begins, in s of the plan.
-    seed : int
-        Of the random telegraph, as ``shipid simulate --seed`` takes it; nothing else reads it.
-    """
-
-    manoeuvre: str
-    speed: float
-    duration: float
-    start: float
-    seed: int = 0
-
-    def to_dict(self) -> dict[str, Plain]:
-        """Return plain values."""
-        return {
-            "manoeuvre": self.manoeuvre,
-            "speed": quantity(round(self.speed, 6), "m/s"),
-            "duration": quantity(round(self.duration, 3), "s"),
-            "start": quantity(round(self.start, 3), "s"),
-            "seed": self.seed,
-        }
 
 
 @dataclass(frozen=True)
@@ -137,6 +104,8 @@ class Plan(Result):
         Number of draws and of candidates.
     warnings : tuple of str
         Manoeuvres left out, and coefficients that stay undetermined.
+    timetable : Timetable or None
+        Its rudder orders, and the sea room it takes; None where a manoeuvre could not be simulated for it.
     """
 
     model: Model
@@ -159,6 +128,7 @@ class Plan(Result):
     draws: int
     candidates: int
     warnings: tuple[str, ...]
+    timetable: Timetable | None = None
 
     @property
     def duration(self) -> float:
@@ -185,6 +155,7 @@ class Plan(Result):
             "criterion": self.criterion,
             "robust": "worst case" if self.worst_case else "average",
             "plan": [leg.to_dict() for leg in self.legs],
+            "timetable": None if self.timetable is None else self.timetable.to_dict(),
             "standard": [leg.to_dict() for leg in self.standard],
             "gain_over_standard": {"det": self.det_gain, **{n: f.ratio for n, f in self.parameters.items()}},
             "determinant": {
@@ -207,13 +178,13 @@ class Plan(Result):
             f"{'the worst' if self.worst_case else 'the average'} of {self.draws} draws" if self.draws else "no draws"
         )
         lines = [
-            f"{_clock(self.duration)} of trials for {self.model.name} of {self.ship} ({self.criterion}-optimal over {over}; "
+            f"{clock(self.duration)} of trials for {self.model.name} of {self.ship} ({self.criterion}-optimal over {over}; "
             f"{', '.join(self.noise)} measured)"
         ]
         for leg in self.legs:
             seed = f"  seed {leg.seed}" if leg.manoeuvre.startswith("telegraph") else ""
             lines.append(
-                f"  at {_clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
+                f"  at {clock(leg.start):>7s}  {leg.manoeuvre:<18s} {leg.speed:.4g} m/s  for {leg.duration:g} s{seed}"
             )
         beside = " + ".join(f"{leg.manoeuvre} {leg.duration:.0f} s" for leg in self.standard) or "no standard"
         lines.append(f"  standard deviations, planned beside {beside}:")
@@ -227,15 +198,9 @@ class Plan(Result):
             lines.append(
                 f"  determinant {self.det_gain:.3g} times better for each coefficient ({self.det_ratio:.3g} in all)"
             )
-        return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])
+        orders = [] if self.timetable is None else [self.timetable.text()]
+        return "\n".join([*lines, *(f"  {w}" for w in self.warnings), *orders])
 
 
 def _spread(std: float | None) -> str:
     return "any" if std is None else f"{std:.2g}"
-
-
-def _clock(seconds: float) -> str:
-    """Minutes and seconds, or hours too."""
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"

@@ -20,9 +20,11 @@ from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.planning.plan import Forecast, Leg, Plan
+from shipid.planning.leg import Leg
+from shipid.planning.plan import Forecast, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
+from shipid.planning.timetable import sailed_timetable
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -354,13 +356,14 @@ def _result(
         )
         for j, n in enumerate(experiment.estimated)
     }
+    legs = _legs(problem, rows, chosen)
     return Plan(
         model=experiment.model,
         ship=problem.ship.name,
         time=problem.time,
         criterion=table.criterion,
         worst_case=table.worst,
-        legs=_legs(problem, rows, chosen),
+        legs=legs,
         standard=_legs(problem, rows, pair),
         parameters=forecasts,
         covariance=covariance,
@@ -374,6 +377,7 @@ def _result(
         independent=1 / experiment.rate,
         draws=len(problem.draws) - 1,
         candidates=len(rows.candidates),
+        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings),
         warnings=tuple(warnings),
     )
 

@@ -23,15 +23,20 @@ if TYPE_CHECKING:
     from shipid.criteria.criteria import Criteria
     from shipid.criteria.measured.sheet import TrialSheet
     from shipid.encounter.tracking.tracking import Tracking
+    from shipid.estimation.multiple.multiple_run import MultipleModelRun
     from shipid.estimation.multiple.which_ship import WhichShip
     from shipid.estimation.records.observability import Observability
     from shipid.estimation.records.run import FilterRun
+    from shipid.estimation.records.smoother import Smoothed
     from shipid.identification.choice.ranking import Ranking
     from shipid.identification.fit import Fit
     from shipid.identification.recursive.result import RecursiveIdentification
     from shipid.planning.plan import Plan
     from shipid.prediction.prediction import Prediction
+    from shipid.prediction.sailing.voyage import Voyage
+    from shipid.prediction.tracks.predicted_track import PredictedTrack
     from shipid.trials.doctor.findings import Diagnosis
+    from shipid.trials.trial import Trial
 
     Reported: TypeAlias = (
         Fit
@@ -52,6 +57,11 @@ if TYPE_CHECKING:
         | Criteria
         | Diagnosis
         | Sequence[Diagnosis]
+        | Trial
+        | Voyage
+        | PredictedTrack
+        | Smoothed
+        | MultipleModelRun
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -74,6 +84,11 @@ _VIEWS = {
     "Criteria": "criteria.page:criteria_page",
     "Diagnosis": "checking.page:check_page",
     "several Diagnosis": "checking.page:checks_page",
+    "Trial": "record.page:trial_page",
+    "Voyage": "record.page:voyage_page",
+    "PredictedTrack": "record.page:track_page",
+    "Smoothed": "record.page:smoothed_page",
+    "MultipleModelRun": "record.page:multiple_page",
 }
 
 
@@ -94,7 +109,8 @@ def write_report(
     Parameters
     ----------
     result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult, FleetResult, Tracking, Ranking, Plan, Criteria, Diagnosis or a sequence of Diagnosis
+TrialSheet, CampaignResult, FleetResult, Tracking, Ranking, Plan, Criteria, Diagnosis or a sequence of these, Trial, Voyage, PredictedTrack, \
+Smoothed or MultipleModelRun
         What to report.
     path : str or Path
         The file to write.
@@ -169,12 +185,11 @@ def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
     UsageError
         If there is no report for this kind of result.
     """
-    kind = type(result).__name__
-    if isinstance(result, list | tuple):
-        # Several results of one kind that make a page together: the trials that were checked.
-        kind = f"several {type(result[0]).__name__}" if result else kind
-    if kind not in _VIEWS:
-        what = kind if kind.startswith("several ") else f"a {kind}"
+    one, several = (result[0], "several ") if isinstance(result, list | tuple) and result else (result, "")
+    # Several results of one kind make a page together: the trials that were checked.
+    kind = next((name for c in type(one).__mro__ if (name := f"{several}{c.__name__}") in _VIEWS), None)
+    if kind is None:
+        what = f"{several or 'a '}{type(one).__name__}"
         raise UsageError(f"there is no report for {what}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)

@@ -56,8 +56,8 @@ def test_an_option_says_the_same_in_every_command():
         words = {f[option] for f in found.values() if option in f}
         assert len(words) == 1, (option, words)
     assert (
-        sum("--json" in f for f in found.values()) == len(COMMANDS) - 2
-    )  # a simulated trial is a table, and the bridge a live page
+        sum("--json" in f for f in found.values()) == len(COMMANDS) - 3
+    )  # a simulated trial is a table, the bridge a live page, and a completion a script
     assert {n for n, f in found.items() if "--out" in f} == {
         "check",
         "identify",

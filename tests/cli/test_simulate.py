@@ -26,7 +26,7 @@ def test_courses_under_an_autopilot(call, schedule, tmp_path):
     assert psi[trial["t"] < 60].mean() == pytest.approx(0, abs=1.5)
     assert psi[(trial["t"] > 370) & (trial["t"] < 400)].mean() == pytest.approx(30, abs=3)
     assert psi[-30:].mean() == pytest.approx(-20, abs=3)
-    assert "autopilot (pole) ordered 30 deg at 60 s" in answer.err.replace("\n", " ")
+    assert "autopilot (pid) ordered 30 deg at 60 s" in answer.err.replace("\n", " ")
 
 
 def test_one_course_and_a_value(call, schedule):
@@ -45,7 +45,7 @@ def test_refusals(refused, schedule):
         "--manoeuvre, or an --autopilot",
     )
     refused(2, [*ship, "--autopilot", schedule], "needs a --course")
-    refused(2, [*ship, "--manoeuvre", "turn:20", "--course", "60 deg"], "belong to --autopilot")
+    refused(2, [*ship, "--manoeuvre", "turn:20", "--course", "60 deg"], "belongs to --autopilot")
     refused(2, [*ship, "--autopilot", schedule, "--course", "60 deg", "--course", "9 deg"], "each has its time")
     refused(
         2, [*ship, "--autopilot", schedule, "--course", "60 deg", "--input", "shaft=1 rps"], "reads no input 'shaft'"

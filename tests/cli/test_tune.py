@@ -129,7 +129,11 @@ def test_refusals(refused, tuned, tmp_path, own_ship):
     refused(4, ["tune", "de-keizer-lag", "--ship", "gunnerus", "--omega-n", "1.6 rad/s"], "is unstable")
     refused(3, ["tune", "davidson-schiff", "--ship", own_ship()], "davidson-schiff")
     schedule = str(tuned / "schedule.toml")
-    refused(2, ["tune", "de-keizer", "--compare", schedule, schedule], "leave MODEL, --ship and --on-board out")
+    refused(
+        2,
+        ["tune", "de-keizer", "--compare", schedule, schedule],
+        "leave MODEL, --ship, --set, --input and --on-board out",
+    )
     edited = tmp_path / "edited.toml"
     table = tomllib.loads((tuned / "schedule.toml").read_text())
     table["schedule"]["Kp"]["value"][0] *= -1

@@ -62,3 +62,11 @@ def test_no_number_is_ever_nan_or_infinite_text(value, std):
 
 def test_given_numbers_get_no_digits():
     assert [as_given(v) for v in (15.5, 320.0, 0.0, 2.3e-7)] == ["15.5", "320", "0", "2.3 × 10⁻⁷"]
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"), [(0.99999997, 4, "1.000"), (9.9999, 3, "10.0"), (0.000999999, 3, "0.00100")]
+)
+def test_digits_are_those_of_the_rounded_number(value, digits, text):
+    """0.99999997 and 1 stand in one column, and look alike."""
+    assert number(value, digits) == text

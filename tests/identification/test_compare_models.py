@@ -9,7 +9,6 @@ import pytest
 
 import shipid
 from shipid.declaration.vocabulary import FIELDS
-from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
 from shipid.identification.choice.scoring import MEASURES
 from shipid.identification.compare_models import compare_models

@@ -32,6 +32,9 @@ SECTIONS = [(ship, section) for ship in SHIPS for section in find_ship(ship).mod
 MODELS = sorted(known_models())
 #: Time constants of machinery, which know nothing of ship lengths: R/V Gunnerus showed one lag in seconds at two speeds.
 IN_SECONDS = {(n, "t_delta") for n in ("ActuatorLag", "CubicYawLag", "DeKeizerLag", "SlipstreamYawLag")}
+IN_SECONDS |= {("FaultyCompass", "tau_compass")}
+#: Faults of instruments, which know nothing of ships.
+OF_INSTRUMENTS = {("FaultyCompass", "psi_offset"), ("FaultyGyro", "r_bias")}
 #: Models that bring a moment by the wind of their own, in the place of `Wind`.
 WITH_WIND = {"cubic-wind", "cross-flow-wind"}
 #: Declarations for filters and recursions: each holds only what it estimates.
@@ -113,6 +116,8 @@ def test_every_parameter_says_how_it_scales(component: type[Component]) -> None:
             prime_exponents(quantity.unit)
         elif (component.__name__, name) in IN_SECONDS:
             assert quantity.unit == "s" and not quantity.dimensional
+        elif (component.__name__, name) in OF_INSTRUMENTS:
+            assert not quantity.dimensional
         else:
             assert dimensionless, f"{name} [{quantity.unit}] declares no prime"
         if quantity.dimensional:

@@ -1,8 +1,7 @@
 """The MMG model of KVLCC2 beside the free-running tests of the same hull, and the limits it states.
 
-The measured numbers are those of MARIN's free-running model, 7 m, printed with SIMMAN 2008 (Stern et al. 2011): the coefficients
-come from captive tests and know nothing of them. Yasukawa and Yoshimura (2015) find the same differences: circles that fit, and
-overshoots that come out too small.
+The measured numbers are those of MARIN's free-running model, 7 m (SIMMAN 2008): the coefficients come from captive tests and know
+nothing of them. The circles fit, and the overshoots come out too small.
 """
 
 from __future__ import annotations
@@ -105,3 +104,20 @@ def test_shallow_water_widens_the_circle_and_deep_water_changes_nothing(sailed):
 def test_a_depth_below_the_range_is_said():
     with pytest.raises(shipid.ShipidError, match=r"the water is less than 1\.2 draughts deep"):
         shipid.simulate("mmg-shallow", SHIP, "turn:35", values={"depth": "0.5 m"})
+
+
+def test_a_mirrored_ship_sails_the_mirrored_manoeuvre(evaluate):
+    """The coefficients of flow from port and from starboard change places; so each side is used where it belongs."""
+    ship, model = find_ship(SHIP), find_model("mmg")
+    values = dict.fromkeys(model.states, 0.0) | {"u": 0.9, "cruise": 1.178} | ship.values(model)
+    to_port = {"v": 0.2, "r": -0.05, "delta": -0.4}
+    mirrored = {n: -v for n, v in to_port.items()}
+    exchanged = {
+        n: values[m]
+        for a, b in (("C_2_port", "C_2_starboard"), ("gamma_port", "gamma_starboard"))
+        for n, m in ((a, b), (b, a))
+    }
+    first, second = evaluate(model, values | to_port), evaluate(model, values | mirrored | exchanged)
+    assert second["u"] == pytest.approx(first["u"], rel=1e-12)
+    assert (second["v"], second["r"]) == pytest.approx((-first["v"], -first["r"]), rel=1e-12)
+    assert evaluate(model, values | mirrored)["r"] != pytest.approx(-first["r"], rel=1e-3)

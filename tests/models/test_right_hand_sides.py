@@ -86,6 +86,14 @@ def de_keizer(n: Numbers) -> Numbers:
     return _de_keizer(n, 2.4, -0.6, 0.0, 0.0)
 
 
+def de_keizer_asymmetric(n: Numbers) -> Numbers:
+    n |= {"alpha0": 0.07, "alpha2": -0.35}
+    found = de_keizer(n)
+    rs = n["r"] * n["L"] / n["u"]
+    # tau* (L/u) r' + (u/L) H: the two even terms of H.
+    return found | {"r": found["r"] - (n["u"] / n["L"]) ** 2 / 1.7 * (-0.35 * rs**2 + 0.07)}
+
+
 def de_keizer_cubic(n: Numbers) -> Numbers:
     n |= {"alpha1": -0.6, "alpha3": 2.4, "beta3": 0.7, "gamma3": 0.31}
     return _de_keizer(n, 2.4, -0.6, 0.7, 0.31)
@@ -220,7 +228,8 @@ def cross_flow(n: Numbers) -> Numbers:
     surge = 0.027 / length * (u0 * u0 + 0.8 * u0 * (u0 - u) - u * u) - 2.1e-3
     surge += 1.67 * v * r + 0.77 * -0.16 * rudder * -0.16 / length
     lag = (n["delta"] + 0.16) / 1.3
-    return {"v": sway, "r": yaw + n["r_disturbance"], "u": surge, "delta_lagged": lag, "way": u, **planar(n)}
+    moved = {"v": sway + n["v_disturbance"], "r": yaw + n["r_disturbance"]}
+    return {**moved, "u": surge, "delta_lagged": lag, "way": u, **planar(n)}
 
 
 def cross_flow_wind(n: Numbers) -> Numbers:
@@ -418,6 +427,41 @@ def wind(n: Numbers) -> Numbers:
     }  # fmt: skip
 
 
+def lateral_wind(n: Numbers) -> Numbers:
+    seen = wind(n)
+    n |= {"Y_w": 5e-7}
+    side = 5e-7 * 161.0 * seen["wind_relative"] ** 2 * sin(seen["wind_angle"])
+    return {k: v for k, v in seen.items() if k.startswith("wind_")} | {"v_disturbance": side}
+
+
+def wind_harmonics(n: Numbers) -> Numbers:
+    seen = wind(n)
+    along = {"a_x0": 1e-4, "a_x1": 4e-4, "a_x2": -7e-5, "a_x3": 5e-5}
+    across, turning = {"b_y1": 9e-4, "b_y2": 1e-4, "b_y3": -2e-4}, {"b_n1": 3e-4, "b_n2": -6e-4, "b_n3": 8e-5}
+    n |= along | across | turning
+    angle, square = seen["wind_angle"], seen["wind_relative"] ** 2
+    x = sum(a * cos(k * angle) for k, a in enumerate(along.values()))
+    y = sum(b * sin(k * angle) for k, b in enumerate(across.values(), 1))
+    m = sum(b * sin(k * angle) for k, b in enumerate(turning.values(), 1))
+    pushes = {
+        "u_disturbance": x * square / 161.0,
+        "v_disturbance": y * square / 161.0,
+        "r_disturbance": m * square / 161.0**2,
+    }
+    return {k: v for k, v in seen.items() if k.startswith("wind_")} | pushes
+
+
+def leeway(n: Numbers) -> Numbers:
+    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "k_w": 0.003}
+    north, east = 12.0 * cos(2.9) - 6.7 * cos(0.83) - 0.37, 12.0 * sin(2.9) - 6.7 * sin(0.83) + 0.22
+    return {"v_leeway": 0.003 * hypot(north, east) ** 2 * sin(atan2(east, north) - 0.83) / 6.7}
+
+
+def sway_in_wind(n: Numbers) -> Numbers:
+    n |= {"gamma": 0.46}
+    return leeway(n) | {"v": leeway(n)["v_leeway"] - 0.46 * 161.0 * 0.0117}
+
+
 def waves(n: Numbers) -> Numbers:
     n |= {"psi_wave": 0.011, "r_wave": -0.004, "wave_noise": 0.0007, "wave_direction": 1.9, "wave_damping": 0.15}
     n |= {"wave_frequency": 0.8, "g": 9.81}
@@ -523,7 +567,7 @@ MODELS: dict[str, Case] = {
     "turning-at-unknown-rate": lambda n: moving_point(n, 3.0 * 0.013, {"omega": 0.013}),
     "target-turn": target_turn, "target-circle": target_circle,
     "nomoto": nomoto, "nomoto-second-order": nomoto_second_order, "norrbin": norrbin, "bech": bech,
-    "de-keizer": de_keizer, "de-keizer-minimal": de_keizer_minimal, "de-keizer-cubic": de_keizer_cubic,
+    "de-keizer": de_keizer, "de-keizer-minimal": de_keizer_minimal, "de-keizer-cubic": de_keizer_cubic, "de-keizer-asymmetric": de_keizer_asymmetric,
     "gain-scheduled": gain_scheduled, "van-leeuwen": van_leeuwen, "pershitz": pershitz,
     "pershitz-discrete": pershitz_discrete, "pershitz-track": pershitz_track,
     "pershitz-track-augmented": pershitz_track_augmented, "davidson-schiff": davidson_schiff,
@@ -537,7 +581,8 @@ MODELS: dict[str, Case] = {
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
-    "WindMoment": wind_moment,
+    "WindMoment": wind_moment, "LateralWind": lateral_wind, "WindHarmonics": wind_harmonics, "Leeway": leeway,
+    "VanLeeuwenSwayInWind": sway_in_wind,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
     "WaveLevel": wave_level, "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,
 }  # fmt: skip

@@ -8,7 +8,8 @@ from scipy.linalg import solve_continuous_lyapunov
 
 import shipid
 from shipid.declaration.model import Evaluation
-from shipid.models import Waves
+from shipid.models import WaveMoment, Waves
+from shipid.parts.waves import wave_spectrum
 
 #: Frequency and damping ratio of the waves, and the root mean square of the heading of a ship at rest in them, in degrees.
 OMEGA, ZETA, AT_REST = 0.6, 0.15, 0.5
@@ -51,3 +52,42 @@ def test_seas_from_ahead_are_as_they_were():
     """q / (4 zeta omega_e^3), Van der Klugt's filter at the frequency of encounter."""
     omega = OMEGA + OMEGA**2 * 9.0 / 9.81
     assert np.deg2rad(rms(9.0, np.pi)[0]) == pytest.approx(np.sqrt(INTENSITY / (4 * ZETA * omega**3)), rel=1e-9)
+
+
+def test_the_spectrum_of_a_sea_holds_its_energy() -> None:
+    """4 m and 8 s: the root of its integral is 1 m, and its top where the derivative of omega^-5 exp(-B omega^-4) is zero."""
+    omega = np.linspace(0.05, 40.0, 400_000)
+    spectrum = wave_spectrum(omega, 4.0, 8.0)
+    assert np.trapezoid(spectrum, omega) == pytest.approx(1.0, rel=2e-3)
+    assert omega[np.argmax(spectrum)] == pytest.approx((0.8 * 691 / 8.0**4) ** 0.25, abs=2e-4)
+
+
+def test_the_moment_of_waves_is_that_of_the_quarter() -> None:
+    """None from ahead, astern and abeam, of opposite sign on the two bows; the elevation has the variance of the sea."""
+    model = shipid.join("moment", WaveMoment)
+    still = {
+        "wave_frequency": 0.6,
+        "wave_damping": 0.15,
+        "g": 9.81,
+        "u": 0.0,
+        "psi": 0.3,
+        "r_residual": 0.0,
+        "H_g": 2e-5,
+    }
+
+    def at(angle: float, **moved: float) -> Evaluation:
+        sea = {"elevation": 0.0, "elevation_rate": 0.0, "elevation_noise": 0.0, "wave_direction": 0.3 + angle}
+        return Evaluation(model, still | sea | moved)
+
+    for angle in (0.0, np.pi / 2, np.pi):
+        assert at(angle, elevation=1.5)["r_disturbance"] == pytest.approx(0.0, abs=1e-18)
+    assert at(np.pi / 4, elevation=1.5)["r_disturbance"] == pytest.approx(3e-5)
+    assert at(-np.pi / 4, elevation=1.5)["r_disturbance"] == pytest.approx(-3e-5)
+
+    def rates(**moved: float) -> list[float]:
+        found = at(0.4, **moved).right_hand_sides("rate")
+        return [float(found[n]) for n in ("elevation", "elevation_rate")]
+
+    matrix = np.array([rates(elevation=1.0), rates(elevation_rate=1.0)]).T
+    covariance = solve_continuous_lyapunov(matrix, -np.diag([0.0, 4 * 0.15 * 0.6**3 * 1.0**2]))
+    assert covariance[0, 0] == pytest.approx(1.0)

@@ -7,7 +7,7 @@ import pytest
 
 import shipid
 from shipid.declaration.model import Evaluation
-from shipid.models import Wind
+from shipid.models import DeKeizer, LateralWind, PlanarMotion, VanLeeuwenSwayInWind, Wind, WindHarmonics
 
 MODEL = shipid.join("wind", Wind)
 
@@ -49,3 +49,29 @@ def test_a_current_moves_the_push_of_the_wind():
         Evaluation(MODEL, at | {"current_north": c, "current_east": 0.0})["u_disturbance"] for c in (0.0, 1.0, -1.0)
     ]
     assert pushes == pytest.approx([4e-7 * 226.0, 0.0, 4 * 4e-7 * 226.0])
+
+
+@pytest.mark.parametrize("model", ["mmg", "cross-flow"])
+def test_the_side_force_joins_beside_the_moment_or_comes_with_it(model):
+    """Both read one relative wind; the harmonics state all three accelerations themselves."""
+    for parts in ((Wind, LateralWind), (LateralWind, Wind), (WindHarmonics,)):
+        whole = shipid.join("whole", shipid.find_model(model), *parts)
+        assert {"wind_speed", "wind_direction"} <= set(whole.inputs)
+        assert not {"u_disturbance", "v_disturbance", "r_disturbance", "wind_aside"} & set(whole.inputs)
+
+
+def test_leeway_has_no_equation_to_solve():
+    """A wind abeam from port pushes the ship to starboard, and the sway does not come back into the leeway."""
+    model = shipid.join("leeway", DeKeizer, VanLeeuwenSwayInWind, Wind, PlanarMotion)
+    still = dict.fromkeys((*model.states, *model.inputs, *model.parameters, *model.constants), 0.0)
+    at = still | {"L": 226.0, "u": 9.0, "cruise": 9.0, "wind_speed": 10.0, "wind_direction": np.pi / 2, "k_w": 0.002}
+    found = Evaluation(model, at | {"tau": 1.0, "tau_u": 1.0})
+    assert found["v"] == pytest.approx(0.002 * 10.0 * np.hypot(9.0, 10.0) / 9.0)
+    assert found["wind_aside"] == pytest.approx(10.0 - found["v"])
+
+
+def test_calm_air_in_harmonics_is_finite():
+    model = shipid.join("harmonics", WindHarmonics)
+    calm = dict.fromkeys((*model.inputs, *model.parameters), 0.1) | {"L": 7.0, "least": 0.01, "wind_speed": 0.0}
+    found = Evaluation(model, calm | {"u": 0.0, "v": 0.0, "current_north": 0.0, "current_east": 0.0, "r_residual": 0.0})
+    assert [found[n] for n in ("u_disturbance", "v_disturbance", "r_disturbance")] == [0.0, 0.0, 0.0]

@@ -81,7 +81,10 @@ def test_tables_hold_the_numbers(pages, judged, read_page):
         assert f"{speed:.2f}" in text
     own = next(s for s in judged.steps if s.change_deg == 60 and s.speed == judged.pilot.speeds[-1])
     assert f"{own.overshoot_deg:.2f}" in text and f"{own.settling_s:.0f}" in text
-    assert "Without the sea filter the rms rudder is" in text
+    kept = [s for s in judged.in_weather if not s.change_deg]
+    worst = {f: max(s.reversals for s in kept if s.sea_filter == f) for f in (True, False)}
+    assert f"reverses {worst[False]:.1f} times a minute without the sea filter" in text and worst[True] < worst[False]
+    assert "Bode diagram of the loop" in pages["judged"] and text.index("Course changes") < text.index("Weak points")
     for name, variant in judged.robust[0].variants.items():
         assert f"{name[0].upper()}{name[1:]} {variant['disk']:.2f} {variant['overshoot_deg']:.2f}" in text
 

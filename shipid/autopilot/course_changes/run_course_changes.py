@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChanges
 from shipid.autopilot.course_changes.course_measures import CourseMeasures, read_measures, settings_of, sides_of
-from shipid.autopilot.course_changes.sea_filter import ABOVE, SeaFiltered
+from shipid.autopilot.course_changes.sea_filter import ABOVE, LAG, SeaFiltered
 from shipid.autopilot.course_changes.turn_order import RADIUS, TurnOrder
 from shipid.autopilot.course_changes.weather import CALM, Weather
 from shipid.autopilot.design.autopilot import Autopilot
@@ -144,7 +144,7 @@ def run_course_changes(
         inputs |= weather.inputs(directions)
         own |= weather.values(pilot, model, condition)
         if filtered:
-            own["sea_frequency"] = sea_frequency(pilot, weather, speeds, directions - 0.5 * changes)
+            own |= sea_settings(pilot, weather, speeds, directions - 0.5 * changes)
         if varying:
             noise = weather.noise(count, intervals, seed)[None]
     known = _coefficients(pilot, model, speeds, condition)
@@ -181,8 +181,13 @@ def ordered_rate(pilot: Autopilot, speeds: np.ndarray) -> dict[str, np.ndarray]:
     return {"turn_rate": speeds / (RADIUS * pilot.length)} if pilot.mode == "rate" else {}
 
 
-def sea_frequency(pilot: Autopilot, weather: Weather, speeds: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Return the frequency of the sea filter: that of encounter, but well above that of the heading, in rad/s.
+def sea_settings(
+    pilot: Autopilot, weather: Weather, speeds: np.ndarray, directions: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return the constants of the sea filter, in rad/s.
+
+    The notch is at the frequency of encounter, but well above the natural frequency of the heading, which sets the corner of
+    the lag.
 
     Parameters
     ----------
@@ -196,7 +201,7 @@ def sea_frequency(pilot: Autopilot, weather: Weather, speeds: np.ndarray, direct
     met = weather.encounter(speeds, directions)
     different, place = np.unique(speeds, return_inverse=True)
     natural = np.array([heading_frequency(pilot, float(v)) for v in different])[place]
-    return np.asarray(np.maximum(met, ABOVE * natural))
+    return {"sea_frequency": np.maximum(met, ABOVE * natural), "sea_lag": LAG * natural}
 
 
 def _coefficients(pilot: Autopilot, model: Model, speeds: np.ndarray, condition: int) -> dict[str, np.ndarray]:

@@ -16,6 +16,8 @@ from shipid.foundation.aliases import Expression
 WIDTH = 0.7
 #: The notch stays this many times above the natural frequency of the heading, where its lag costs little phase.
 ABOVE = 4.0
+#: The lag has its corner this many times above it: of slow ships in quick waves little is left of the waves.
+LAG = 8.0
 
 
 class SeaFiltered(Measured):
@@ -24,6 +26,7 @@ class SeaFiltered(Measured):
     sea_frequency = constant("rad/s", "frequency of encounter the filter is set to", default="0.6 rad/s")
     sea_depth = constant("1", "setting of the filter: 0 in a calm sea, no filter; 1 the whole filter", default=1.0)
     sea_width = constant("1", "damping ratio of the notch", default=WIDTH)
+    sea_lag = constant("rad/s", "corner frequency of the lag", default="0.6 rad/s")
     psi_swing = state("rad*s^2", "heading by the waves, twice integrated", nominal=0.01)
     psi_band = state("rad*s", "heading in the band of the waves, integrated", nominal=0.01)
     r_swing = state("rad*s", "rate of turn by the waves, twice integrated", nominal=0.01)
@@ -73,13 +76,13 @@ class SeaFiltered(Measured):
 
     @psi_smooth.rate
     def smooth_heading(self) -> Expression:
-        """A first-order lag with its corner at the frequency of the notch."""
-        return self.sea_frequency * (self.notched(self.psi + self.psi_wave, self.psi_band) - self.psi_smooth)
+        """A first-order lag behind the notch."""
+        return self.sea_lag * (self.notched(self.psi + self.psi_wave, self.psi_band) - self.psi_smooth)
 
     @r_smooth.rate
     def smooth_rate(self) -> Expression:
-        """A first-order lag with its corner at the frequency of the notch."""
-        return self.sea_frequency * (self.notched(self.r + self.r_wave, self.r_band) - self.r_smooth)
+        """A first-order lag behind the notch."""
+        return self.sea_lag * (self.notched(self.r + self.r_wave, self.r_band) - self.r_smooth)
 
     def heading(self) -> Expression:
         """Return the heading through notch and lag, as far as the filter is set."""

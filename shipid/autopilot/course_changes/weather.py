@@ -21,9 +21,8 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.errors import UnitError, UsageError
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
+from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
 
-#: From this length on, in m, the weather is that of the sea.
-_FULL = 100.0
 #: Inputs of wind, waves and current that a model may read, in calm.
 CALM: Mapping[str, float] = MappingProxyType({
     "wind_speed": 0.0, "wind_direction": 0.0, "wave_direction": 0.0, "current_north": 0.0, "current_east": 0.0,
@@ -53,7 +52,7 @@ class Weather:
     wave_frequency: float
     wave_heading: float
     current: float
-    damping: float = 0.15
+    damping: float = DAMPING
 
     def components(self, model: Model) -> tuple[type[Component], ...]:
         """Return the components to join to the loop of a model: those of wind, waves and current that it reads.
@@ -107,8 +106,6 @@ class Weather:
     def noise(self, count: int, interval: np.ndarray, seed: int) -> np.ndarray:
         """Return the white noise that drives the waves, shape (count, runs), in rad/s^2.
 
-        The variance of the heading by waves under noise of intensity q is q / (4 zeta omega^3).
-
         Parameters
         ----------
         count : int
@@ -118,9 +115,9 @@ class Weather:
         seed : int
             Of the noise; every run has noise of its own.
         """
-        intensity = 4 * self.damping * self.wave_frequency**3 * self.wave_heading**2
-        draws = np.random.default_rng([seed, 7]).standard_normal((count, interval.size))
-        return np.asarray(draws * np.sqrt(intensity / interval))
+        return wave_noise(
+            count, interval, seed, frequency=self.wave_frequency, heading=self.wave_heading, damping=self.damping
+        )
 
     def encounter(self, speeds: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """Return the frequency at which ships meet the waves in rad/s: Passenier (1989), eq. (2.90).
@@ -158,8 +155,10 @@ def standard_weather(length: float, speed: float) -> Weather:
     speed : float
         The ship's own, in m/s; the wind is at most 1.5 times that, since a slow ship cannot hold a course in a stronger one.
     """
-    share = float(np.sqrt(min(length, _FULL) / _FULL))
-    return Weather(min(12.0 * share, 1.5 * speed), 0.6 / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed))
+    share = froude_share(length)
+    return Weather(
+        min(12.0 * share, 1.5 * speed), FREQUENCY / share, float(np.deg2rad(0.2)), min(1.0 * share, 0.2 * speed)
+    )
 
 
 def stated_weather(

@@ -16,7 +16,7 @@ from shipid.autopilot.design.control_law import (
     RateController,
 )
 from shipid.autopilot.design.placement import closed_poles
-from shipid.autopilot.design.plant import Plant, coefficients_at, linear_plant, ship_plants
+from shipid.autopilot.design.plant import Plant, linear_plant, ship_plants
 from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.component import Component
 from shipid.declaration.join import join
@@ -24,6 +24,7 @@ from shipid.declaration.model import Model
 from shipid.generation.linearisation import linearise
 from shipid.generation.system import generate
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.ship_coefficients import coefficients_at
 
 if TYPE_CHECKING:
     import control

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from shipid.autopilot.design.gain_design import GainDesign
-from shipid.autopilot.design.plant import coefficients_at
 from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.model import Model
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.ship_coefficients import coefficients_at
 from shipid.parameters.validity import BEYOND, beyond
 
 #: Speeds outside those of the trials by less than this part are no extrapolation.

@@ -6,7 +6,7 @@ Everything here works on many conditions at once: speeds of a grid, or samples o
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -14,18 +14,14 @@ import numpy as np
 
 from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
 from shipid.declaration.model import Model
-from shipid.declaration.scale import Scale
-from shipid.declaration.units import factor
 from shipid.foundation.aliases import CasadiFunction
-from shipid.foundation.errors import ParameterSetError
-from shipid.generation.simulator import initial_state, input_rows
+from shipid.generation.straight_course import straight_course
 from shipid.generation.system import generate
-from shipid.parameters.parameter_set import ParameterSet, missing_values
+from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.ship_coefficients import coefficients_at
 
 #: What an autopilot measures.
 MEASURED = ("psi", "r")
-#: Inputs that are zero on a straight course at heading zero.
-AMIDSHIPS = ("delta", "delta_order", "psi_order", "r_order")
 #: Largest rates at which a ship counts as on a straight course: the change of a state within a ship length, in its own size.
 _STRAIGHT = 1e-9
 
@@ -120,31 +116,6 @@ def _linear(model: Model, by: str) -> CasadiFunction:
             ca.densify(ca.jacobian(y, system.x)),
         ],
     )
-
-
-def straight_course(model: Model, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return states and inputs of a ship that goes straight at each speed, nothing else acting on it.
-
-    Parameters
-    ----------
-    model : Model
-        A ship model, with or without its autopilot.
-    speeds : ndarray, shape (n,)
-        In m/s.
-
-    Returns
-    -------
-    x : ndarray, shape (states, n)
-    u : ndarray, shape (inputs, n)
-
-    Raises
-    ------
-    UnstatedInputError
-        If the model reads an input that a straight course does not state and that declares no default.
-    """
-    x = initial_state(model, {"u": speeds})
-    u = input_rows(model, {"u": speeds, "cruise": speeds, **dict.fromkeys(AMIDSHIPS, 0.0)}, speeds.size)
-    return np.broadcast_to(x.reshape(len(x), -1), (len(x), speeds.size)), u
 
 
 def linear_plant(model: Model, speeds: np.ndarray, p: np.ndarray, by: str = "delta") -> Plant:
@@ -283,77 +254,3 @@ def transfer(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, n
         denominator.append(coefficient)
         adjoint = product + coefficient[..., None, None] * unit
     return np.stack(denominator, axis=-1), np.stack(numerators, axis=-1)
-
-
-@dataclass(frozen=True)
-class ShipCoefficients:
-    """The coefficients of a ship at one speed, and how they were found.
-
-    Attributes
-    ----------
-    values : mapping of str to float
-        SI.
-    span : tuple of float or None
-        Speeds in m/s between which the coefficients are known; None where the set does not state them.
-    scaled : bool
-        Whether dimensional coefficients were carried from another speed by powers of L and L/U.
-    """
-
-    values: Mapping[str, float]
-    span: tuple[float, float] | None
-    scaled: bool
-
-
-def coefficients_at(
-    model: Model, ship: ParameterSet, speed: float, values: Mapping[str, float] | None = None
-) -> ShipCoefficients:
-    """Return the coefficients of a ship at a speed that may lie outside its trials.
-
-    Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they were identified or
-    published, that of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
-
-    Parameters
-    ----------
-    model : Model
-        A ship model.
-    ship : ParameterSet
-        The ship.
-    speed : float
-        In m/s.
-    values : mapping of str to float, optional
-        SI values at the ship's own speed that replace those of the set: a sample.
-
-    Raises
-    ------
-    ParameterSetError
-        If the ship lacks a coefficient, or the length or the speed that is needed to scale one.
-    """
-    own, length = ship.particular("speed", "m/s"), ship.particular("L", "m")
-    tables = [v for v in (ship.find(model, n) for n in model.entries) if v is not None and v.speed]
-    limits = [[s * factor(v.speed_unit, "m/s") for s in (v.speed[0], v.speed[-1])] for v in tables]
-    span = (max(a for a, _ in limits), min(b for _, b in limits)) if limits else None
-    trials = _trial_speeds(ship, model)
-    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(trials) if trials else own
-    known = ship.values(model, speed=reference) | dict(values or {})
-    lacking = missing_values(model, known, f"ship {ship.name}")
-    if lacking:
-        raise lacking
-    dimensional = [n for n in model.parameters if model[n].quantity.prime]
-    if not dimensional or speed == reference:
-        return ShipCoefficients(known, span or trials, False)
-    if reference is None or length is None or not length > 0:
-        what = "speed" if reference is None else "length L"
-        raise ParameterSetError(
-            f"ship {ship.name} has no {what} of its own, by which {', '.join(dimensional)} of model {model.name} follow the "
-            "speed. Add it to the particulars."
-        )
-    here, there = Scale(length, speed), Scale(length, reference)
-    for name in dimensional:
-        known[name] *= here.factor_of(model[name]) / there.factor_of(model[name])
-    return ShipCoefficients(known, span or trials, True)
-
-
-def _trial_speeds(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
-    """The speeds of the trials a set was identified from, where it states them."""
-    joint = ship.joint.get(model.name)
-    return None if joint is None else joint.speeds

@@ -211,4 +211,10 @@ def _about(pilot: Autopilot, robust: Robustness, condition: int, limits: Mapping
             f"disk margin: the least {over} is {robust.disk_worst:.2g} at {robust.speed_worst:.3g} m/s, below "
             f"{limits['disk margin']:g}."
         )
+    filtered = robust.variants["sea filter on"]["disk"]
+    if filtered is not None and filtered < limits["disk margin"]:
+        found.append(
+            f"sea filter: while it is on, the least disk margin is {filtered:.2g}, below {limits['disk margin']:g}; a lower natural "
+            "frequency raises it."
+        )
     return found

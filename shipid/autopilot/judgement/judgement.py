@@ -235,7 +235,8 @@ class Judgement(DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [self.pilot.text(), self.weakest.sentence]
+        head, _, rest = self.pilot.text().partition("\n")
+        lines = [head, self.weakest.sentence, rest]
         for name, robust in zip(self.pilot.conditions, self.robust):
             lines.append(
                 f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"

@@ -89,9 +89,9 @@ def loop_polynomials(plant: Plant, gains: dict[str, np.ndarray] | Gains) -> tupl
 
 
 def sea_filtered(
-    numerator: np.ndarray, denominator: np.ndarray, frequency: np.ndarray, width: float
+    numerator: np.ndarray, denominator: np.ndarray, frequency: np.ndarray, width: float, corner: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return loops with the sea filter in them: ``(s^2 + omega^2) / (s^2 + 2 zeta omega s + omega^2) * omega / (s + omega)``.
+    """Return loops with the sea filter in them: ``(s^2 + omega^2) / (s^2 + 2 zeta omega s + omega^2) * c / (s + c)``.
 
     Parameters
     ----------
@@ -101,11 +101,13 @@ def sea_filtered(
         Of the notch in rad/s.
     width : float
         Its damping ratio.
+    corner : ndarray, shape (...)
+        Corner frequency c of the lag in rad/s.
     """
     one, zero = np.ones_like(frequency), np.zeros_like(frequency)
-    top = np.stack([frequency, zero, frequency**3], axis=-1)
+    top = np.stack([corner, zero, corner * frequency**2], axis=-1)
     bottom = np.stack([one, 2 * width * frequency, frequency**2], axis=-1)
-    lag = np.stack([one, frequency], axis=-1)
+    lag = np.stack([one, corner], axis=-1)
     # A leading zero: numerator and denominator keep one length.
     top = np.concatenate([zero[..., None], top], axis=-1)
     return _times(numerator, top), _times(_times(denominator, bottom), lag)

@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChanges
 from shipid.autopilot.course_changes.run_course_changes import course_histories, run_course_changes, scaled_draws
-from shipid.autopilot.course_changes.sea_filter import ABOVE, WIDTH
+from shipid.autopilot.course_changes.sea_filter import ABOVE, LAG, WIDTH
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import coefficients_of, heading_frequency, linear_ship, steered_ship
 from shipid.autopilot.design.plant import linear_plant
@@ -116,11 +116,13 @@ def robustness_of(
 
 def _filtered(pilot: Autopilot, condition: int, speed: float, change: float, waves: float) -> dict[str, float | None]:
     """The loop with the sea filter at the frequency of the waves, the ship at rest among them."""
-    frequency = np.array([max(waves, ABOVE * heading_frequency(pilot, float(v))) for v in pilot.speeds])
+    natural = np.array([heading_frequency(pilot, float(v)) for v in (*pilot.speeds, speed)])
+    notch = np.maximum(waves, ABOVE * natural)
+    corner = LAG * natural
     plants = linear_ship(pilot, pilot.speeds, condition, steered=True)
     loop = loop_polynomials(plants, pilot.schedule.at(pilot.speeds, condition))
-    disks = disk_margins(*sea_filtered(*loop, frequency, WIDTH), pilot.speeds / pilot.length)
-    own = {"sea_frequency": max(waves, ABOVE * heading_frequency(pilot, speed))}
+    disks = disk_margins(*sea_filtered(*loop, notch[:-1], WIDTH, corner[:-1]), pilot.speeds / pilot.length)
+    own = {"sea_frequency": float(notch[-1]), "sea_lag": float(corner[-1])}
     return _variant(
         float(disks.min()), run_course_changes(pilot, [speed], [change], condition=condition, values=own, filtered=True)
     )

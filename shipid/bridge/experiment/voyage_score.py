@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from shipid.bridge.experiment.tracks import TrackExperiment
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.prediction.following.planned_track import PlannedTrack
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: What the navigator sees: the planned track; the ground-speed vector as well; the predicted track; nothing, the track pilot sails.
 Condition: TypeAlias = Literal["A", "B", "C", "D"]
@@ -122,3 +125,7 @@ class VoyageScore(Result):
             for what, value in zip(legs, self.by_leg())
         ]
         return "\n".join(lines)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the root mean square of the distance on each leg as a pandas table."""
+        return table(({"leg": k, "rms [m]": v} for k, v in enumerate(self.by_leg(), start=1)), "leg", ("rms [m]",))

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
 
+from shipid.cli.frame.completing import complete_file, complete_model, complete_ship
 from shipid.cli.frame.delivery import Command, Decorator
 from shipid.cli.frame.messages import say
 from shipid.cli.frame.quantities import NumberWithUnit
 
 if TYPE_CHECKING:
+    from shipid.declaration.model import Model
+    from shipid.parameters.parameter_set import ParameterSet
     from shipid.trials.trial import Trial
 
 #: A part of a trial: first and last second; None for the record's own end.
@@ -20,8 +23,70 @@ Window: TypeAlias = "tuple[float | None, float | None]"
 
 _MODEL = "A model's name, or path/to/file.py:Class."
 _SHIP = "A ship's name, or the path of a parameter set (TOML)"
+_SET = "Replace a value of the ship, with its unit: L='45 m', a coefficient, or one of wind or steering machine."
 #: How levels are written, for the help of options that take them.
 LEVELS = "'psi=0.2 deg,r=0.02 deg/s'"
+
+
+def model_given(name: str, inputs: Mapping[str, str] | None = None) -> Model:
+    """Return the model of a command, the inputs held that its ``--input`` states.
+
+    Parameters
+    ----------
+    name : str
+        A model's name, or path/to/file.py:Class.
+    inputs : mapping of str to str, optional
+        By input, with units.
+    """
+    from shipid.parameters.catalogue import find_model
+    from shipid.parameters.held_inputs import hold_inputs
+
+    return hold_inputs(find_model(name), inputs or {})
+
+
+def ship_given(name: str, values: Mapping[str, str], *models: Model) -> ParameterSet:
+    """Return the ship of a command, with the values that its ``--set`` states.
+
+    Parameters
+    ----------
+    name : str
+        A ship's name, or the path of a parameter set.
+    values : mapping of str to str
+        By name, with units.
+    *models : Model
+        Whose coefficients may be stated, beside the particulars of the ship.
+    """
+    from shipid.parameters.catalogue import find_ship
+    from shipid.parameters.replaced import with_values
+
+    found = find_ship(name)
+    return with_values(found, values, models, "stated by --set") if values else found
+
+
+def optional_ship_given(name: str | None, values: Mapping[str, str], *models: Model) -> ParameterSet | None:
+    """Return the ship of a command that needs none, or None.
+
+    Parameters
+    ----------
+    name : str or None
+        As for `ship_given`, or None where no ship is named.
+    values : mapping of str to str
+        By name, with units.
+    *models : Model
+        Whose coefficients may be stated.
+
+    Raises
+    ------
+    UsageError
+        If there are values, and no ship.
+    """
+    from shipid.foundation.errors import UsageError
+
+    if name:
+        return ship_given(name, values, *models)
+    if values:
+        raise UsageError("--set replaces values of a ship: name the ship with --ship.")
+    return None
 
 
 def names_of(text: str) -> list[str]:
@@ -110,12 +175,16 @@ def _read_by(reader: Callable[[str], object]) -> Callable[[click.Context, click.
     return lambda _context, _parameter, text: None if text is None else reader(text)
 
 
-model_argument = click.argument("model")
-model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL)
-optional_model_option = click.option("--model", metavar="MODEL", help=_MODEL)
-trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...")
+model_argument = click.argument("model", shell_complete=complete_model)
+model_option = click.option("--model", required=True, metavar="MODEL", help=_MODEL, shell_complete=complete_model)
+optional_model_option = click.option("--model", metavar="MODEL", help=_MODEL, shell_complete=complete_model)
+trials_argument = click.argument("trials", nargs=-1, required=True, metavar="TRIAL...", shell_complete=complete_file)
 format_option = click.option(
-    "--format", "format_", metavar="FILE", help="Trial format file (TOML), for headers without units."
+    "--format",
+    "format_",
+    metavar="FILE",
+    help="Trial format file (TOML), for headers without units.",
+    shell_complete=complete_file,
 )
 _window_option = click.option(
     "--window",
@@ -124,7 +193,11 @@ _window_option = click.option(
     help="Seconds of the trial's clock; a trial may carry its own: FILE@A:B.",
 )
 validate_option = click.option(
-    "--validate", multiple=True, metavar="TRIAL...", help="Trials to predict that are not fitted."
+    "--validate",
+    multiple=True,
+    metavar="TRIAL...",
+    help="Trials to predict that are not fitted.",
+    shell_complete=complete_file,
 )
 values_option = click.option(
     "--set",
@@ -133,7 +206,23 @@ values_option = click.option(
     multiple=True,
     metavar="NAME=VALUE",
     callback=lambda _context, _parameter, texts: assignments(texts),
-    help="Replace a value of the ship, with its unit.",
+    help=_SET,
+)
+set_option = click.option(
+    "--set",
+    "values",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=lambda _context, _parameter, texts: assignments(texts),
+    help=_SET,
+)
+input_option = click.option(
+    "--input",
+    "inputs",
+    multiple=True,
+    metavar="NAME=VALUE",
+    callback=lambda _context, _parameter, texts: assignments(texts),
+    help="Hold an input of the model, with its unit, as in n='2 rps'.",
 )
 sampling_option = click.option("--sampling", type=NumberWithUnit("s"), help="Sampling interval, as in '1 s'.")
 starts_option = click.option(
@@ -152,8 +241,9 @@ def ship_option(*, required: bool = False, several: str = "") -> Decorator:
         What it means to give it several times, where that is possible; the command gets `ships`.
     """
     if several:
-        return click.option("--ship", "ships", multiple=True, metavar="SHIP", help=f"{_SHIP}; several times {several}.")
-    return click.option("--ship", required=required, metavar="SHIP", help=f"{_SHIP}.")
+        words = f"{_SHIP}; several times {several}."
+        return click.option("--ship", "ships", multiple=True, metavar="SHIP", help=words, shell_complete=complete_ship)
+    return click.option("--ship", required=required, metavar="SHIP", help=f"{_SHIP}.", shell_complete=complete_ship)
 
 
 def speed_option(what: str, more: str = "", *, several: bool = False) -> Decorator:

@@ -52,6 +52,8 @@ class NumberWithUnit(click.ParamType):  # type: ignore[type-arg]
         UsageError
             With what to type instead.
         """
+        if ctx is not None and ctx.resilient_parsing:
+            return str(value)  # a shell asks what may come next: nothing is read or computed
         from shipid.declaration.units import to_si
         from shipid.foundation.errors import UnitError, UsageError
 

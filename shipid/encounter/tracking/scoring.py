@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,8 +12,11 @@ from shipid.encounter.plots.plots import Plots, Scan
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: A track is a ship's within so many standard deviations of a plot; no ship within this distance, and it is a false one.
 _NEAR, _FAR = 5.0, 250.0
@@ -113,6 +117,21 @@ class TrackingScore(Result):
             )
         never = sum(s.held is None for s in self.ships)
         return "\n".join(lines + ([f"{never} ships of the truth were never visible to the sensor"] if never else []))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the ships as a pandas table: how long each was held, errors now and ahead in m."""
+        rows = (
+            {
+                "ship": s.name,
+                "visible_scans": s.visible,
+                "held": s.held,
+                **{f"rmse_{h:.0f}_s [m]": e for h, e in zip(HORIZONS, s.rmse)},
+                "nees": s.nees,
+                "tracks": s.tracks,
+            }
+            for s in self.ships
+        )
+        return table(rows, "ship", ("visible_scans", "held", "nees", "tracks"))
 
 
 def score_tracks(

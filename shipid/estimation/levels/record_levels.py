@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from shipid.declaration.units import factor, pretty
 from shipid.estimation.standing import DETERMINED, Standing
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import uncertain_text
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import interval_95
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -170,3 +174,11 @@ class RecordLevels(Result):
             level = self._shown(key, self.level(key))
             said.append(level if key.startswith("sensor:") else f"noise that drives {level}")
         return ", ".join(said)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the noise levels as a pandas table, SI: a sensor's of one sample, a driving noise as it was declared."""
+        return table(({"name": n, **level} for n, level in self.to_dict()["noise_levels"].items()), "name")
+
+    def text(self) -> str:
+        """Return the levels in one line of text."""
+        return f"noise levels: {self}"

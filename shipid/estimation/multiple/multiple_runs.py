@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +21,9 @@ from shipid.estimation.multiple.whitening import whitened
 from shipid.estimation.records.triangles import diagonal_of, unpacked
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Runs whose controls are laid out at a time: memory for them does not grow with the number of runs.
 _BATCH = 128
@@ -87,6 +91,18 @@ class MultipleModelRuns(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         return f"{self.design!r}: {self.out.shape[0]} runs of {self.t.size} samples"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, one row a run and sample: combined estimates, standard deviations, mode probabilities, SI."""
+        import pandas as pd
+
+        runs, samples = self.out.shape[:2]
+        x, std, mu = (a.reshape(runs * samples, -1) for a in (self.x, self.std, self.probabilities))
+        columns = {"run": np.repeat(np.arange(runs), samples), "t [s]": np.tile(self.t, runs)}
+        for i, name in enumerate(self.states):
+            unit = self.design.first.model[name].unit
+            columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = x[:, i], std[:, i]
+        return pd.DataFrame(columns | {f"probability_{m} [1]": mu[:, j] for j, m in enumerate(self.design.names)})
 
 
 def filter_runs(

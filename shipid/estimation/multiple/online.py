@@ -6,9 +6,11 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.multiple.design import MultipleModelDesign
 from shipid.estimation.multiple.first_state import FirstState, packed
@@ -19,8 +21,11 @@ from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.records.clock import steps
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.generation.loop import Stepper
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: The sampling interval is the median of so many of the last.
 _RECENT = 9
@@ -72,6 +77,20 @@ class MultipleModelEstimate(Result):
     def mode(self) -> str:
         """The most probable mode."""
         return self.design.names[int(np.argmax(self.probabilities))]
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the combined estimate as a pandas table, SI."""
+        rows = ({"name": n, "value": self[n], "unit": u, "std": self.std_of(n)} for n, u in self._units())
+        return table(rows, "name")
+
+    def text(self) -> str:
+        """Return the estimate in lines of text: modes, then states."""
+        shares = ", ".join(f"{n} {p:.4g}" for n, p in zip(self.design.names, self.probabilities.tolist()))
+        states = (f"  {n:<12s} {shown_estimate(self[n], self.std_of(n), n, u)}" for n, u in self._units())
+        return "\n".join([f"estimate at {self.t:g} s; modes: {shares}", *states])
+
+    def _units(self) -> list[tuple[str, str]]:
+        return [(n, self.design.first.model[n].unit) for n in self.design.states]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

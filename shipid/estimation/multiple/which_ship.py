@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,9 +19,12 @@ from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.result import DrawnResult
+from shipid.foundation.result import DrawnResult, table
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: A ship's condition changes once in so long, in s: hardly ever within a trial.
 _KEPT = 3600.0
@@ -76,6 +80,18 @@ class WhichShip(DrawnResult):
         )
         notes = [f"  {'WARNING' if n.serious else 'note'}: {n}" for n in self.warnings]
         return "\n".join([f"{self.run.text()}\n{alone}\n  {self.answer}\n{caution}", *notes])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the sets as a pandas table: probability at the end and on average, log-likelihood alone."""
+        last, mean = self.run.probabilities[-1].tolist(), self.run.probabilities.mean(axis=0).tolist()
+        rows = zip(self.run.modes, last, mean)
+        return table(
+            (
+                {"ship": n, "probability": p, "mean_probability": m, "log_likelihood_alone": self.log_likelihoods[n]}
+                for n, p, m in rows
+            ),
+            "ship",
+        )
 
 
 def which_ship(

@@ -7,10 +7,11 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.online.samples import SampleReader
@@ -36,9 +37,12 @@ from shipid.estimation.recursion.layout import total
 from shipid.estimation.settings.first_look import first_value
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,6 +102,20 @@ class OnlineEstimate(Result):
             "rejected": list(self.rejected),
             "refused": self.refused,
         }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the estimates as a pandas table, SI."""
+        return table(({"name": n, **e} for n, e in self.to_dict()["estimates"].items()), "name")
+
+    def text(self) -> str:
+        """Return the estimate in lines of text."""
+        estimates = self.to_dict()["estimates"].items()
+        lines = [
+            f"estimate at {self.t:g} s",
+            *(f"  {n:<12s} {shown_estimate(e['value'], e['std'], n, e['unit'])}" for n, e in estimates),
+        ]
+        lines += [f"  rejected: {', '.join(self.rejected)}"] if self.rejected else []
+        return "\n".join(lines + ([f"  refused: {self.refused}"] if self.refused else []))
 
 
 class _Row(NamedTuple):

@@ -9,6 +9,7 @@ estimate stays, even where the filter's covariance shrinks.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,10 @@ from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.result import DrawnResult
+from shipid.foundation.result import DrawnResult, table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Eigenvalue, as a share of the largest, below which it is zero but for rounding.
 _NULL = 1e-12
@@ -99,6 +103,18 @@ class Observability(DrawnResult):
             "unobservable": [dict(d.weights) for d in self.unobservable],
             "weak": [{"weights": dict(d.weights), "information": d.information} for d in self.weak],
         }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the directions that the record shows little of as a pandas table."""
+        rows = ({"direction": str(d), "information": d.information} for d in (*self.unobservable, *self.weak))
+        return table(rows, "direction", ("information",))
+
+    def text(self) -> str:
+        """Return the result in lines of text."""
+        head = f"what record {self.run.record} shows of {', '.join(self.states)}"
+        lines = [f"  {said}" for said in self.messages]
+        lines += [f"  weak: {d}, information {d.information:.2g}" for d in self.weak]
+        return "\n".join([head, *(lines or ["  every state is observable"])])
 
 
 def observability(run: FilterRun) -> Observability:

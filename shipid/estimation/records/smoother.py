@@ -11,9 +11,11 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.derived import named
 from shipid.estimation.records.restart import kept_states
@@ -21,11 +23,14 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import deviations_of, unpacked
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import DrawnResult
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Smoothed(Result):
+class Smoothed(DrawnResult):
     """Smoothed estimates of a record.
 
     Attributes
@@ -73,6 +78,29 @@ class Smoothed(Result):
     def covariance(self) -> np.ndarray:
         """Covariance of the states at each sample, shape (N, states, states)."""
         return unpacked(self.packed, len(self.states))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table: time, estimates and standard deviations, SI, units in the headers."""
+        import pandas as pd
+
+        columns: dict[str, np.ndarray] = {"t [s]": self.t}
+        hidden = self.design.parameters.values()
+        for name in (*(s for s in self.states if s not in hidden), *self.design.parameters):
+            unit = self.design.model[name].unit
+            columns[f"{name} [{unit}]"], columns[f"std_{name} [{unit}]"] = self[name], self.std_of(name)
+        return pd.DataFrame(columns)
+
+    def text(self) -> str:
+        """Return the result in lines of text: the filter, the record, and the estimates at its end."""
+        span = f"{self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"
+        lines = [f"smoothed by {self.design!r}", f"record: {span}; at its end:"]
+        hidden = self.design.parameters.values()
+        for name in (*(s for s in self.states if s not in hidden), *self.design.parameters):
+            unit = self.design.model[name].unit
+            lines.append(
+                f"  {name:<12s} {shown_estimate(float(self[name][-1]), float(self.std_of(name)[-1]), name, unit)}"
+            )
+        return "\n".join(lines)
 
 
 def _over_holes(run: FilterRun) -> tuple[np.ndarray, np.ndarray]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import casadi as ca
 import numpy as np
@@ -24,6 +25,9 @@ from shipid.generation.step import make_step
 from shipid.generation.system import generate
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class LevelEstimator:
@@ -143,6 +147,12 @@ class LevelRun(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         return f"<{self.name} over {self.t.size} samples: {self.values[-1]:.4g} {self.unit} at the end>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the level against time as a pandas table, units in the headers."""
+        import pandas as pd
+
+        return pd.DataFrame({"t [s]": self.t, f"{self.name} [{self.unit}]": self.values})
 
 
 @dataclass(eq=False)

@@ -6,9 +6,11 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.online.saving import (
     check_clock,
@@ -23,11 +25,14 @@ from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -96,6 +101,19 @@ class RecursiveEstimate(Result):
             },
             "refused": self.refused,
         }
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the estimates as a pandas table, SI."""
+        return table(({"name": n, **e} for n, e in self.to_dict()["estimates"].items()), "name")
+
+    def text(self) -> str:
+        """Return the estimate in lines of text."""
+        estimates = self.to_dict()["estimates"].items()
+        lines = [
+            f"estimate at {self.t:g} s",
+            *(f"  {n:<12s} {shown_estimate(e['value'], e['std'], n, e['unit'])}" for n, e in estimates),
+        ]
+        return "\n".join(lines + ([f"  refused: {self.refused}"] if self.refused else []))
 
 
 class OnlineIdentifier:

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import FIELDS, shown_estimate
 from shipid.foundation.result import Result
 from shipid.generation.departure import Departure
 from shipid.identification.validation.trial_measures import TrialMeasures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -87,3 +92,26 @@ class Comparison(Result):
     def bias(self) -> float:
         """Rudder bias in rad that was used."""
         return self.biases.get("delta", 0.0)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return measured and predicted signals against time as a pandas table, SI, units in the headers where they are known."""
+        import pandas as pd
+
+        columns = {"t [s]": self.trial["t"]}
+        for name, values in self.predicted.items():
+            unit = f" [{_unit(name)}]" if _unit(name) else ""
+            columns |= {f"{name}{unit}": self.trial[name]} if self.trial.has(name) else {}
+            columns[f"predicted_{name}{unit}"] = values
+        return pd.DataFrame(columns)
+
+    def text(self) -> str:
+        """Return the comparison in lines of text."""
+        errors = [f"  rms error of {n:<8s} {shown_estimate(v, None, n, _unit(n))}" for n, v in self.rmse.items()]
+        left = [] if self.departure is None else [f"  {self.departure}"]
+        return "\n".join(
+            [f"trial {self.trial.name} beside its prediction", *errors, *left, *(f"  {n}" for n in self.notes)]
+        )
+
+
+def _unit(name: str) -> str:
+    return FIELDS[name].unit if name in FIELDS else ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Literal
 
@@ -50,7 +50,11 @@ class TrialFinding:
 
 
 def findings_of(
-    ship: ParameterSet, fitted: Sequence[Comparison], validation: Sequence[Comparison], inputs: Sequence[str] = ()
+    ship: ParameterSet,
+    fitted: Sequence[Comparison],
+    validation: Sequence[Comparison],
+    inputs: Sequence[str] = (),
+    method: str = "",
 ) -> tuple[TrialFinding, ...]:
     """Return what the doctor is sure of in the trials of a fit, what spoils an identification first.
 
@@ -62,6 +66,8 @@ def findings_of(
         The trials that were fitted, and those that were predicted.
     inputs : sequence of str
         What drives the model. A finding that concerns neither these nor a signal of the fit spoils nothing in it.
+    method : str
+        How the coefficients were found. Prediction error models the disturbances that an autopilot reacts to.
     """
     found = []
     roles: tuple[tuple[Literal["fitted", "validation"], Sequence[Comparison]], ...] = (
@@ -72,11 +78,18 @@ def findings_of(
         for c in comparisons:
             diagnosis = check_trial(c.trial, ship)
             found += [
-                TrialFinding(c.trial.name, role, f, f.touches({*c.samples, *inputs}, -inf, inf))
+                TrialFinding(c.trial.name, role, _settled(f, method), f.touches({*c.samples, *inputs}, -inf, inf))
                 for f in diagnosis.findings
                 if f.confidence >= SURE
             ]
     return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))
+
+
+def _settled(finding: Finding, method: str) -> Finding:
+    """A finding, no longer serious where the method settles it."""
+    if finding.kind == "closed-loop" and method == "prediction-error":
+        return replace(finding, spoils=False)
+    return finding
 
 
 def lines_of(findings: Sequence[TrialFinding]) -> list[str]:

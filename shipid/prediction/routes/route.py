@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.prediction.routes.errors import RouteError, RouteSizeError, WaypointError
 from shipid.prediction.routes.sailings import turned
 from shipid.trials.logs.geodesy import to_geographic, to_local
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: How a leg leads to its waypoint.
 LegGeometry = Literal["loxodrome", "great circle"]
@@ -226,6 +229,24 @@ class Route(Result):
         """Return the result in lines of text."""
         kind = "latitude and longitude" if self.geographic else "local metres"
         return f"<route '{self.name}': {len(self)} waypoints in {kind}>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the waypoints as a pandas table, units in the headers: degrees, or metres where the positions are local."""
+        names = ("lat [deg]", "lon [deg]") if self.geographic else ("x [m]", "y [m]")
+        rows = (
+            {
+                "waypoint": k,
+                "name": w.name,
+                **dict(zip(names, map(math.degrees, w.position) if self.geographic else w.position)),
+                "radius [m]": w.radius,
+                "xtd_port [m]": w.xtd_port,
+                "xtd_starboard [m]": w.xtd_starboard,
+                "speed [m/s]": w.speed,
+                "geometry": w.geometry,
+            }
+            for k, w in enumerate(self.waypoints, start=1)
+        )
+        return table(rows, "waypoint")
 
 
 def route_through(points: Sequence[tuple[float, float]], *, radius: float | None = None, name: str = "route") -> Route:

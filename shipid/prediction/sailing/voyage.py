@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from shipid.foundation.result import DrawnResult
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
 from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -173,3 +177,7 @@ class Voyage(DrawnResult):
         if not self.left and self.plan.limits is not None and np.isfinite(self.plan.limits).any():
             lines.append("  cross-track limits kept")
         return "\n".join(lines)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the trial of the voyage as a pandas table, units in the headers (`Trial.to_frame`)."""
+        return self.trial.to_frame()

@@ -5,11 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.vocabulary import FIELDS, shown_estimate
 from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -76,3 +81,17 @@ class Situation(Result):
             return 0.0
         i = self.uncertain.index(name)
         return float(np.sqrt(max(self.covariance[i, i], 0.0)))
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the values with their standard deviations as a pandas table, SI."""
+        rows = ({"name": n, "value": v, "std": self.std_of(n), "unit": _unit(n)} for n, v in self.values.items())
+        return table(rows, "name")
+
+    def text(self) -> str:
+        """Return the situation in lines of text."""
+        lines = [f"  {n:<16s} {shown_estimate(v, self.std_of(n), n, _unit(n))}" for n, v in self.values.items()]
+        return "\n".join([f"situation at {self.t:g} s", *lines])
+
+
+def _unit(name: str) -> str:
+    return FIELDS[name].unit if name in FIELDS else ""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SURE = 0.8
 """Findings of at least this confidence count; one below it is worth checking by hand."""
@@ -312,6 +316,20 @@ class Diagnosis(Result):
         if self.manoeuvres:
             lines += ["  manoeuvres", *(f"    {m}" for m in self.manoeuvres)]
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the findings as a pandas table."""
+        columns = ("channel", "serious", "confidence", "message", "effect", "repair")
+        rows = (
+            {
+                "kind": f.kind,
+                "from [s]": f.seconds[0],
+                "to [s]": f.seconds[1],
+                **{n: getattr(f, n) for n in columns},
+            }
+            for f in self.findings
+        )
+        return table(rows, "kind", ("from [s]", "to [s]", *columns))
 
 
 def not_read(trial: str, why: str) -> Diagnosis:

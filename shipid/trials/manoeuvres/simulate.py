@@ -18,20 +18,25 @@ from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
+from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
 from shipid.trials.source import Source
 from shipid.trials.trial import Trial
 
 #: What a simulated trial records, where the model has it.
 RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
+#: What shows the waves, and the quantity of the waves in it.
+_WAVED = {"psi": "psi_wave", "r": "r_wave"}
 #: Steps that still fit into memory, with room to spare.
 _MOST_STEPS = 1e7
 _INTERVALS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0)
@@ -56,6 +61,8 @@ def simulate(
     noise: str | Mapping[str, str | float] | None = None,
     current: Flow | None = None,
     wind: Flow | None = None,
+    waves: Flow | None = None,
+    inputs: Mapping[str, str | float] | None = None,
     steering: bool = True,
     values: Mapping[str, str | float] | None = None,
     seed: int = 0,
@@ -83,6 +90,11 @@ def simulate(
     current, wind : tuple, optional
         Speed and direction it flows TO, with units or in SI. Wind needs the wind coefficients among `values` or in
         the ship's set.
+    waves : tuple, optional
+        Root mean square of the heading by waves, and the direction they run TO, with units or in SI. They show in ``psi`` and ``r``,
+        which the instruments measure; the helmsman steers by the heading without them, and they do not change the path.
+    inputs : mapping of str to str or float, optional
+        Inputs of the model that are held, with units or in SI.
     steering : bool
         Whether the rudder follows through the ship's steering machine (limit and rate limit).
     values : mapping of str to str or float, optional
@@ -109,7 +121,7 @@ def simulate(
     NotSailedError
         If the model leaves the range in which it is valid, or runs away.
     """
-    model, ship = model_of(model), ship_of(ship)
+    model, ship = hold_inputs(model_of(model), inputs or {}), ship_of(ship)
     manoeuvre = parse_manoeuvre(manoeuvre) if isinstance(manoeuvre, str) else manoeuvre
     u0, length = _speed(ship, speed), _length(ship)
     unit_time = length / u0
@@ -124,7 +136,7 @@ def simulate(
         raise UsageError(f"a sampling interval of {interval:g} s does not fit a manoeuvre of {planned.duration:g} s.")
 
     check_flows(model, current, wind)
-    whole = _with_steering(model, planned.helm, steering, wind is not None)
+    whole = _with_steering(model, planned.helm, steering, wind is not None, waves is not None)
     whole, replaced = _with_values(whole, values or {})
     known = ship.values(whole, speed=u0) | replaced | planned.constants
     lacking = missing_values(whole, known, f"ship {ship.name}")
@@ -139,12 +151,17 @@ def simulate(
         )
     count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
-    inputs: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
+    acting: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
+    if waves is not None:
+        known, inputs_of_waves = _with_waves(waves, known, length, interval / fine, t.size, seed)
+        acting |= inputs_of_waves
     if planned.schedule:
-        inputs["helm_schedule"] = planned.scheduled(t)
+        acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
-    simulator = make_simulator(whole, [n for n in RECORDED if n in whole], hold="zero", compiled=False)
-    run = simulator(t, known, inputs, {"u": u0, "psi": course})
+    simulator = make_simulator(
+        whole, [n for n in (*RECORDED, *_WAVED.values()) if n in whole], hold="zero", compiled=False
+    )
+    run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
         steered = {n: run[n] for n in ("delta",) if n in run.columns}
         raise NotSailedError(
@@ -153,21 +170,39 @@ def simulate(
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
-    table = measured({n: column[::fine] for n, column in run.columns.items()}, t[::fine], deviations, seed)
+    columns = {n: c for n, c in run.columns.items() if n in RECORDED}
+    if waves is not None:
+        columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
+    table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     noises = ", ".join(f"{n} {d:.4g} {FIELDS[n].unit}" for n, d in deviations.items()) or "none"
-    acting = "".join(
-        f"; {what} {w[0]} to {w[1]}" for what, w in (("current", current), ("wind", wind)) if w is not None
+    met = "".join(
+        f"; {what} {w[0]} to {w[1]}"
+        for what, w in (("current", current), ("wind", wind), ("waves", waves))
+        if w is not None
     )
+    met += "".join(f"; {n} {value} held" for n, value in (inputs or {}).items())
     changed = "".join(f", {n} {value}" for n, value in (values or {}).items())
     comment = (
         f"Simulated, not measured: shipid {shipid.__version__}, model {model.name}, ship {ship.name}, {manoeuvre}, "
-        f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{acting}"
+        f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{met}"
     )
-    notes = beyond_in_run(model, ship, u0, run.columns)
+    # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
+    notes = beyond_in_run(model, ship, u0, run.columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
     )
+
+
+def _with_waves(
+    waves: Flow, known: dict[str, float], length: float, step: float, count: int, seed: int
+) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
+    """Coefficients and inputs of waves of a size, at the usual frequency for a ship of this length."""
+    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    frequency = FREQUENCY / froude_share(length)
+    noise = wave_noise(count, np.array([step]), seed, frequency=frequency, heading=size)[:, 0]
+    sea = {"wave_frequency": frequency, "wave_damping": DAMPING}
+    return known | sea, {"wave_noise": noise, "wave_direction": direction}
 
 
 def _speed(ship: ParameterSet, speed: str | float | None) -> float:
@@ -200,11 +235,11 @@ def usual_interval_of(unit_time: float) -> float:
     return max((i for i in _INTERVALS if i <= unit_time / 20), default=_INTERVALS[0])
 
 
-def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bool) -> Model:
+def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bool, waves: bool) -> Model:
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
     rudder = SteeringMachine if steering else DirectRudder
-    extra = (Wind,) if wind else ()
+    extra = (*((Wind,) if wind else ()), *((Waves,) if waves else ()))
     return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 
 

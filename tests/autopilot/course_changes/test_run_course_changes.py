@@ -10,8 +10,9 @@ import pytest
 
 import shipid
 from shipid.autopilot.course_changes.run_course_changes import course_histories, run_course_changes
+from shipid.autopilot.course_changes.sea_filter import LAG
 from shipid.autopilot.course_changes.weather import Weather, standard_weather
-from shipid.autopilot.design.closed_loop import to_control
+from shipid.autopilot.design.closed_loop import heading_frequency, to_control
 from shipid.autopilot.design.control_law import IntegralCourseController
 from shipid.generation.system import generate
 from shipid.parameters.draws import Drawn, draw_coefficients
@@ -152,7 +153,7 @@ def test_the_sea_filter_is_set_to_the_waves_the_ship_meets(container):
         run_course_changes(
             container, [9.5], [np.deg2rad(60)], weather=sea, headings=[np.deg2rad(100)], filtered=True, values=values
         )
-        for values in ({}, {"sea_frequency": met})
+        for values in ({}, {"sea_frequency": met, "sea_lag": LAG * heading_frequency(container, 9.5)})
     )
     assert own.rms_rudder[0] == pytest.approx(told.rms_rudder[0], rel=1e-9)
 
@@ -192,7 +193,7 @@ def test_the_sea_filter_is_a_notch_with_a_roll_off():
 
     model = shipid.join("filter", SeaFiltered)
     linear = shipid.linearise(
-        model, {"sea_frequency": 0.6, "sea_depth": 1.0, "sea_width": 0.7, "log_scale": 1.0}, ["r_swing", "r_band", "r_smooth"], ["r"],
+        model, {"sea_frequency": 0.6, "sea_lag": 0.6, "sea_depth": 1.0, "sea_width": 0.7, "log_scale": 1.0}, ["r_swing", "r_band", "r_smooth"], ["r"],
         ["r_seen"],
     ).to_state_space()  # fmt: skip
     response = np.abs(linear(1j * np.array([1e-6, 0.6, 60.0])))

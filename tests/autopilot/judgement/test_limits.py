@@ -31,6 +31,7 @@ def test_limits_and_weather_are_those_stated(judged):
     assert points["disk margin"].limit == 1.9 and points["steady error in wind"].limit == pytest.approx(1.0)
     assert judged.to_dict()["limits"]["disk margin"] == 1.9
     assert any(w.startswith("disk margin") and "below 1.9" in w for w in judged.warnings)
+    assert any(w.startswith("sea filter: while it is on") and "below 1.9" in w for w in judged.warnings)
 
 
 def test_what_is_not_reached_is_in_the_summary(judged):
@@ -38,7 +39,7 @@ def test_what_is_not_reached_is_in_the_summary(judged):
     assert missed
     (sentence,) = [w for w in judged.not_reached if w.startswith("The new course is not reached")]
     assert all(s.weather.removeprefix("weather from ") in sentence for s in missed)
-    assert f"({len(missed)} of 8 directions)" in sentence and sentence in repr(judged)
+    assert f"({len(missed)} of 8 directions)" in sentence and sentence in judged.text()
     assert sentence in judged.to_dict()["not_reached"]
     unsettled = tuple(dataclasses.replace(s, settling_s=None) for s in judged.steps)
     robust = dataclasses.replace(

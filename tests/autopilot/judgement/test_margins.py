@@ -98,10 +98,11 @@ def test_the_sea_filter_in_the_loop():
     """Against the product of the three transfer functions, of two loops at once; both polynomials have one length."""
 
     loop = np.array([[0.0, 0.0, 0.5], [0.0, 0.3, 0.5]]), np.array([[1.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
-    numerator, denominator = sea_filtered(*loop, np.array([0.6, 0.9]), 0.7)
+    numerator, denominator = sea_filtered(*loop, np.array([0.6, 0.9]), 0.7, np.array([0.3, 0.9]))
     for k, frequency in enumerate((0.6, 0.9)):
         notch = control.tf([1, 0, frequency**2], [1, 1.4 * frequency, frequency**2])
-        lag = control.tf([frequency], [1, frequency])
+        corner = (0.3, 0.9)[k]
+        lag = control.tf([corner], [1, corner])
         whole = notch * lag * control.tf(loop[0][k], loop[1][k])
         s = 0.3 + 0.4j
         assert np.polyval(numerator[k], s) / np.polyval(denominator[k], s) == pytest.approx(whole(s), rel=1e-12)

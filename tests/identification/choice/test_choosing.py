@@ -58,7 +58,9 @@ def test_how_firm_a_choice_is_and_what_would_decide_it():
     assert "The choice is not firm: without b it would be second." in ranking.words
     close = Ranking((first, rank("third", 4, (0.2, 0.41), turn=HardTurn(0.6, 0.02, 0.1, 0.0))), ("a", "b"))
     assert close.words[1] == "The choice is firm: it is the same without any one of the 2 trials."
-    assert close.words[2].startswith("It would be decided by a turning circle with 34 deg of rudder: first turns at 0.573")
+    assert close.words[2].startswith(
+        "It would be decided by a turning circle with 34 deg of rudder: first turns at 0.573"
+    )
     same = Ranking((first, rank("third", 4, (0.2, 0.41))), ("a", "b"))
     assert same.words[2].startswith("It would be decided by more zig-zags")
 
@@ -68,7 +70,9 @@ def test_a_campaign_that_is_too_poor_gets_the_simplest_model():
     assert Ranking(ranks, ("a",)).best == "rich"
     poor = Ranking(ranks, ("a",), ("A second trial is missing.",))
     assert poor.best == "plain"
-    assert [n.kind for n in poor.warnings] == ["too-poor-to-choose"] and "A second trial is missing." in poor.warnings[0]
+    assert [n.kind for n in poor.warnings] == ["too-poor-to-choose"] and "A second trial is missing." in poor.warnings[
+        0
+    ]
 
 
 def test_where_nothing_is_explained_nothing_is_taken():
@@ -80,5 +84,7 @@ def test_where_nothing_is_explained_nothing_is_taken():
 
 
 def test_weights_are_shares_of_one_and_favour_what_predicts():
-    weights = weights_of([rank("one", 2, (0.1,)), rank("two", 3, (0.2,)), Rank("lost", 1, 1, 1, None, None, (), {}, {})])
+    weights = weights_of(
+        [rank("one", 2, (0.1,)), rank("two", 3, (0.2,)), Rank("lost", 1, 1, 1, None, None, (), {}, {})]
+    )
     assert weights == pytest.approx({"one": 16 / 17, "two": 1 / 17, "lost": 0.0})

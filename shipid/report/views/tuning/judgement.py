@@ -11,6 +11,7 @@ from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement, Weake
 from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.numbers import fixed, number
 from shipid.report.page import Row, Section
+from shipid.report.typography.quantities import shown_field
 from shipid.report.views.words import sentence
 
 _ADAPTATIONS = {
@@ -174,7 +175,7 @@ def weather_section(judged: Judgement) -> Section:
         f"Wind {number(w['wind_m_s'], 2)} m/s and waves at {number(w['wave_frequency_rad_s'], 2)} rad/s that yaw a ship at rest by "
         f"{number(w['wave_heading_rms_deg'], 2)} deg rms, both from one side; current {number(w['current_m_s'], 2)} m/s across. "
         "Unless they are stated, they are in proportion to the length of the ship below 100 m. The sea filter is on: a notch at "
-        "the frequency of encounter, and a lag above it."
+        "the frequency of encounter, and a lag."
     )
     raw = {s.weather: s for s in judged.in_weather if not s.sea_filter}
     filtered = [s for s in judged.in_weather if s.sea_filter]
@@ -196,6 +197,7 @@ def _why_it_moves(judged: Judgement, kept: Sequence[CourseChange], raw: Sequence
     turning = judged.weather["wave_turning_rms_deg_s"]
     gain = judged.pilot.gains(judged.pilot.own_speed).Kd
     met = [s.waves_met or 0.0 for s in kept]
+    most = judged.pilot.limits["delta_rate"] * shown_field("delta").factor
 
     def worst(runs: Sequence[CourseChange], name: str, decimals: int) -> str:
         return fixed(max((getattr(s, name) or 0.0 for s in runs), default=0.0), decimals)
@@ -207,6 +209,11 @@ def _why_it_moves(judged: Judgement, kept: Sequence[CourseChange], raw: Sequence
         f"travels {worst(raw, 'travel_deg_s', 2)} deg/s and reverses {worst(raw, 'reversals', 1)} times a minute without the sea "
         f"filter, {worst(kept, 'travel_deg_s', 2)} deg/s and {worst(kept, 'reversals', 1)} times with it. Reversals of less than "
         "half a degree are not counted."
+        + (
+            f" Without the filter the steering machine, which turns by at most {fixed(most, 2)} deg/s, cannot follow each swing."
+            if max((s.travel_deg_s or 0.0 for s in raw), default=0.0) > 0.6 * most
+            else ""
+        )
     )
 
 

@@ -6,13 +6,17 @@ import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.delay import answer_to
-from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled
+from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled, squares
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _FOLLOWS = 0.45
 """The helm law has to explain this share of the rudder's movements."""
 _DETERMINED = 0.9
 """From this share of the turning explained by the rudder on, what disturbs the ship misleads little."""
+_KEPT = 0.9
+"""From this share of the rudder explained by heading and rate of turn on, no order to change the course is left in it."""
+_AT_LIMIT, _SELDOM = 0.97, 0.25
+"""A rudder at this share of its largest angle may stand at its limit; a zig-zag does so for more of the time than this share."""
 
 
 def examine_closed_loop(p: WorkingCopy) -> None:
@@ -50,11 +54,21 @@ def examine_closed_loop(p: WorkingCopy) -> None:
         else "Rudder and disturbance are correlated: a fit is biased by a little more than its interval says.",
         "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.", spoils=disturbed,
     )  # fmt: skip
+    kept = _share_of_feedback(signals)
+    if disturbed and kept > _KEPT:
+        p.add(
+            "course-keeping", name, robust.confidence_of(kept, 0.85, 0.95),
+            f"heading and rate of turn alone explain {kept:.0%} of the rudder angle: the course is kept, and nothing but disturbances moves "
+            "the rudder",
+            "Rudder and disturbance are one signal: no method tells the answer to the rudder from the disturbance, and intervals hold only "
+            "if the disturbance is exactly what the method takes it for.",
+            "Change the course a few times, by 10 degrees and more: the orders move the rudder by themselves.",
+        )  # fmt: skip
 
 
 def _law(signals: Signals, constant: float) -> tuple[float, float, float]:
     """Fit ``delta' = -k r - d r'``, which holds whatever the course is: share of the movements explained, k and d [s]."""
-    use = settled(signals, constant)
+    use = settled(signals, constant) & _free(signals, constant)
     if int(use.sum()) < 60:
         return 0.0, 0.0, 0.0
     r, slope, _ = filtered(signals, signals.r, constant)
@@ -70,3 +84,28 @@ def _law(signals: Signals, constant: float) -> tuple[float, float, float]:
         return 0.0, 0.0, 0.0
     rest = np.abs(rate - design @ found.value)[moving]
     return float(np.mean(rest < 0.4 * np.abs(rate[moving]))), stiffness, max(damping, 0.0)
+
+
+def _free(signals: Signals, constant: float) -> np.ndarray:
+    """Where the rudder does not stand at its limit, nor did within the memory of the filter, shape (m,)."""
+    size = np.abs(signals.delta - np.median(signals.delta))
+    stands = size > _AT_LIMIT * float(size.max())
+    if stands.mean() > _SELDOM:
+        return np.ones(size.shape, dtype=bool)
+    memory = np.ones(int(6 * constant / signals.step) + 1)
+    after: np.ndarray = np.convolve(stands, memory)[: size.size] < 0.5
+    return after
+
+
+def _share_of_feedback(signals: Signals) -> float:
+    """Share of the rudder angle that heading, its integral, rate of turn and a slow change explain."""
+    constant = 6 * signals.step
+    use = settled(signals, constant)
+    heading = robust.integral(signals.t, signals.r)
+    seconds = signals.t - signals.t[0]
+    columns = [heading, robust.integral(signals.t, heading - heading.mean()), signals.r]
+    design = [filtered(signals, column, constant)[0] for column in columns]
+    target = filtered(signals, signals.delta, constant)[0][use]
+    total = float(np.sum((target - target.mean()) ** 2))
+    left = squares(np.column_stack([*design, seconds, seconds**2, np.ones_like(seconds)])[use], target)
+    return 1 - left / total if total > 0 else 0.0

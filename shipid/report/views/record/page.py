@@ -1,0 +1,167 @@
+"""A trial, a voyage, a predicted track and records of filters as pages: what was recorded or estimated, against time and on a plan."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from markupsafe import Markup
+
+import shipid
+from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import FIELDS
+from shipid.estimation.multiple.multiple_run import MultipleModelRun
+from shipid.estimation.records.smoother import Smoothed
+from shipid.foundation.statistics import NORMAL_95
+from shipid.prediction.sailing.voyage import Voyage
+from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.report.figures.tracks import track_figure
+from shipid.report.figures.trials import Curve, Panel, histories
+from shipid.report.page import Page, Section
+from shipid.report.typography.quantities import Shown, shown, shown_field
+from shipid.report.views.record.plan import plan_figure
+from shipid.report.views.words import sentence, versions_now
+from shipid.trials.measuring.track import track
+from shipid.trials.trial import Trial
+
+#: Signals come in this order, and no more than so many.
+_FIRST, _MOST = ("psi", "r", "u", "v", "U", "SOG"), 8
+#: What stands elsewhere: the clock, the plan, the panel of the rudder.
+_APART = ("t", "x", "y", "delta", "delta_order")
+
+
+def trial_page(trial: Trial) -> Page:
+    """Return the page of a trial: its signals and its track.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    """
+    found = track(trial)
+    return _page(
+        f"Trial {trial.name}",
+        _lines(trial.text()),
+        _signals(_panels(trial), "As recorded."),
+        {} if found is None else {found[2]: found[:2]},
+    )
+
+
+def voyage_page(voyage: Voyage) -> Page:
+    """Return the page of a voyage along a route: its signals, and its track beside the plan.
+
+    Parameters
+    ----------
+    voyage : Voyage
+        The voyage.
+    """
+    trial, planned = voyage.trial, voyage.plan.line
+    lines = {"track": (trial["x"], trial["y"]), "plan": (planned[:, 0], planned[:, 1])}
+    return _page(f"Voyage {trial.name}", _lines(voyage.text()), _signals(_panels(trial), "As simulated."), lines)
+
+
+def track_page(found: PredictedTrack) -> Page:
+    """Return the page of a predicted track.
+
+    Parameters
+    ----------
+    found : PredictedTrack
+        The track.
+    """
+    section = Section("Track", "record/track.html", {"figure": track_figure(found, "track"), "caption": "North up."})
+    return Page("Predicted track", [("", _lines(found.text()))], [section], footer=f"shipid {shipid.__version__}")
+
+
+def smoothed_page(found: Smoothed) -> Page:
+    """Return the page of a smoothed record: each state with its 95 % band.
+
+    Parameters
+    ----------
+    found : Smoothed
+        The record.
+    """
+    design = found.design
+    panels = [_estimated(shown(design.model, n), found.t, found[n], found.std_of(n)) for n in design.model.states]
+    return _page(
+        f"{design.base.name}, smoothed",
+        _lines(found.text()),
+        _signals(panels, "Every estimate uses the whole record; dotted: 95 % band."),
+        _positions(found, design.model.states),
+    )
+
+
+def multiple_page(run: MultipleModelRun) -> Page:
+    """Return the page of a record that a multiple-model filter has filtered: mode probabilities, states, track.
+
+    Parameters
+    ----------
+    run : MultipleModelRun
+        The run.
+    """
+    model = run.design.first.model
+    modes = [
+        Panel(f"probability of {name}", "1", [Curve("estimate", run.t, run.probabilities[:, j])])
+        for j, name in enumerate(run.modes)
+    ]
+    states = [_estimated(shown(model, n), run.t, *run.quantity(n)) for n in run.states]
+    figure = histories(modes, "modes", "Probability of each mode along the record")
+    first = Section("Modes", "record/signals.html", {"figure": figure, "caption": "How probable each mode is."})
+    page = _page(
+        f"{run.record}, by several models",
+        _lines(run.text()),
+        _signals(states, "Combined estimates; dotted: 95 % band."),
+        _positions(run, run.states),
+    )
+    return Page(page.title, page.answers, [first, *page.sections], footer=versions_now())
+
+
+def _page(
+    title: str,
+    words: Sequence[str],
+    signals: Section | None,
+    lines: dict[str, tuple[np.ndarray, np.ndarray]],
+) -> Page:
+    plan = plan_figure(lines, "Track, north up")
+    sections = [signals, None if plan is None else _plan(plan)]
+    return Page(title, [("", words)], [s for s in sections if s is not None], footer=f"shipid {shipid.__version__}")
+
+
+def _plan(figure: Markup) -> Section:
+    return Section("Track", "record/track.html", {"figure": figure, "caption": "North up."})
+
+
+def _signals(panels: Sequence[Panel], caption: str) -> Section | None:
+    if not panels:
+        return None
+    figure = histories(panels[:_MOST], "signals", f"Against time: {', '.join(p.label.lower() for p in panels[:_MOST])}")
+    return Section("Against time", "record/signals.html", {"figure": figure, "caption": caption})
+
+
+def _panels(trial: Trial) -> list[Panel]:
+    """The signals of a trial against time, and the rudder with its order."""
+    names = [n for n in trial.table.columns if n not in _APART and np.isfinite(trial[n]).any()]
+    order = [*(n for n in _FIRST if n in names), *(n for n in names if n not in _FIRST)]
+    panels = []
+    for name in order[: _MOST - 1]:
+        how = shown_field(name) if name in FIELDS else Shown(name, pretty(trial.unit(name)), 1.0)
+        panels.append(Panel(how.label, how.unit, [Curve("measured", trial["t"], trial[name] * how.factor)]))
+    how = shown_field("delta")
+    rudder = [
+        Curve(kind, trial["t"], trial[n] * how.factor)
+        for n, kind in (("delta", "rudder"), ("delta_order", "order"))
+        if trial.has(n) and np.isfinite(trial[n]).any()
+    ]
+    return [*panels, *([Panel(how.label, how.unit, rudder)] if rudder else [])]
+
+
+def _estimated(how: Shown, t: np.ndarray, value: np.ndarray, std: np.ndarray) -> Panel:
+    band = [Curve("95 % band", t, (value + s * NORMAL_95 * std) * how.factor) for s in (-1, 1)]
+    return Panel(how.label, how.unit, [Curve("estimate", t, value * how.factor), *band])
+
+
+def _positions(found: Smoothed | MultipleModelRun, states: Sequence[str]) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    return {"estimate": (found["x"], found["y"])} if {"x", "y"} <= set(states) else {}
+
+
+def _lines(text: str) -> list[str]:
+    return [sentence(line.strip()) + "." for line in text.splitlines()[:2]]

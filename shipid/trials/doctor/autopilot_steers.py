@@ -1,0 +1,42 @@
+"""Whether an autopilot steers a trial against disturbances: then output error is biased, and prediction error is not."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from shipid.trials.doctor.examinations.motion.heading import examine_wrap
+from shipid.trials.doctor.examinations.record.missing import examine_missing
+from shipid.trials.doctor.examinations.steering.closed_loop import examine_closed_loop
+from shipid.trials.doctor.examinations.steering.rudder import examine_movement
+from shipid.trials.doctor.findings import SURE, Finding
+from shipid.trials.doctor.guesses import from_trial
+from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.trial import Trial
+
+
+def autopilot_steers(trial: Trial) -> Finding | None:
+    """Return the finding that the rudder of a trial follows its heading while disturbances turn the ship.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    Finding or None
+        None where the orders are steps, as of a zig-zag or a turn, or the rudder explains nearly all of the turning.
+    """
+    copy = WorkingCopy(from_trial(trial).record)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
+        for examination in (examine_wrap, examine_missing, examine_movement, examine_closed_loop):
+            if len(copy) < 4:
+                return None
+            try:
+                examination(copy)
+            except np.linalg.LinAlgError:
+                return None
+    return next((f for f in copy.findings if f.kind == "closed-loop" and f.spoils and f.confidence >= SURE), None)

@@ -1,0 +1,66 @@
+"""A ship that an autopilot steers in gusts: the truth by the defaults, and a record that cannot give it is named."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+
+import pytest
+
+import shipid
+from shipid.trials.doctor.autopilot_steers import autopilot_steers
+
+
+@pytest.fixture(scope="module")
+def study():
+    """The study, whose records are sailed here as well."""
+    folder = Path(__file__).parents[2] / "studies"
+    sys.path.insert(0, str(folder))
+    try:
+        spec = importlib.util.spec_from_file_location("closed_loop_study", folder / "closed_loop.py")
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[spec.name] = module
+        spec.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(folder))
+    return module
+
+
+def test_course_changes_give_the_truth_by_the_defaults(study):
+    (trial,) = study.records(20.0, 1)
+    fit = shipid.identify("nomoto", [trial], starts=1)
+    assert fit.identified.method == "prediction-error"
+    assert "an autopilot steers steps-20-0" in repr(fit)
+    for name, true in study.TRUTH.items():
+        found = fit.parameters[name]
+        assert found.value == pytest.approx(true, rel=0.1)
+        assert abs(found.value - true) < 2 * found.std
+    # Output error is far off, and is taken only where it is asked for.
+    plain = shipid.identify("nomoto", [trial], starts=1, method="output-error")
+    assert plain.identified.method == "output-error" and plain.parameters["K"].value < 0.5 * study.TRUTH["K"]
+    # The finding that it is biased no longer spoils the fit that is not.
+    serious = {m: _serious(f) for m, f in (("default", fit), ("plain", plain))}
+    assert "closed-loop" not in serious["default"] and "closed-loop" in serious["plain"]
+
+
+def _serious(fit):
+    return {f.finding.kind for f in shipid.assess(fit, bands=False).assessment.findings if f.finding.serious}
+
+
+def test_course_keeping_is_named_and_stays_serious(study):
+    (trial,) = study.records(0.0, 1)
+    found = {f.kind: f for f in shipid.check_trial(trial).findings}
+    assert (
+        found["course-keeping"].serious
+        and "nothing but disturbances moves the rudder" in found["course-keeping"].message
+    )
+    for step in (5.0, 20.0):
+        (changed,) = study.records(step, 1)
+        assert "course-keeping" not in {f.kind for f in shipid.check_trial(changed).findings}
+
+
+@pytest.mark.parametrize("manoeuvre", ["zigzag:20/20", "zigzag:10/5", "turn:35"])
+def test_a_trial_of_orders_is_not_steered_by_an_autopilot(manoeuvre):
+    trial = shipid.simulate("de-keizer", "soesterberg", manoeuvre, noise="standard")
+    assert autopilot_steers(trial) is None
