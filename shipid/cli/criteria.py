@@ -39,5 +39,5 @@ def criteria(
     from shipid.criteria.manoeuvring_criteria import manoeuvring_criteria
 
     found = model_given(model, inputs)
-    judged = manoeuvring_criteria(found, ship=ship_given(ship, values, found), speed=speed)
-    return delivery.hand_over(judged, {REPORT: delivery.report(judged)})
+    evaluated = manoeuvring_criteria(found, ship=ship_given(ship, values, found), speed=speed)
+    return delivery.hand_over(evaluated, {REPORT: delivery.report(evaluated)})

@@ -52,16 +52,16 @@ if TYPE_CHECKING:
         | CampaignResult
         | FleetResult
         | Tracking
-        | Trial
-        | Voyage
-        | PredictedTrack
-        | Smoothed
-        | MultipleModelRun
         | Ranking
         | Plan
         | Criteria
         | Diagnosis
         | Sequence[Diagnosis]
+        | Trial
+        | Voyage
+        | PredictedTrack
+        | Smoothed
+        | MultipleModelRun
     )
 
 #: The page of each kind of result, by the name of its class: the module below ``shipid.report.views``, and the function.
@@ -79,16 +79,16 @@ _VIEWS = {
     "CampaignResult": "campaign.page:campaign_page",
     "FleetResult": "campaign.fleet:fleet_page",
     "Tracking": "tracking.page:tracking_page",
-    "Trial": "record.page:trial_page",
-    "Voyage": "record.page:voyage_page",
-    "PredictedTrack": "record.page:track_page",
-    "Smoothed": "record.page:smoothed_page",
-    "MultipleModelRun": "record.page:multiple_page",
     "Ranking": "choice.page:ranking_page",
     "Plan": "planning.page:plan_page",
     "Criteria": "criteria.page:criteria_page",
     "Diagnosis": "checking.page:check_page",
     "several Diagnosis": "checking.page:checks_page",
+    "Trial": "record.page:trial_page",
+    "Voyage": "record.page:voyage_page",
+    "PredictedTrack": "record.page:track_page",
+    "Smoothed": "record.page:smoothed_page",
+    "MultipleModelRun": "record.page:multiple_page",
 }
 
 
@@ -109,8 +109,8 @@ def write_report(
     Parameters
     ----------
     result : Fit, FilterRun, Observability, WhichShip, RecursiveIdentification, Autopilot, Judgement, TuningComparison, Prediction, \
-TrialSheet, CampaignResult, FleetResult, Tracking, Trial, Voyage, PredictedTrack, Smoothed, MultipleModelRun, Ranking, Plan, \
-Criteria, Diagnosis or a sequence of Diagnosis
+TrialSheet, CampaignResult, FleetResult, Tracking, Ranking, Plan, Criteria, Diagnosis or a sequence of these, Trial, Voyage, PredictedTrack, \
+Smoothed or MultipleModelRun
         What to report.
     path : str or Path
         The file to write.
@@ -185,12 +185,11 @@ def page_of(result: Reported, criteria: Criteria | str | None = None) -> Page:
     UsageError
         If there is no report for this kind of result.
     """
-    kind = next((c.__name__ for c in type(result).__mro__ if c.__name__ in _VIEWS), type(result).__name__)
-    if isinstance(result, list | tuple):
-        # Several results of one kind that make a page together: the trials that were checked.
-        kind = f"several {type(result[0]).__name__}" if result else kind
-    if kind not in _VIEWS:
-        what = kind if kind.startswith("several ") else f"a {kind}"
+    one, several = (result[0], "several ") if isinstance(result, list | tuple) and result else (result, "")
+    # Several results of one kind make a page together: the trials that were checked.
+    kind = next((name for c in type(one).__mro__ if (name := f"{several}{c.__name__}") in _VIEWS), None)
+    if kind is None:
+        what = f"{several or 'a '}{type(one).__name__}"
         raise UsageError(f"there is no report for {what}. Reports exist for: {', '.join(_VIEWS)}.")
     room, function = _VIEWS[kind].split(":")
     view = getattr(importlib.import_module(f"shipid.report.views.{room}"), function)

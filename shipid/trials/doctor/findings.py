@@ -331,6 +331,7 @@ class Diagnosis(Result):
         )
         return table(rows, "kind", ("from [s]", "to [s]", *columns))
 
+
 def not_read(trial: str, why: str) -> Diagnosis:
     """Return the diagnosis of a file that is no trial, to stand beside those of others.
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from shipid.foundation.numbers import given, number, uncertain
-from shipid.planning.plan import Forecast, Leg, Plan
+from shipid.planning.leg import Leg
+from shipid.planning.plan import Forecast, Plan
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import named, shown_field
 from shipid.report.views.equations import equations_section
