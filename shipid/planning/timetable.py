@@ -23,7 +23,7 @@ from shipid.trials.manoeuvres.simulate import NotSailedError, simulate
 from shipid.trials.trial import Trial
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TimetableOrder(Result):
     """One line of a timetable.
 
@@ -58,7 +58,7 @@ class TimetableOrder(Result):
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class SeaRoom(Result):
     """How far a ship goes from where it begins, along its first heading and across it, in m.
 
@@ -85,7 +85,7 @@ class SeaRoom(Result):
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Timetable(Result):
     """The orders of a plan, and its sea room; made by `timetable_of`.
 
