@@ -17,7 +17,7 @@ from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity, with_units
+from shipid.foundation.numbers import columns_of, with_units
 from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
