@@ -21,10 +21,10 @@ TREES = {
 HOMES = {n.name: (module, n) for module, tree in TREES.items() for n in tree.body if isinstance(n, ast.ClassDef)}
 #: How a filter, a model or a search is laid out, and single entries of a result: no results.
 LAID_OUT = {
-    "BiasStanding", "Box", "Buoy", "Campaign", "Contour", "Covariance", "Criterion", "CriterionSide", "CycleLayout",
+    "BiasSpread", "BiasStanding", "Box", "Buoy", "Campaign", "Contour", "Covariance", "Criterion", "CriterionSide", "CycleLayout",
     "CycleSettings", "DepthArea", "Entry", "Equation", "Equations", "Finding", "FirstEstimates", "Hole", "Instruments",
-    "Joint", "Judged", "Line", "Loop", "Measure", "Mode", "ModeMap", "Prior", "Problem", "Quantity", "Record", "RecursionLayout", "Solution",
-    "Standing", "StateRegression", "StepLayout", "StepSettings", "System", "TrialData", "Typeset", "UnseenDirection",
+    "Joint", "Judged", "Line", "Loop", "Measure", "Mode", "ModeMap", "Prior", "Problem", "Quantity", "Record", "RecursionLayout", "Runs", "Solution",
+    "Standing", "StateRegression", "StepLayout", "StepSettings", "StructureError", "System", "TrialData", "Typeset", "UnseenDirection",
     "Value", "Waypoint",
 }  # fmt: skip
 SCALAR = re.compile(

@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
-from shipid.trials.errors import ColumnUnitError, UnknownColumnError
+from shipid.trials.errors import ColumnUnitError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.conversion import in_si, put_right
 from shipid.trials.logs.missing import marked_samples
 from shipid.trials.logs.record import LenientRecord, inside
@@ -99,11 +99,13 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
     ------
     UnknownColumnError
         If no column can be the clock.
+    NoUnitError
+        If the only column that can be says no unit.
     """
     fmt = record.format
     record = _with_names(record) if fmt is None else _with_clock(record)
     if "t" not in record.values:
-        raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError))
+        raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError | NoUnitError))
     record, assumed = _with_units(record)
     notes, faults = record.notes, record.faults
     if record.window is not None and (fmt is None or fmt.interval is None):

@@ -134,3 +134,10 @@ def test_whatever_a_record_holds_it_is_examined(simulated, seed):
     diagnosis = diagnose(*examine(GuessedRecord(record)))
     assert json.loads(json.dumps(diagnosis.to_dict(), allow_nan=False))["trial"] == record.name
     assert record.name in diagnosis.text()
+
+
+def test_a_clock_under_a_usual_name_without_a_unit_is_said(tmp_path):
+    log = tmp_path / "log.csv"
+    log.write_text("Zeit;psi [deg]\n" + "".join(f"{k};{k}\n" for k in range(20)), encoding="utf-8")
+    with pytest.raises(e.NoUnitError, match="column 'Zeit' says no unit"):
+        check_trial(log)
