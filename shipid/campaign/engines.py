@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from shipid.campaign.campaign import Engine
 from shipid.campaign.errors import CampaignRequestError
 from shipid.foundation.aliases import DaskClient
-from shipid.foundation.apart import processors
 from shipid.foundation.errors import MissingExtraError
+from shipid.foundation.processes.apart import processors
 
 #: Batches handed to an engine at once, for each of its workers: enough that none waits, few enough to hold in memory.
 _AHEAD = 3

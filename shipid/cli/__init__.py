@@ -11,7 +11,7 @@ import sys
 from typing import Any
 
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.stopping import Terminated, ignore_from_now, watched
+from shipid.foundation.processes.stopping import Terminated, ignore_from_now, watched
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever has that name

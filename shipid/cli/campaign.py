@@ -22,7 +22,7 @@ from shipid.cli.frame.options import (
     starts_option,
 )
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.stopping import Terminated
+from shipid.foundation.processes.stopping import Terminated
 
 if TYPE_CHECKING:
     from shipid.campaign.campaign import Campaign

@@ -9,8 +9,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from shipid.foundation.errors import MissingFileError, OverwriteError
+from shipid.foundation.processes.stopping import undisturbed
 from shipid.foundation.scratch import alone_in, scratch_file
-from shipid.foundation.stopping import undisturbed
 
 
 def check_place(path: Path, overwrite: bool) -> None:

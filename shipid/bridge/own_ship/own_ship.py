@@ -12,7 +12,8 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.own_ship.sensors import Sensors
 from shipid.bridge.shown.plain_values import number
 from shipid.estimation.errors import FilterDivergedError
-from shipid.estimation.online.online_filter import OnlineEstimate, OnlineFilter
+from shipid.estimation.online.online_estimate import OnlineEstimate
+from shipid.estimation.online.online_filter import OnlineFilter
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import UnstatedInputError

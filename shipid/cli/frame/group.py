@@ -12,7 +12,7 @@ import click
 from shipid.cli.frame.messages import TYPED, say
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.stopping import Terminated, watched, why_stopped
+from shipid.foundation.processes.stopping import Terminated, watched, why_stopped
 
 
 class _LazyGroup(click.Group):

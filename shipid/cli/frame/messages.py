@@ -13,7 +13,7 @@ import click
 
 from shipid.foundation.notices import Notice
 from shipid.foundation.printable import printable
-from shipid.foundation.stopping import stop_if_asked
+from shipid.foundation.processes.stopping import stop_if_asked
 
 #: Where the context of a command keeps what was said.
 _SAID = "shipid.said"

@@ -15,7 +15,7 @@ from shipid.declaration.units import to_si
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import SensorRateError
 from shipid.estimation.kalman import ExtendedKalmanFilter
-from shipid.estimation.online.online_filter import OnlineEstimate
+from shipid.estimation.online.online_estimate import OnlineEstimate
 from shipid.estimation.records.arrangement import FilterRecord, columns_of, read_every
 from shipid.estimation.records.clock import filter_time
 from shipid.estimation.records.run import FilterRun

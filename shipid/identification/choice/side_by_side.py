@@ -18,8 +18,8 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import IO, cast
 
-from shipid.foundation.apart import processors
-from shipid.foundation.stopping import stop_if_asked
+from shipid.foundation.processes.apart import processors
+from shipid.foundation.processes.stopping import stop_if_asked
 from shipid.identification.choice.trying import Attempt, Tried, try_candidate
 
 #: Seconds between two looks at whether the command was asked to stop.

@@ -5,8 +5,8 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
-from shipid.foundation.apart import NotStartedError, run_apart
 from shipid.foundation.errors import MissingExtraError
+from shipid.foundation.processes.apart import NotStartedError, run_apart
 from shipid.prediction.charts.errors import ChartError, ChartFileError, ChartSizeError
 from shipid.prediction.charts.geojson import MOST_FEATURES, MOST_POINTS
 from shipid.prediction.charts.meaning import CLASSES

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.apart import NotStartedError, run_apart
 from shipid.foundation.errors import MissingExtraError
+from shipid.foundation.processes.apart import NotStartedError, run_apart
 from shipid.trials.errors import DamagedFileError, FileSizeError, ReaderNotStartedError
 from shipid.trials.logs.tables.files.arrays import Array, Node, Unreadable
 from shipid.trials.logs.tables.opening import LARGEST

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import pytest
 
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.stopping import (
+from shipid.foundation.processes.stopping import (
     Interrupted,
     Terminated,
     ignore_from_now,

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from shipid.foundation.apart import NotStartedError, run_apart
+from shipid.foundation.processes.apart import NotStartedError, run_apart
 
 ECHO = "import sys\nsys.stdout.write('\\n')\nsys.stdout.flush()\n"
 

@@ -1,0 +1,1 @@
+"""Processes: work in a process of its own, and signals that end this one."""
