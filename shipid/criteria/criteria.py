@@ -12,7 +12,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import quantity
-from shipid.foundation.result import Result
+from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -114,7 +114,7 @@ class Criterion(Result):
 
 
 @dataclass(frozen=True, repr=False)
-class Criteria(Result):
+class Criteria(DrawnResult):
     """A model evaluated against the standard.
 
     Attributes

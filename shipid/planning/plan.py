@@ -14,7 +14,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity
-from shipid.foundation.result import Result
+from shipid.foundation.result import DrawnResult
 from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
 from shipid.planning.timetable import Timetable, clock
@@ -64,7 +64,7 @@ class Forecast:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan(Result):
+class Plan(DrawnResult):
     """Trials to sail.
 
     Attributes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.result import Result
+from shipid.foundation.result import DrawnResult
 from shipid.identification.choice.choosing import (
     MAY_RUN_AWAY,
     TIED,
@@ -41,7 +41,7 @@ NOT_DETERMINED, TOO_POOR = "not-determined", "too-poor-to-choose"
 
 
 @dataclass(frozen=True, repr=False)
-class Ranking(Result):
+class Ranking(DrawnResult):
     """Models ranked by how they predict what they were not fitted to.
 
     Attributes
