@@ -25,6 +25,8 @@ from shipid.parameters.catalogue import known_models, known_ships
 SIZES = {"x": 100.0, "y": 100.0, "psi": 1.0, "r": 0.01, "w": 1e-4, "v": 0.3, "r_star": 0.4, "u_star": 0.2, "s_star": 3.0,
          "omega": 0.03, "beta": 0.1, "Omega": 0.003, "dOmega": 0.001, "delta": 0.3, "r_disturbance": 1e-5,
          "u_disturbance": 1e-3, "current_north": 0.5, "current_east": 0.5, "r_residual": 1e-5}  # fmt: skip
+#: Coefficients of an even stern.
+BENDS = {"C_2_port": 1.0, "C_2_starboard": 1.0, "gamma_port": 0.5, "gamma_starboard": 0.5}
 INTERVAL = 2.0
 POINTS = 50
 Values = dict[str, Any]
@@ -92,7 +94,7 @@ def jacobian_deviation(model: Model, points: list[Values]) -> float:
     arguments = [system.x, system.u, system.p, system.T]
     function = ca.Function("J", arguments, [ca.jacobian(generated(system), everything)])
     names = system.states + system.inputs + system.coefficients
-    smooth = model.name not in ("pershitz", "pershitz-discrete")
+    smooth = not model.name.startswith(("pershitz", "mmg"))
     worst = 0.0
     for point in points:
         got = function(*vectors(system, point), INTERVAL).full() * np.array([point[n] for n in names])
@@ -173,13 +175,16 @@ def main() -> None:
     worst: dict[str, float] = {}
     for model, ship, speed, unit, values in found:
         points = [random_point(model, speed, values, rng) for _ in range(POINTS)]
+        # Along a run the stern of the MMG model sees flow from both sides, where its coefficients change: differences across
+        # that bend are not its derivative, and SciPy's steps do not end there.
+        even = values | {n: v for n, v in BENDS.items() if n in values}
         results = {
             "right-hand side": (right_hand_side_deviation(model, points), 1e-12),
             "Jacobian": (jacobian_deviation(model, points[:10]), 1e-9),
-            "sensitivities": (sensitivity_deviation(model, speed, unit, values), 1e-7),
+            "sensitivities": (sensitivity_deviation(model, speed, unit, even), 1e-7),
         }
         if not model.is_sampled:
-            results["simulation"] = (simulation_deviation(model, speed, unit, values), 1e-6)
+            results["simulation"] = (simulation_deviation(model, speed, unit, even), 1e-6)
         for what, (deviation, limit) in results.items():
             rows.append(below(f"{model.name}, {ship}: {what}", limit, deviation))
             worst[what] = max(worst.get(what, 0.0), deviation)

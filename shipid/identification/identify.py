@@ -160,7 +160,8 @@ def identify(
     # The matrices are tall and thin: several threads on each cost more than they bring.
     with threadpool_limits(1, "blas"):
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
-        found = searched(problem, search_box(setting), method, how)
+        records = len({id(t) for _, t in pairs})
+        found = searched(problem, search_box(setting), method, how, records)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None)
@@ -177,7 +178,7 @@ class _Found:
     spread: BiasSpread | None = None
 
 
-def _by_residuals(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> _Found:
+def _by_residuals(problem: Problem, box: Box, method: Method | None, how: SearchSettings, records: int) -> _Found:
     """Output error, with rudder biases as random effects and weights by how long residuals last."""
     unit_time, first = how.unit_time, problem.trials[0]
     least = structural_errors(problem.signals, first, unit_time) if how.weigh else None
@@ -188,12 +189,12 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
     problem = replace(problem, prior=prior, sigma=problem.sigma if least is None else least)
     rough = replace(how, weigh=False)
     solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)
-    weighing = Weighing(least, INDEPENDENT * unit_time, how.tell)
+    weighing = Weighing(least, INDEPENDENT * unit_time, how.tell, records)
     solution, spread = conclude(solution, problem, box, weighing)
     return _Found(solution, rungs, box, spread)
 
 
-def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings) -> _Found:
+def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings, _: int) -> _Found:
     """A method that minimises no residuals of whole records."""
     return _Found(*climb(problem, box, method, how), box)
 

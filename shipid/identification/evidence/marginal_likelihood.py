@@ -52,11 +52,14 @@ class Weighing:
         Time in s for which a residual lasts where only the structure of the model is wrong.
     tell : callable
         Called with a line of text after each stage.
+    records : int
+        Records that the trials come from: the stretches of one record have one rudder, and tell nothing of the spread.
     """
 
     least: np.ndarray | None
     independent: float
     tell: Progress
+    records: int
 
     def again(self, solution: Solution, box: Box) -> Solution:
         """Return the solution under the weights of its own residuals.
@@ -90,12 +93,12 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
     solution : Solution
         Under the weights it was searched with; `Solution.added` holds what the spread's uncertainty adds to the covariance.
     spread : BiasSpread or None
-        None where there is one trial, or the rudder has no bias.
+        None where there is one record, or the rudder has no bias.
     """
     if not found.finite or not problem.size:
         return _on_every_sample(found, problem, box, weighing), None
     prior = problem.prior
-    if prior is None or _INPUT not in prior.biases or len(problem.trials) < 2:
+    if prior is None or _INPUT not in prior.biases or weighing.records < 2:
         return _on_every_sample(weighing.again(found, box), problem, box, weighing), None
     at = weighing.again(_at(found, float(_SPREADS[_WIDE]), box), box)
     for _ in range(_TURNS):
