@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
-from collections.abc import Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing.reduction import ForkingPickler
+from typing import ParamSpec, TypeVar
 
 from shipid.campaign.campaign import Engine
 from shipid.campaign.errors import CampaignRequestError
 from shipid.foundation.aliases import DaskClient
 from shipid.foundation.errors import MissingExtraError
 from shipid.foundation.processes.apart import processors
+
+P = ParamSpec("P")
+T = TypeVar("T")
 
 #: Batches handed to an engine at once, for each of its workers: enough that none waits, few enough to hold in memory.
 _AHEAD = 3
@@ -68,7 +73,7 @@ def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[
         words = f"{count} thread{'s' * (count > 1)}"
     else:
         # Fresh processes: a fork would copy the locks of threads that run.
-        executor = ProcessPoolExecutor(count, multiprocessing.get_context("spawn"), _only_told_to_stop)
+        executor = _Processes(count, multiprocessing.get_context("spawn"), _only_told_to_stop)
         words = f"{count} processes"
     try:
         yield Running(executor, _AHEAD * count, words)
@@ -81,6 +86,23 @@ def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[
             child.terminate()  # what it has in hand is run again
         raise
     executor.shutdown()
+
+
+class _Processes(ProcessPoolExecutor):
+    """A pool that is handed only what can travel to a process.
+
+    What cannot be pickled is found here, by who hands it over: found by the pool's own thread it can keep the pool from ending
+    (a lock of Python 3.11's executor).
+    """
+
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        try:
+            ForkingPickler.dumps((fn, args, kwargs))
+        except Exception as error:
+            refused: Future[T] = Future()
+            refused.set_exception(error)
+            return refused
+        return super().submit(fn, *args, **kwargs)
 
 
 def _only_told_to_stop() -> None:
