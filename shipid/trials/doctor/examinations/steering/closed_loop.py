@@ -15,6 +15,8 @@ _DETERMINED = 0.9
 """From this share of the turning explained by the rudder on, what disturbs the ship misleads little."""
 _KEPT = 0.9
 """From this share of the rudder explained by heading and rate of turn on, no order to change the course is left in it."""
+_CHANGED = np.deg2rad(10)
+"""A heading that moves by more than this was ordered to: of one long change of course the same law explains nearly all."""
 _AT_LIMIT, _SELDOM = 0.97, 0.25
 """A rudder at this share of its largest angle may stand at its limit; a zig-zag does so for more of the time than this share."""
 
@@ -55,7 +57,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
         "Sail a zig-zag or a turn for it, or identify with --method prediction-error, which models the disturbance.", spoils=disturbed,
     )  # fmt: skip
     kept = _share_of_feedback(signals)
-    if disturbed and kept > _KEPT:
+    if disturbed and kept > _KEPT and _swing(signals) < _CHANGED:
         p.add(
             "course-keeping", name, robust.confidence_of(kept, 0.85, 0.95),
             f"heading and rate of turn alone explain {kept:.0%} of the rudder angle: the course is kept, and nothing but disturbances moves "
@@ -95,6 +97,12 @@ def _free(signals: Signals, constant: float) -> np.ndarray:
     memory = np.ones(int(6 * constant / signals.step) + 1)
     after: np.ndarray = np.convolve(stands, memory)[: size.size] < 0.5
     return after
+
+
+def _swing(signals: Signals) -> float:
+    """Range of the heading in rad, a few samples on either end of it left out."""
+    low, high = np.quantile(robust.integral(signals.t, signals.r), [0.01, 0.99])
+    return float(high - low)
 
 
 def _share_of_feedback(signals: Signals) -> float:
