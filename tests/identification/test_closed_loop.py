@@ -66,3 +66,9 @@ def test_course_keeping_is_named_and_stays_serious(study):
 def test_a_trial_of_orders_is_not_steered_by_an_autopilot(manoeuvre):
     trial = shipid.simulate("de-keizer", "soesterberg", manoeuvre, noise="standard")
     assert autopilot_steers(trial) is None
+
+
+def test_one_long_change_of_course_is_no_course_keeping():
+    """The helm law explains nearly all of its rudder, too."""
+    trial = shipid.simulate("de-keizer", ship="soesterberg", manoeuvre="course:60", noise="standard", seed=4)
+    assert "course-keeping" not in {f.kind for f in shipid.check_trial(trial).findings}

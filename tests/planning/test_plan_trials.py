@@ -63,7 +63,9 @@ def test_information_is_that_of_identification(model, ship, text):
     noise = {n: (s, units[n]) for n, s in zip(experiment.signals, experiment.sigma)}
     fit = shipid.identify(model, [trial], ship=ship, noise=noise, signals=experiment.signals, starts=1)
     assert fit.converged and fit.estimated == experiment.estimated
-    jacobian = fit.identified.solution.jacobian
+    solution = fit.identified.solution
+    # Of the samples alone: what is believed beforehand is no information of the trial.
+    _, jacobian = replace(solution.problem, prior=None).residuals(solution.q)
     norms = np.linalg.norm(jacobian, axis=0)
     count = len(fit.estimated)
     whole = np.linalg.inv((jacobian / norms).T @ (jacobian / norms)) / np.outer(norms, norms)
