@@ -20,7 +20,7 @@ _MORE_GREEK = {
 # fmt: on
 _LETTERS = _GREEK | _MORE_GREEK
 _ACCENTS = {"dot": "˙", "ddot": "¨", "bar": "¯", "hat": "^", "tilde": "~"}
-_SIGNS = {"infty": "∞", "prime": "′", "circ": "°", "cdot": "·"}
+_SIGNS = {"nabla": "∇", "infty": "∞", "prime": "′", "circ": "°", "cdot": "·"}
 _UPRIGHT = ("mathrm", "text", "operatorname")
 _TOKEN = re.compile(r"\\[A-Za-z]+|\\.|[{}_^]|\s+|\d+|.", re.DOTALL)
 
