@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -17,6 +17,7 @@ from shipid.identification.choice.scoring import MEASURES, WORTHLESS, counted_me
 from shipid.identification.fit import Fit
 from shipid.identification.identified import Identified
 from shipid.identification.identify import identify
+from shipid.identification.uncertainty.amplitudes import beyond_of_record, largest_amplitudes
 from shipid.identification.uncertainty.draws import draws_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.left_out import LeftOutTrial, can_be_left_out, left_out, records_of
@@ -93,7 +94,7 @@ class Tried:
     validation : mapping of str to mapping
         Measures of trials kept apart, from a fit to all the others.
     beyond : tuple of Notice
-        Where a trial kept apart goes beyond those that were fitted.
+        Where a trial that is left out or kept apart goes beyond those that were fitted.
     message : str
         What went wrong on the way.
     predictions : tuple of Comparison
@@ -146,10 +147,24 @@ def try_candidate(candidate: Attempt) -> Tried:
             c.trial.name: counted_measures([LeftOutTrial(c, swings_of(fit.identified, c))], model)[0][0]
             for c in fit.validation
         },
-        tuple(n for n in fit.warnings if n.kind == BEYOND),
+        (*_beyond_the_others(fit, candidate.trials), *(n for n in fit.warnings if n.kind == BEYOND)),
         "" if fit.converged else "the search did not converge.",
         tuple(one.comparison for record in left for one in record or ()),
     )
+
+
+def _beyond_the_others(fit: Fit, trials: Sequence[Trial]) -> list[Notice]:
+    """Where a trial that is left out goes beyond the rudder angles, rates of turn and drift angles of the others."""
+    model, joint = fit.model, fit.ship.joint.get(fit.model.name)
+    if joint is None or len(trials) < 2:
+        return []
+    found = []
+    for one in trials:
+        seen = largest_amplitudes([t for t in trials if t is not one])
+        reached = replace(joint, rudder=seen.get("rudder"), rate=seen.get("rate"), drift=seen.get("drift"))
+        others = replace(fit.ship, joint={**fit.ship.joint, model.name: reached})
+        found += [n.about(one.name) for n in beyond_of_record(model, others, one) if n.kind == BEYOND]
+    return found
 
 
 def _fitted(candidate: Attempt, trials: Sequence[Trial], validate: Sequence[Trial]) -> Fit:

@@ -127,7 +127,7 @@ def _accuracy(fit: Fit, comparisons: tuple[Comparison, ...], verb: str, where: s
 
 def _warnings(fit: Fit) -> list[str]:
     """What makes the result unusable: the serious warnings of the fit in its own words, and predictions that run away."""
-    found = [sentence(str(n)) for n in fit.warnings if n.serious]
+    found = [f"{sentence(str(n)).rstrip('.')}." for n in fit.warnings if n.serious]
     for c in (*fit.fitted, *fit.validation):
         t = runaway(c)
         if t is not None:
