@@ -182,7 +182,7 @@ def _situation(
     *,
     on_route: bool,
 ) -> tuple[Situation | dict[str, float], str, list[Notice], Trial | None]:
-    from shipid.cli.simulate import flow_of
+    from shipid.cli.ships.simulate import flow_of
     from shipid.foundation.errors import UsageError
     from shipid.trials.manoeuvres.flows import flow_inputs
 

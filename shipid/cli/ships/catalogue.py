@@ -73,7 +73,7 @@ def show(model: str, latex: bool, delivery: Delivery) -> ExitCode:
     shipid show norrbin --latex
     shipid show zeefakkel
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
-    from shipid.cli.ship import ship_data, ship_text
+    from shipid.cli.ships.ship import ship_data, ship_text
     from shipid.foundation.errors import UnknownNameError, UsageError
     from shipid.generation.typesetting.typeset import typeset
     from shipid.parameters.catalogue import find_model, find_ship, known_ships

@@ -1,0 +1,1 @@
+"""Commands that find a model out of trials: compare, identify, filter."""

@@ -1,0 +1,1 @@
+"""Commands for other ships and many runs: track, campaign."""

@@ -1,0 +1,1 @@
+"""Commands about models and ships: list, show, simulate, judge."""

@@ -1,0 +1,1 @@
+"""Commands about trials: draft a format, check, measure, report, plan."""

@@ -1,0 +1,1 @@
+"""Commands for a ship that is known: tune an autopilot, predict, the bridge."""
