@@ -38,14 +38,14 @@ CALLS = [(path, call) for path in PAGES for call in commands(path)]
 
 def test_there_are_examples():
     assert len(CALLS) > 60
-    assert {call[0] for _, call in CALLS} >= set(main.list_commands(click.Context(main))) - {"completion"}
+    assert {call[0] for _, call in CALLS} >= set(main.list_commands(click.Context(main, **main.context_settings))) - {"completion"}
 
 
 @pytest.mark.parametrize(("path", "call"), CALLS, ids=[f"{p.relative_to(ROOT)} {' '.join(c)}"[:90] for p, c in CALLS])
 def test_a_command_is_one(path, call, monkeypatch):
     """Command, options, choices and quantities are known; whether a file is there is not asked."""
     monkeypatch.setattr(click.Path, "convert", lambda self, value, param, context: value)
-    context = click.Context(main, info_name="shipid")
+    context = click.Context(main, info_name="shipid", **main.context_settings)
     command = main.get_command(context, call[0])
     assert command is not None, f"{path.name}: there is no command {call[0]}"
     command.make_context(call[0], call[1:], parent=context)

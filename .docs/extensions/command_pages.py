@@ -42,7 +42,7 @@ def _command(name: str, context: click.Context) -> str:
 
 
 def _write_page(app: Any, config: Any) -> None:
-    context = click.Context(main, info_name="shipid")
+    context = click.Context(main, info_name="shipid", **main.context_settings)
     about = (
         "Every command prints its options with ``--help``. Results go to standard output, with ``--json`` for programs; "
         f"progress and messages go to standard error. Exit codes: {table()}."

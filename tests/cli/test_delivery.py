@@ -44,7 +44,7 @@ SHARED = (
 
 
 def options_of(name: str) -> dict[str, str | None]:
-    context = click.Context(main, info_name="shipid")
+    context = click.Context(main, info_name="shipid", **main.context_settings)
     command = main.get_command(context, name)
     assert command is not None
     return {o: p.help for p in command.params if isinstance(p, click.Option) for o in p.opts}

@@ -44,7 +44,7 @@ tau = { value = 20.0, unit = "s", source = "assumed" }
 
 
 def commands() -> dict[str, click.Command]:
-    context = click.Context(main, info_name="shipid")
+    context = click.Context(main, info_name="shipid", **main.context_settings)
     return {name: main.get_command(context, name) for name in COMMANDS}
 
 

@@ -40,7 +40,7 @@ BARE = {
 
 
 def options() -> dict[str, list[click.Option]]:
-    context = click.Context(main, info_name="shipid")
+    context = click.Context(main, info_name="shipid", **main.context_settings)
     found: dict[str, list[click.Option]] = {}
     for name in COMMANDS:
         command = main.get_command(context, name)
