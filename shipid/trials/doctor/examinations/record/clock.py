@@ -218,6 +218,8 @@ def _usual(p: WorkingCopy) -> tuple[float, float]:
 
 def _gaps(p: WorkingCopy) -> None:
     d = np.diff(p.t)
+    if not d.size:
+        return
     dt, limit = _usual(p)
     found = np.flatnonzero(d > limit)
     if not found.size:
