@@ -120,11 +120,6 @@ class Motion(Result):
             found = found @ step
         return found
 
-    @property
-    def moves(self) -> DisplacedMoves | GridMoves | None:
-        """How the turns of the modes move after each scan; None where they stay."""
-        return _moves_of(self.model.inputs[0], self.structure, self.modes)
-
     def predict(self, x: np.ndarray, P: np.ndarray, turn: np.ndarray, interval: float) -> tuple[np.ndarray, np.ndarray]:
         """Predict many targets over an interval, each in each mode.
 
@@ -151,12 +146,21 @@ class Motion(Result):
 
 
 @functools.lru_cache(maxsize=16)
-def _moves_of(parameter: str, structure: str, modes: tuple[TargetMode, ...]) -> DisplacedMoves | GridMoves | None:
-    """How the turns move: kept, for equal modes stays the same object, and its function is generated once."""
-    if structure == "variable":
+def moves_of(motion: Motion) -> DisplacedMoves | GridMoves | None:
+    """Return how the turns of the modes move after each scan; None where they stay.
+
+    The same object comes back for equal motions, so that its function is generated once.
+
+    Parameters
+    ----------
+    motion : Motion
+        The modes.
+    """
+    modes, parameter = motion.modes, motion.model.inputs[0]
+    if motion.structure == "variable":
         low, high = (np.array([getattr(m, end) for m in modes]) for end in ("low", "high"))
         return DisplacedMoves(parameter, (0,) * len(modes), low, high, True)
-    if structure == "grid":
+    if motion.structure == "grid":
         lower, middle, upper = np.argsort([m.turn for m in modes]).tolist()
         most = modes[upper].high
         return GridMoves(

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from shipid.encounter.tracking.filters.generated import STATES, mixed, moved
-from shipid.encounter.tracking.filters.motion import Motion
+from shipid.encounter.tracking.filters.motion import Motion, moves_of
 
 _SIZE = len(STATES)
 #: A mode is never held impossible: it could not come back.
@@ -202,7 +202,7 @@ class TargetFilters:
 
     def adapted(self) -> TargetFilters:
         """Return the filters with their turns adjusted, where the structure says so."""
-        moves = self.motion.moves
+        moves = moves_of(self.motion)
         if moves is None or not len(self):
             return self
         x = self.x.copy()
