@@ -195,3 +195,11 @@ def test_a_displacement_goes_into_the_turn_within_its_bounds() -> None:
     assert adapted.x[0, :, 4].tolist() == [0.0, 0.0, 0.0]
     fixed = begun(motion_of("fs-aimm"))
     assert fixed.adapted() is fixed
+
+
+@pytest.mark.parametrize("name", ["imm", "vs-aimm"])
+def test_no_target_is_none_after_a_scan(name: str) -> None:
+    filters, none = TargetFilters.none(motion_of(name)).predict(2.0), np.zeros(1)
+    filters = filters.update(filters.expect(np.array([[1.0, 2.0]]), R, none), none, np.zeros((0, 2)))
+    x, P = filters.adapted().combined()
+    assert x.shape == (0, 4) and P.shape == (0, 4, 4) and filters.turn_rates().shape == (0,)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 
 import casadi as ca
 import numpy as np
@@ -64,7 +65,7 @@ def mixed(weights: np.ndarray, x: np.ndarray, P: np.ndarray) -> tuple[np.ndarray
     x, P : ndarray, shapes (n, mixtures, 5) and (n, mixtures, 5, 5)
     """
     n, modes, mixtures = weights.shape
-    parts = np.concatenate([x.reshape(n, -1), packed_of(P).reshape(n, -1)], axis=1)
+    parts = np.concatenate([x.reshape(n, modes * _SIZE), packed_of(P).reshape(n, modes * _PACKED)], axis=1)
     rows = [weights.swapaxes(1, 2), np.broadcast_to(parts[:, None], (n, mixtures, parts.shape[1]))]
     return _estimates(_over(_mixture(modes), rows))
 
@@ -88,8 +89,8 @@ def moved(
 def _over(loop: Loop, parts: list[np.ndarray]) -> np.ndarray:
     """Outputs of the function for each row; the last axis of the parts is that of its arguments."""
     rows = np.concatenate(parts, axis=-1)
-    _, out = loop(np.zeros(1), rows.reshape(-1, rows.shape[-1]), np.zeros(0))
-    return np.asarray(out.reshape(*rows.shape[:-1], -1))
+    _, out = loop(np.zeros(1), rows.reshape(math.prod(rows.shape[:-1]), rows.shape[-1]), np.zeros(0))
+    return np.asarray(out.reshape(*rows.shape[:-1], out.shape[1]))
 
 
 def _estimates(out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
