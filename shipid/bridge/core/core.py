@@ -24,6 +24,7 @@ from shipid.bridge.shown.past_track import PastTrack
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.prediction.situations.past import Past
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
@@ -32,6 +33,8 @@ STALE = 5.0
 #: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
 _SLOWEST, _FASTEST = 0.02, 0.8
 RUDDER_LIMIT = math.radians(10.0)
+#: Seconds between two looks at how far off the predictions were.
+_LOOKS_BACK = 20.0
 
 
 class BridgeCore:
@@ -103,7 +106,7 @@ class BridgeCore:
         self.t = 0.0
         self.clock_factor: float | None = 1.0 if source.timed else None
         self.paused = False
-        self._asked = -math.inf
+        self._asked = self._looked_back = -math.inf
         self._trial_changed = self._lost_answer = False
         self._tracks: dict[str, ShownTrack | None] = {"trial": None, "executed": None}
         self._warned = 0
@@ -213,6 +216,7 @@ class BridgeCore:
                 self.console.trial.rudder_limit,
                 executed is not None and executed.mode == "track",
                 begins,
+                self._voyage(),
             )
         if self._trial_changed:
             self._trial_changed = False
@@ -221,6 +225,13 @@ class BridgeCore:
                 return None
             return Question(self.t, known, self._as_headed(trial))
         return None
+
+    def _voyage(self) -> Past | None:
+        """The voyage so far, once in a while: how far off predictions were does not change from one to the next."""
+        if self.t - self._looked_back < _LOOKS_BACK:
+            return None
+        self._looked_back = self.t
+        return self.own_ship.remembered.past()
 
     def _as_headed(self, steering: SteeringOrder | None) -> SteeringOrder | None:
         """A steering along the route, with the heading that it is about now."""
