@@ -57,7 +57,7 @@ def model_html(
     """
     parts = [f"<p><strong>Model {escape(name)}</strong>: {escape(', '.join(components))}</p>"]
     listed = (
-        f'<li><span role="math" aria-label="{escape(plain)}">{mathml}</span><br><small>{escape(source)}</small></li>'
+        f'<li><span role="math" aria-label="{escape(plain)}">{mathml}</span><br><small>{escape(source.replace("`", ""))}</small></li>'
         for mathml, plain, source in equations
     )
     parts.append(f"<ul>{''.join(listed)}</ul>")

@@ -190,7 +190,7 @@ class Ranking(DrawnResult):
                 continue
             score = f"{r.score:.3f}" + ("" if r.std is None else f" ± {r.std:.3f}")
             lines.append(
-                f"  {r.model:<24s}{r.error:>7.3f}{score:>15s}{r.spread:>8.3f}{weights[r.model]:>8.0%}{_cells(r.measures)}"
+                f"  {r.model:<24s}{r.error:>7.3f}{score:>15s}{r.spread:>8.3f}{percent(weights[r.model]):>8s}{_cells(r.measures)}"
                 + (f"  {r.message}" if r.message else "")
             )
         shown = ", ".join(f"{_COLUMNS[n]} {w:g}" for n, (_, w, _) in MEASURES.items())

@@ -6,8 +6,9 @@ import re
 
 from markupsafe import Markup, escape
 
-#: A hyphen that is the sign of a number: the number follows it, and a space or a bracket goes before it.
-_MINUS = re.compile(r"(?:(?<=[\s(\[±])|^)-(?=\d)")
+#: A hyphen that is the sign of a number: the number follows it, and a space or a bracket goes before it; not that of an entry to be
+#: typed, as in ``sign = -1``.
+_MINUS = re.compile(r"(?:(?<=[\s(\[±])(?<!= )|^)-(?=\d)")
 _CODE = re.compile(r"(`{1,2})(.+?)\1", re.DOTALL)
 
 

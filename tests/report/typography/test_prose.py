@@ -33,6 +33,7 @@ def test_everything_else_is_left_alone(value: object) -> None:
         ("-5", "−5"),
         ("(-1 or ± -2)", "(−1 or ± −2)"),
         ("container-10-10 and zigzag:-20/20, 2026-05-12", "container-10-10 and zigzag:-20/20, 2026-05-12"),
+        ("in a format file: sign = -1.", "in a format file: sign = -1."),
         ("tune -o x --fix a=-1", "tune -o x --fix a=-1"),
     ],
 )

@@ -60,8 +60,10 @@ def _told(found: Criteria, notes: Sequence[str]) -> Section:
     length, speed = found.length, found.speed
     head = (
         f"L {number(length)} m, V {number(speed, 3)} m/s, L/V {number(length / speed, 3)} s; turning circle with "
-        f"{angle(found.rudder, 2)} of rudder. Each number is followed by its 95 % band."
+        f"{angle(found.rudder, 2)} of rudder."
     )
+    if any(side.band95 for row in found.rows for side in (row.starboard, row.port)):
+        head += " Each number is followed by its 95 % band."
     rows: list[Row] = [
         {
             "meaning": sentence(row.meaning),
