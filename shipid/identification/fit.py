@@ -234,7 +234,7 @@ class Fit(DrawnResult):
         if speed is not None:
             return to_si(speed, "m/s", "the speed")
         joint = self.ship.joint.get(self.model.name)
-        sailed = None if joint is None or joint.speeds is None else 0.5 * sum(joint.speeds)
+        sailed = None if joint is None else joint.belongs_to
         known = sailed or self.ship.particular("speed", "m/s")
         if known is None:
             raise UsageError("neither the trials nor the ship say a speed: give one with its unit, as in '9 kn'.")
@@ -359,7 +359,7 @@ class Fit(DrawnResult):
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
-                *range_lines(self.ship.joint.get(self.model.name)),
+                *range_lines(self.model, self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),

@@ -167,16 +167,9 @@ def ship_text(found: ParameterSet) -> str:
 
 
 def _range(known: Joint) -> str:
-    from shipid.declaration.vocabulary import shown
+    from shipid.parameters.validity import range_words
 
-    parts = [] if known.speeds is None else [f"{known.speeds[0]:g} to {known.speeds[1]:g} m/s"]
-    fields = (("rudder", "delta", "rad"), ("rate", "r", "rad/s"), ("drift", "beta", "rad"))
-    parts += [
-        f"{what} up to {shown(value, name, unit)}"
-        for what, name, unit in fields
-        if (value := getattr(known, what)) is not None
-    ]
-    return ", ".join(parts) or "speeds and rudder angles that are not stated"
+    return ", ".join(range_words(known).values()) or "speeds and rudder angles that are not stated"
 
 
 def _shown(value: Value, unit: str) -> str:

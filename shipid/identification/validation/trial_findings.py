@@ -8,6 +8,7 @@ from math import inf
 from typing import Literal
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import check_trial
@@ -46,7 +47,7 @@ class TrialFinding:
     def __str__(self) -> str:
         f = self.finding
         span = f"{f.seconds[0]:.5g} to {f.seconds[1]:.5g} s"
-        return f"{self.trial}: {f.kind} ({f.channel}, {f.confidence:.0%}, {span}): {f.message}"
+        return f"{self.trial}: {f.kind} ({f.channel}, {percent(f.confidence)}, {span}): {f.message}"
 
 
 def findings_of(

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-import numpy as np
-
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
-from shipid.identification.fit_text import percent
+from shipid.identification.fit_text import fit_words
 from shipid.identification.validation.comparison import Comparison
+from shipid.parameters.validity import range_words
 from shipid.report.figures.runaway import runaway
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
@@ -103,7 +102,7 @@ def _near(question: str, fit: Fit, comparisons: Sequence[Comparison]) -> Row:
 
 
 def _percent(value: float) -> str:
-    return percent(value).replace("-", "−")
+    return fit_words(value).replace("-", "−")
 
 
 def _between(values: Sequence[str]) -> str:
@@ -128,7 +127,7 @@ def _bands(fit: Fit) -> Iterator[Row]:
     if total:
         words = (
             f"{inside} of {total} measured overshoots of trials that were not fitted lie in the 95 % band of their prediction. The "
-            "bands hold what the uncertainty of the coefficients allows, not the errors of the model itself."
+            "bands hold the uncertainty of the coefficients, and what the structure of such a model is usually wrong by."
         )
         yield _row("Do the bands hold?", f"{inside} of {total}", words, "" if inside >= 0.8 * total else "undecided")
 
@@ -154,23 +153,13 @@ def _white(fit: Fit) -> Iterator[Row]:
 
 def _range(fit: Fit) -> Row:
     """The range that the fitted trials cover."""
-    parts = []
-    for name in ("delta", "r"):
-        sizes = [float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)]
-        if sizes:
-            how = shown(fit.model, name)
-            parts.append(f"{how.label.lower()} up to {how.number(max(sizes))} {how.unit}")
-    for name in ("u", "U"):
-        there = [c.trial[name][np.isfinite(c.trial[name])] for c in fit.fitted if c.trial.has(name)]
-        there = [t for t in there if t.size]
-        if there:
-            how = shown(fit.model, name)
-            low, high = min(float(t.min()) for t in there), max(float(t.max()) for t in there)
-            parts.append(f"speed {how.number(low)} to {how.number(high)} {how.unit}")
-            break
-    words = f"The fitted trials hold {listed(parts)}. " if parts else ""
+    known = fit.ship.joint.get(fit.model.name)
+    words = {} if known is None else range_words(known)
+    parts = [f"speeds {words[n]}" if n == "u" else words[n] for n in words]
+    said = f"The fitted trials hold {listed(parts)}. " if parts else ""
+    verdict = words.get("delta", words.get("u", "not known"))
     return _row(
         "Up to where?",
-        parts[0].removeprefix("rudder angle ") if parts else "not known",
-        f"{words}Beyond what was sailed the model extrapolates, and no band contains that error.",
+        verdict.removeprefix("rudder angles "),
+        f"{said}Beyond what was sailed the model extrapolates, and no band contains that error.",
     )

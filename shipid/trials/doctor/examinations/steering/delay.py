@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares
 from shipid.trials.doctor.examinations.steering.rudder import executes
@@ -178,7 +179,7 @@ def _unanswered(p: WorkingCopy, name: str, answer: Answer) -> None:
     if own <= float(np.quantile(chance, 0.9)):
         p.add(
             "no-response", name, 0.9,
-            f"the rate of turn does not answer the rudder: they explain {max(own, 0):.1%} of the turning acceleration, and no less "
+            f"the rate of turn does not answer the rudder: they explain {percent(max(own, 0), 1)} of the turning acceleration, and no less "
             "where one is shifted at random",
             "Nothing can be identified: any gain explains the record as well as any other.",
             "Use a record of a manoeuvre, or find the columns that hold rudder and rate of turn.",
