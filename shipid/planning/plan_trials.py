@@ -24,7 +24,8 @@ from shipid.planning.leg import Leg
 from shipid.planning.plan import Forecast, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
-from shipid.planning.timetable import sailed_timetable
+from shipid.planning.timetable import Surroundings, sailed_timetable
+from shipid.trials.manoeuvres.flows import Flow, check_flows, number
 from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -84,6 +85,9 @@ def plan_trials(
     sampling: str | float | None = None,
     correlation: str | float | None = None,
     between: str | float | None = None,
+    heading: str | float = 0.0,
+    current: Flow | None = None,
+    wind: Flow | None = None,
     spread: float = 0.2,
     draws: int = 8,
     seed: int = 0,
@@ -123,6 +127,11 @@ def plan_trials(
         By default the noise is white.
     between : str or float, optional
         Steady approach between two manoeuvres in s, and once more where the speed changes; five L/U by default.
+    heading : str or float
+        Heading of the first approach, for the sea room in a current or a wind, with its unit or in rad.
+    current, wind : tuple, optional
+        Speed and direction it flows TO, with units or in SI, for the timetable and its sea room; the manoeuvres are chosen for
+        calm water. Waves move no track: what they do to the measurements is `noise` and `correlation`.
     spread : float
         Relative standard deviation of a coefficient for which neither the ship nor the declaration holds one.
     draws : int
@@ -152,8 +161,11 @@ def plan_trials(
     """
     if criterion not in CRITERIA:
         raise UnknownNameError("criterion", criterion, CRITERIA, "D: determinant, A: mean relative variance.")
+    planned = model_of(model)
+    around = Surroundings(number(heading, "rad", "the heading"), _flow(current, "current"), _flow(wind, "wind"))
+    check_flows(planned, current, wind)
     problem = planning_problem(
-        model_of(model),
+        planned,
         ship_of(ship),
         time,
         speed=speed,
@@ -191,7 +203,14 @@ def plan_trials(
             criterion,
             worst_case,
         )
-        return _result(problem, rows, table, choose(table, [pair]), pair, warnings)
+        return _result(problem, rows, table, choose(table, [pair]), pair, warnings, around)
+
+
+def _flow(flow: Flow | None, what: str) -> tuple[float, float] | None:
+    """Speed in m/s and direction in rad."""
+    if flow is None:
+        return None
+    return number(flow[0], "m/s", f"the {what}"), number(flow[1], "rad", f"direction of the {what}")
 
 
 def _candidates(repertoire: Sequence[str] | None, speeds: Sequence[float], seed: int) -> list[CandidateManoeuvre]:
@@ -325,6 +344,7 @@ def _result(
     chosen: list[int],
     pair: list[int],
     warnings: list[str],
+    around: Surroundings,
 ) -> Plan:
     experiment = problem.experiment
     warnings += problem.beyond([rows.candidates[i] for i in chosen])
@@ -377,7 +397,7 @@ def _result(
         independent=1 / experiment.rate,
         draws=len(problem.draws) - 1,
         candidates=len(rows.candidates),
-        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings),
+        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings, around),
         warnings=tuple(warnings),
     )
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.flows import current_option, flow_of, wind_option
 from shipid.cli.frame.options import (
     format_option,
     input_option,
@@ -58,8 +59,8 @@ _STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m"
     "--rudder-limit", type=NumberWithUnit("deg"), help="Largest rudder angle; the autopilot's own by default."
 )
 @click.option("--horizon", default=20.0, show_default=True, metavar="L", help="Length of the track in ship lengths.")
-@click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from'); from a trial it is estimated.")
-@click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to').")
+@current_option("; from a trial it is estimated")
+@wind_option()
 @click.option(
     "--band", default="linear", show_default=True, metavar="linear|samples|none", help="How the 95 % band is found."
 )
@@ -182,7 +183,6 @@ def _situation(
     *,
     on_route: bool,
 ) -> tuple[Situation | dict[str, float], str, list[Notice], Trial | None]:
-    from shipid.cli.ships.simulate import flow_of
     from shipid.foundation.errors import UsageError
     from shipid.trials.manoeuvres.flows import flow_inputs
 
