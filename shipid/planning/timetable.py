@@ -167,12 +167,11 @@ class Surroundings:
     @property
     def words(self) -> str:
         """Current and wind in words."""
-        told = [
-            f"a {what} of {flow[0]:.3g} m/s to {angle(float(flow[1] % (2 * np.pi)), 3)}"
-            for what, flow in (("current", self.current), ("wind", self.wind))
-            if flow is not None
-        ]
-        return f"{' and '.join(told)}, first heading {angle(self.heading, 3)}" if told else "calm"
+        told = (
+            [] if self.current is None else [f"a current of {self.current[0]:.3g} m/s to {_bearing(self.current[1])}"]
+        )
+        told += [] if self.wind is None else [f"a wind of {self.wind[0]:.3g} m/s from {_bearing(self.wind[1] + np.pi)}"]
+        return f"{' and '.join(told)}, first heading {_bearing(self.heading)}" if told else "calm"
 
 
 def timetable_of(
@@ -284,6 +283,11 @@ def _steered(kind: str, numbers: Sequence[float], time: float, number: int) -> T
         most = f" with at most {angle(numbers[1], 3)} of rudder" if len(numbers) > 1 else ""
         return TimetableOrder(time, number, f"change course by {_sided(numbers[0])}{most}, and steer it")
     return TimetableOrder(time, number, f"steer steady rates of turn up to r L/U = {numbers[0]:g}, one after the other")
+
+
+def _bearing(value: float) -> str:
+    """A direction from 0 to 360 degrees, in words."""
+    return angle(float(value % (2 * np.pi)), 3)
 
 
 def _sided(value: float) -> str:
