@@ -80,7 +80,9 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     delta, rate, _ = filtered(signals, signals.delta, constant)
     rest = [r, drag, cubic, np.ones_like(r)]
     target = slope[use]
-    if float(np.ptp(target)) == 0:
+    # Accelerations below 1e-160 differ, but their squares do not.
+    total = float(np.sum((target - target.mean()) ** 2))
+    if total == 0:
         return None
 
     def misfit(*columns: np.ndarray) -> float:
@@ -91,7 +93,6 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     left = np.array([misfit(np.interp(signals.t - shift, signals.t, delta)) for shift in shifts])
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
-    total = float(np.sum((target - target.mean()) ** 2))
     return Answer(
         usual,
         len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
