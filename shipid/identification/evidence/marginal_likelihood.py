@@ -139,10 +139,10 @@ def _at(solution: Solution, spread: float, box: Box) -> Solution:
 
 
 def _on_every_sample(solution: Solution, problem: Problem, box: Box, weighing: Weighing) -> Solution:
-    """The solution on every sample, at its own spread."""
-    prior = problem.prior
-    if prior is not None and solution.problem.prior is not None:
-        prior = replace(prior, biases=solution.problem.prior.biases)
+    """The solution on every sample, at its own spread and lasting errors."""
+    prior, own = problem.prior, solution.problem.prior
+    if prior is not None and own is not None:
+        prior = replace(prior, biases=own.biases, lasting=own.lasting)
     whole = replace(problem, sigma=solution.problem.sigma, prior=prior)
     found = minimise_robustly(whole, solution.q, box, most=200)
     found = replace(found, evaluations=solution.evaluations + found.evaluations)

@@ -295,7 +295,8 @@ class Problem:
                     # In the middle of a manoeuvre a state that is not measured is unknown.
                     known = data.settled or data.shows(name)
                     deviation = prior.initial[name] * (1.0 if known else _UNSETTLED)
-                    deviation = float(np.hypot(deviation, noise * data.start_std[name]))
+                    parts = (deviation, noise * data.start_std[name], prior.lasting.get(name, 0.0))
+                    deviation = float(np.linalg.norm(parts))
                     add({self.own(i).start + k: 1.0}, data.start[name], deviation)
         for k, name in enumerate(self.estimated):
             if name in prior.parameters:

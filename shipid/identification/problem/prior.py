@@ -50,6 +50,9 @@ class Prior:
     strength : float
         Number of samples of the record that one term of the prior counts as: residuals are correlated, and repeated samples
         would outweigh it.
+    lasting : mapping of str to float
+        Error of the model that lasts, beyond that of a good model of low order, SI, by state
+        (`shipid.identification.search.prediction_weights`): as far its initial state lies from what was measured.
     """
 
     biases: Mapping[str, float]
@@ -58,6 +61,7 @@ class Prior:
     initial: Mapping[str, float]
     parameters: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     strength: float = 1.0
+    lasting: Mapping[str, float] = field(default_factory=dict)
 
 
 def prior_of(

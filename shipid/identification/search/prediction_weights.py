@@ -4,6 +4,9 @@ In a towing tank the error is that of the model's structure, and in relative ter
 and on a pond waves, wind and current move the ship as well: a signal they disturb holds less information, and the
 prior counts more. The same holds for a signal whose error lasts: a drifting heading counts as few independent samples. Where
 residuals do not last they are noise, and the error of a structure does not count: the weights are those of the noise.
+
+A model whose residuals last and are larger than those of a good model of low order is off at the start as well, so that its
+initial states may lie as far from what was measured.
 """
 
 from __future__ import annotations
@@ -15,6 +18,7 @@ from scipy.fft import next_fast_len
 
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
+from shipid.identification.problem.prior import Prior
 from shipid.identification.search.least_squares import minimise_robustly, thinned_to
 from shipid.identification.search.solution import Solution, residual_levels
 
@@ -67,13 +71,25 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
         # In shares of the time for which the error of a structure lasts: of white noise one sample.
         lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
         own = residual_levels(solution)
-        floor = np.minimum(least, _EXACT * own) * np.sqrt(np.clip(lasting - single, 0.0, 1.0))
+        structural = np.clip(lasting - single, 0.0, 1.0)
+        floor = np.minimum(least, _EXACT * own) * np.sqrt(structural)
         sigma = np.maximum(floor, own * np.sqrt(lasting))
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
             break
-        again = minimise_robustly(replace(solution.problem, sigma=sigma), solution.q, box, most=100, tolerance=1e-6)
+        beyond = np.sqrt(np.maximum(own**2 * structural - least**2, 0.0))
+        weighed = replace(solution.problem, sigma=sigma, prior=_off_at_the_start(solution.problem, beyond))
+        again = minimise_robustly(weighed, solution.q, box, most=100, tolerance=1e-6)
         solution = replace(again, evaluations=solution.evaluations + again.evaluations)
     return solution
+
+
+def _off_at_the_start(problem: Problem, beyond: np.ndarray) -> Prior | None:
+    """The prior with the lasting error of each signal, as far as it is beyond that of a model of low order.
+
+    The residuals of a model that is wrong last from the first sample on. Held to the measured state at the start, such a
+    model misses the record by more and more: its signals lose weight, and the prior holds it to the start even more.
+    """
+    return problem.prior and replace(problem.prior, lasting=dict(zip(problem.signals, beyond.tolist())))
 
 
 def correlation_times(solution: Solution) -> np.ndarray:

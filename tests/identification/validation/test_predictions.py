@@ -122,14 +122,21 @@ def test_a_prediction_that_runs_away_is_said_without_nan(sail):
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the real trials are not on this machine")
 def test_real_trials_stay_where_they_were():
-    """The first pass on MARIN's zig-zags: no worse than the baseline of output error at constant speed."""
+    """The first pass on MARIN's zig-zags: no worse than the baseline of output error at constant speed.
+
+    The baseline is a fit whose initial states and rudder biases are free in each trial. Those of a fit by default are not: they are
+    drawn towards what was measured and towards each other. So the same is compared: the error that the identified coefficients
+    leave in the fitted trials where initial state and bias are refitted, as in the trial that is predicted.
+    """
     trial_format = str(FORMATS / "kvlcc2-marin.toml")
     files = {n: str(DATA / f"kvlcc2-marin/MARIN_FREE_KVLCC2_{n}_m.dat") for n in ("zz_20", "zz_-20", "zz_10")}
     trials = {n: shipid.read_trial(f, format=trial_format) for n, f in files.items()}
     for model, fitted, predicted in (("nomoto", 1.76, 3.5), ("norrbin", 1.28, 1.05)):
-        fit = shipid.identify(
-            model, [trials["zz_20"], trials["zz_-20"]], ship="kvlcc2", validate=[trials["zz_10"]], starts=3
-        )
-        together = np.sqrt(np.mean([c.rmse["psi"] ** 2 for c in fit.fitted]))
+        fit = shipid.identify(model, [trials["zz_20"], trials["zz_-20"]], ship="kvlcc2", starts=3)
+        *sailed, other = fit.validate(list(trials.values())).validation
+        together = np.sqrt(np.mean([c.refitted["psi"] ** 2 for c in sailed]))
         assert np.rad2deg(together) <= fitted
-        assert np.rad2deg(fit.validation[0].refitted["psi"]) <= predicted
+        assert np.rad2deg(other.refitted["psi"]) <= predicted
+        # By default the start is given: it may cost a part of that error, and no more.
+        given = np.sqrt(np.mean([c.rmse["psi"] ** 2 for c in fit.fitted]))
+        assert given <= 1.4 * together
