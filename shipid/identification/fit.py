@@ -27,9 +27,11 @@ from shipid.identification.fit_text import (
     comparison_lines,
     ladder_lines,
     noise_lines,
+    prior_lines,
     range_lines,
 )
 from shipid.identification.identified import Identified
+from shipid.identification.problem.prior_shares import prior_shares
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import beyond_of_record
@@ -131,6 +133,11 @@ class Fit(DrawnResult):
     def unidentifiable(self) -> tuple[str, ...]:
         """Names of the fitted coefficients that the trials do not determine."""
         return tuple(n for n in self.estimated if not self.parameters[n].identifiable)
+
+    @property
+    def prior_shares(self) -> dict[str, float]:
+        """Share of the information on a coefficient that its prior is and not the trials, by coefficient that has a prior."""
+        return prior_shares(self.identified.problem.prior, self.parameters)
 
     def validate(self, trials: Sequence[Trial]) -> Fit:
         """Return the same fit with its prediction of trials that were not fitted.
@@ -316,6 +323,7 @@ class Fit(DrawnResult):
                 "condition_number": self.condition_number,
                 "unidentifiable": list(self.unidentifiable),
                 "why": {n: self.parameters[n].why for n in self.unidentifiable},
+                "prior_shares": self.prior_shares,
                 "correlation": {
                     "names": list(self.estimated),
                     "matrix": [[round(float(v), 6) for v in row] for row in self.correlation],
@@ -359,6 +367,7 @@ class Fit(DrawnResult):
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *prior_lines(self.prior_shares),
                 *range_lines(self.model, self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),

@@ -13,6 +13,7 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.methods import METHODS
+from shipid.identification.problem.prior_shares import held_words
 from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
@@ -34,6 +35,18 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
         f"  {e.name:<10s} {_value_text(e)}" + ("" if e.identifiable else f"   {e.standing}: {e.why}")
         for e in parameters.values()
     ]
+
+
+def prior_lines(shares: Mapping[str, float]) -> list[str]:
+    """Return one line of the coefficients that are known more by their prior than by the trials.
+
+    Parameters
+    ----------
+    shares : mapping of str to float
+        Share of the information that the prior is, by coefficient.
+    """
+    held = held_words(shares)
+    return [f"  held      {held}: that much of the information is the prior that the model declares"] if held else []
 
 
 def range_lines(model: Model, known: Joint | None) -> list[str]:

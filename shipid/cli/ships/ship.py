@@ -130,9 +130,11 @@ def ship_data(found: ParameterSet) -> dict[str, Plain]:
     found : ParameterSet
         The ship.
     """
+    from shipid.parameters.hull.estimates import hull_estimates
     from shipid.parameters.parameter_file import parameter_table
 
-    return parameter_table(found) | {"assumed": _assumed(found), "not_stated": _unstated(found)}
+    told = {"assumed": _assumed(found), "not_stated": _unstated(found)}
+    return parameter_table(found) | told | {"hull_regression": hull_estimates(found).to_dict()}
 
 
 def ship_text(found: ParameterSet) -> str:
@@ -145,6 +147,7 @@ def ship_text(found: ParameterSet) -> str:
     """
     from shipid.declaration.units import pretty
     from shipid.parameters.draft import KNOWN_PARTICULARS
+    from shipid.parameters.hull.estimates import hull_estimates
 
     meanings = {known.name: known.meaning for known in KNOWN_PARTICULARS}
     lines = [f"{found.name}: {found.title}" if found.title else found.name]
@@ -160,6 +163,7 @@ def ship_text(found: ParameterSet) -> str:
             lines.append(f"  {name:<{names}}  {shown[name]:<{width}}  {value.source}{note}{meaning}")
             lines += [f"  {'':<{names}}  {_table(value)}"] if value.speed else []
     lines += [f"found at: [{section}] {_range(known)}" for section, known in found.joint.items()]
+    lines += hull_estimates(found).lines()
     assumed, unstated = _assumed(found), _unstated(found)
     lines.append(f"assumed: {', '.join(assumed) if assumed else 'nothing'}")
     lines += [f"not stated: {', '.join(unstated)}"] if unstated else []

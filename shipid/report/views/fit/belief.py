@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import fit_words
+from shipid.identification.problem.prior_shares import MOSTLY, held_words
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.validity import range_words
 from shipid.report.figures.runaway import runaway
@@ -38,6 +39,7 @@ def _rows(fit: Fit) -> Iterator[Row]:
     )
     yield _trials(fit)
     yield _determined(fit)
+    yield from _held(fit)
     yield _near("Does it reproduce the fitted trials?", fit, fit.fitted)
     if fit.validation:
         yield _near("Does it predict trials that were not fitted?", fit, fit.validation)
@@ -75,6 +77,22 @@ def _determined(fit: Fit) -> Row:
         "all" if not lost else count,
         words + "." if words else f"Each of the {len(names)} has an interval that the trials set.",
         "undecided" if lost else "",
+    )
+
+
+def _held(fit: Fit) -> Iterator[Row]:
+    """How much of the coefficients comes from the priors that the model declares."""
+    shares = fit.prior_shares
+    if not shares:
+        return
+    held = held_words(shares)
+    words = f"{held}: that much of the information is the prior that the model declares." if held else ""
+    count = sum(share > MOSTLY for share in shares.values())
+    yield _row(
+        "Or do priors hold them?",
+        f"{count} of {len(fit.estimated)}" if held else "no",
+        words or "Of each coefficient with a prior, the trials say more than the prior.",
+        "undecided" if held else "",
     )
 
 
