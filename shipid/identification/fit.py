@@ -25,6 +25,7 @@ from shipid.identification.fit_text import (
     bias_lines,
     coefficient_lines,
     comparison_lines,
+    dead_time_lines,
     ladder_lines,
     noise_lines,
     range_lines,
@@ -359,6 +360,7 @@ class Fit(DrawnResult):
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *dead_time_lines(self.model),
                 *range_lines(self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
