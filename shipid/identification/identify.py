@@ -131,13 +131,14 @@ def identify(
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:
         method = "prediction-error"
+    for trial in trials:
+        check_identifiable_input(trial)
     setting = settle(
         with_dead_time(model, trials) if free and not steered and not (estimate or fixed) else model,
         trials, ship, estimate, fixed or {},
     )  # fmt: skip
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
     for trial in trials:
-        check_identifiable_input(trial)
         check_answer(trial, shown)
     check_length(setting, trials)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time
