@@ -146,6 +146,12 @@ class Model:
         """Names of the margins that are not negative while the model is valid."""
         return self._names("guard")
 
+    @cached_property
+    def delays(self) -> Mapping[str, str]:
+        """The inputs that act later than they are given, and the parameter or constant that says by how much, in s."""
+        dead_times = (e.quantity for n, e in self.entries.items() if n in self.parameters + self.constants)
+        return MappingProxyType({q.delays: q.name for q in dead_times if q.delays in self.inputs})
+
     @property
     def is_sampled(self) -> bool:
         """Whether every state is defined by its next sample, so that no integration is needed."""

@@ -25,6 +25,7 @@ from shipid.identification.fit_text import (
     bias_lines,
     coefficient_lines,
     comparison_lines,
+    dead_time_lines,
     ladder_lines,
     noise_lines,
     prior_lines,
@@ -44,10 +45,15 @@ from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
+from shipid.trials.conditions import different_loadings
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Kind of the notice about trials at several loadings.
+LOADINGS = "loadings"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -349,6 +355,17 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
+        loadings = different_loadings(
+            {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
+        )
+        if loadings is not None:
+            found.append(
+                Notice(
+                    f"the trials state different loadings, and one set of coefficients stands for all of them: {loadings}. It is an "
+                    "average of different ships: fit each loading alone, and compare the coefficients.",
+                    LOADINGS,
+                )
+            )
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
@@ -367,11 +384,13 @@ class Fit(DrawnResult):
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *coefficient_lines(self.parameters),
+                *dead_time_lines(self.model),
                 *prior_lines(self.prior_shares),
                 *range_lines(self.model, self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *(f"  loadings  {w}" for w in self.warnings if w.kind == LOADINGS),
                 *band_lines((None if self.assessment is None else self.assessment.manoeuvres) or {}),
                 *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),

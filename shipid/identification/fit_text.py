@@ -37,6 +37,21 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
+def dead_time_lines(model: Model) -> list[str]:
+    """Return one line for a dead time of a model: what it is, and how the fit goes without it.
+
+    Parameters
+    ----------
+    model : Model
+        The fitted model.
+    """
+    return [
+        f"  {name:<10s} is a dead time: '{late}' acts so much later than it is recorded, by its gear or by a clock. Every record of "
+        f"it is shifted by that, and orders in a closed loop are late by it; --fix '{name}=0 s' fits without."
+        for late, name in model.delays.items()
+    ]
+
+
 def prior_lines(shares: Mapping[str, float]) -> list[str]:
     """Return one line of the coefficients that are known more by their prior than by the trials.
 

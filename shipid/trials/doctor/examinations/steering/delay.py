@@ -143,8 +143,8 @@ def examine_delay(p: WorkingCopy) -> None:
         f"the rudder is logged about {answer.delay:.3g} s before it acts (the ship's answer is explained {answer.gain:.3g} times "
         "as well with it that much later): the rudder is early, it is an order, or heading and rate are late",
         "The delay is taken for a slower ship: the time constant comes out too long by about as much, the gain with it.",
-        f"Identify with a delay of {answer.delay:.3g} s or a steering machine, or find the clock of the rudder; shift "
-        f"delta by {answer.delay:+.3g} s if it is the rudder that is early.",
+        f"Identify with a dead time (-delay after the name of the model, about {answer.delay:.3g} s) or a lag (-lag), or find the "
+        f"clock of the rudder; shift delta by {answer.delay:+.3g} s if it is the rudder that is early.",
         spoils=not ordered and share > 0.02,
     )  # fmt: skip
 
