@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range

@@ -86,9 +86,9 @@ def unit(text: str) -> PintUnit:
     tidy = _tidy(text)
     if tidy in ("", "1", "-"):
         return registry().Unit("")
+    if printable(tidy) != tidy:  # to pint's tokenizer a text ends at a NUL
+        raise UnitError(f"'{text}' is not a unit: it holds characters that cannot be printed.")
     try:
-        if printable(tidy) != tidy:  # to pint's tokenizer a text ends at a NUL
-            raise ValueError(tidy)
         parsed = registry().parse_expression(tidy)
     except Exception:  # pint raises half a dozen kinds for text that is no unit, tokenizer errors among them
         raise UnitError(f"'{text}' is not a unit. Write it as deg/s, kn, 1/s, s^2/deg^2, or 1 for a number.") from None

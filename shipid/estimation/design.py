@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shipid.declaration.augment import augment
 from shipid.declaration.component import Component
 from shipid.declaration.delays import delays_in, refuse_estimated_delay
+from shipid.declaration.joining.augment import augment
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si

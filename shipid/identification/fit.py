@@ -39,21 +39,17 @@ from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.loadings import LOADINGS, loading_notices
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
-from shipid.trials.conditions import different_loadings
 from shipid.trials.trial import Trial
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-#: Kind of the notice about trials at several loadings.
-LOADINGS = "loadings"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -355,17 +351,7 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
-        loadings = different_loadings(
-            {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
-        )
-        if loadings is not None:
-            found.append(
-                Notice(
-                    f"the trials state different loadings, and one set of coefficients stands for all of them: {loadings}. It is an "
-                    "average of different ships: fit each loading alone, and compare the coefficients.",
-                    LOADINGS,
-                )
-            )
+        found += loading_notices({c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)})
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND

@@ -20,7 +20,7 @@ from typing import TypeGuard
 
 from shipid import parts
 from shipid.declaration.component import Component, declared_quantities, slug
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
 from shipid.parameters.parameter_file import read_parameter_set

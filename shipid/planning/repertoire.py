@@ -76,6 +76,11 @@ def within_limits(
     warnings : list of str
         What is left out is added to it.
 
+    Returns
+    -------
+    list of CandidateManoeuvre
+        Those that are left.
+
     Raises
     ------
     NotSailedError

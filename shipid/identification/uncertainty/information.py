@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range

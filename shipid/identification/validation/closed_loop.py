@@ -15,7 +15,7 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step

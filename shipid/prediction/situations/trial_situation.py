@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.estimation.by_record import filter_by_record
 from shipid.estimation.records.run import FilterRun

@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.quantity import derived, given, state
 from shipid.foundation.aliases import Expression

@@ -13,7 +13,7 @@ from shipid.autopilot.course_changes.turn_order import TurnOrder
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, steered_ship
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import missing_values

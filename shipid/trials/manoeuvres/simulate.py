@@ -10,7 +10,7 @@ import numpy as np
 import shipid
 from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS

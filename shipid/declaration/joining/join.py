@@ -7,9 +7,9 @@ from inspect import getattr_static
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, declared_equations, declared_quantities
+from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
-from shipid.declaration.unit_check import check_units
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnitError
 
