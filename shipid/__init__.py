@@ -82,6 +82,8 @@ __all__ = [*sorted(_HOMES), "__version__"]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every kind
+    if name == "models":  # the ship models: a package of its own, which this one does not read
+        return importlib.import_module("shipid.models")
     try:
         home = _HOMES[name]
     except KeyError:
@@ -92,4 +94,4 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every 
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, "models"})

@@ -28,7 +28,9 @@ figure = trial.plot()
 samples = trial.to_frame()
 units_named = all("[" in name for name in samples.columns)
 rows.append(Row("trial.to_frame(): columns", "every column with its unit", ", ".join(samples.columns), units_named))
-rows.append(Row("trial.plot()", "a figure with lines", f"{len(figure.axes)} axes", bool(figure.axes and figure.axes[0].lines)))
+rows.append(
+    Row("trial.plot()", "a figure with lines", f"{len(figure.axes)} axes", bool(figure.axes and figure.axes[0].lines))
+)
 
 # %% What the ship did
 measured = shipid.measure(trial)
@@ -72,15 +74,21 @@ rows.append(Row("filter: run.to_frame()", f"{len(trial)} rows", f"{len(estimates
 pilot = shipid.design_autopilot(own_ship, fit.ship, speeds="7:10:1 m/s")
 pilot.plot()
 step = control.step_response(to_control(pilot)["psi", "psi_order"])
-rows.append(close("to_control(pilot): heading in the end, of 1", 1.0, float(np.ravel(step.outputs)[-1]), 0.05, digits=3))
+rows.append(
+    close("to_control(pilot): heading in the end, of 1", 1.0, float(np.ravel(step.outputs)[-1]), 0.05, digits=3)
+)
 
 # %% What a notebook shows of each of them
 for what, result in {"trial": trial, "measured": measured, "fit": fit, "run": run, "pilot": pilot}.items():
     lines, page = len(repr(result).splitlines()), result._repr_html_()
     fits = lines <= 10 and page.startswith("<div>") and len(page) < 20_000
-    rows.append(Row(f"{what} in a notebook", "10 lines, a short page", f"{lines} lines, {len(page) / 1000:.0f} kB", fits))
+    rows.append(
+        Row(f"{what} in a notebook", "10 lines, a short page", f"{lines} lines, {len(page) / 1000:.0f} kB", fits)
+    )
 known = dir(shipid.models)
-rows.append(Row("dir(shipid.models)", "the components", f"{len(known)} names", {"DeKeizer", "PlanarMotion"} <= set(known)))
+rows.append(
+    Row("dir(shipid.models)", "the components", f"{len(known)} names", {"DeKeizer", "PlanarMotion"} <= set(known))
+)
 
 # %% Asked and measured
 show("A notebook, cell by cell", rows)

@@ -29,7 +29,13 @@ OFF = (54.25, 7.5)
 def write_log(path: str) -> Trial:
     """Sail the zig-zag, write it as the logger of the bridge does, and return it as it was."""
     trial = simulate(
-        find_model("de-keizer"), "soesterberg", "zigzag:20/20", noise="standard", seed=1, sampling="1 s", heading="347 deg"
+        find_model("de-keizer"),
+        "soesterberg",
+        "zigzag:20/20",
+        noise="standard",
+        seed=1,
+        sampling="1 s",
+        heading="347 deg",
     )
     begin = datetime.datetime(2026, 3, 14, 23, 52, 10)
     stamps = [begin + datetime.timedelta(seconds=float(t)) for t in trial["t"]]
@@ -66,13 +72,18 @@ def fill_in(path: str) -> None:
 def rows(short: bool) -> list[Row]:
     """Do the job in an empty folder."""
     found = []
-    trial = write_log("probefahrt.csv")
+    write_log("probefahrt.csv")
 
     # Is the log sound? The doctor reads the German headers, and says that nothing else does.
     seen = answer("check probefahrt.csv", code=3)
     kinds = {f["kind"] for f in seen["findings"]}
     found.append(
-        Row("check: the log as it is", "rudder-sign and name, exit code 3", ", ".join(sorted(kinds)), {"rudder-sign", "name"} <= kinds)
+        Row(
+            "check: the log as it is",
+            "rudder-sign and name, exit code 3",
+            ", ".join(sorted(kinds)),
+            {"rudder-sign", "name"} <= kinds,
+        )
     )
 
     # A format file, drafted and filled in. With it the log is sound.
@@ -93,7 +104,9 @@ def rows(short: bool) -> list[Row]:
         "arrangement' -o coaster.toml"
     )
     starts = " --starts 2" if short else ""
-    fit = answer(f"identify probefahrt.csv --format probefahrt.toml --model de-keizer --ship coaster.toml --out found{starts}")
+    fit = answer(
+        f"identify probefahrt.csv --format probefahrt.toml --model de-keizer --ship coaster.toml --out found{starts}"
+    )
     truth = find_ship("soesterberg").values(find_model("de-keizer"))
     for name in ("K", "tau", "K_u", "gamma"):
         value, std = fit["parameters"][name]["value"], fit["parameters"][name]["std"]
@@ -105,12 +118,21 @@ def rows(short: bool) -> list[Row]:
     margin = min(tuned["margins"]["disk"])
     found.append(Row("tune: least disk margin", "above 0.6", f"{margin:.2f}", margin > 0.6))
     wind = "--wind '15 m/s from 100 deg' --set 'N_w=3.3e-7 rad/m^2' --set 'F_w=3.5e-7 1/m^2'"
-    code = shipid(f"simulate de-keizer --ship found/ship.toml --autopilot tuning/schedule.toml --course '30 deg' {wind} --duration '1500 s' -o voyage.csv")
+    code = shipid(
+        f"simulate de-keizer --ship found/ship.toml --autopilot tuning/schedule.toml --course '30 deg' {wind} --duration '1500 s' -o voyage.csv"
+    )
     voyage = read_trial("voyage.csv")
     last = voyage["t"] > voyage["t"][-1] - 120
     heading, rudder = (float(np.degrees(np.mean(voyage[n][last]))) for n in ("psi", "delta"))
     found.append(close("simulate: heading under the autopilot in wind", 30.0, heading, 0.3, "deg", 3))
-    found.append(Row("simulate: rudder that holds it", "not zero, below 15 deg", f"{rudder:.2f} deg", 0.2 < abs(rudder) < 15 and code == 0))
+    found.append(
+        Row(
+            "simulate: rudder that holds it",
+            "not zero, below 15 deg",
+            f"{rudder:.2f} deg",
+            0.2 < abs(rudder) < 15 and code == 0,
+        )
+    )
     return found
 
 

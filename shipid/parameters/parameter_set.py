@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from shipid.declaration.component import Scope
+from shipid.declaration.component import Scope, slug
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
@@ -322,7 +322,7 @@ def missing_values(model: Model, values: Mapping[str, float], ship: str) -> Para
     it = "it" if len(lacking) == 1 else "them"
     return ParameterSetError(
         f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or take a ship "
-        f"that states {it}."
+        f"that has a [{slug(model[lacking[0]].owner)}] table."
     )
 
 

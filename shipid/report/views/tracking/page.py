@@ -14,7 +14,7 @@ from shipid.foundation.numbers import fixed
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.targets import targets_figure
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.words import sentence
+from shipid.report.views.words import count, sentence
 
 _TARGETS = [
     ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
@@ -43,7 +43,7 @@ def tracking_page(found: Tracking) -> Page:
     held = [one for one in found.tracks if one.status == "held"]
     answer = [
         f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
-        f"{len(found.tracks)} confirmed track{'' if len(found.tracks) == 1 else 's'}; {len(held)} held at the end.",
+        f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
     answer.append(_closest([o for o in held if o.approach is not None]))
     sections = [
@@ -153,16 +153,14 @@ def _judged(score: TrackingScore) -> dict[str, object]:
         rows.append(
             {"name": ship.name, "visible": ship.visible, "held": fixed(100 * ship.held, 0), "nees": nees, **errors}
         )
-    count = score.false_tracks
+    false = score.false_tracks
     moving = (
-        "No confirmed track moves"
-        if not count
-        else "1 confirmed track moves"
-        if count == 1
-        else f"{count} confirmed tracks move"
+        f"{count(false, 'confirmed track')} {'moves' if false == 1 else 'move'}"
+        if false
+        else "No confirmed track moves"
     )
     words = (
-        f"{moving} where no ship is within 250 m{rate if count else ''}. A track within "
+        f"{moving} where no ship is within 250 m{rate if false else ''}. A track within "
         f"{fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; far above it, the error is larger than stated."
     )
     return {"words": words, "columns": _JUDGED, "rows": rows}
