@@ -21,7 +21,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.foundation.notices import Notice
 from shipid.trials import columns as spelling
-from shipid.trials.errors import ClockError, EmptyFileError, NoUnitError, UnknownColumnError
+from shipid.trials.errors import ClockError, EmptyFileError, ForeignFileError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
@@ -110,12 +110,14 @@ def read_detections(
         If a file is not there.
     EmptyFileError
         If there is no plot.
+    ForeignFileError
+        If it is a file of another kind, such as JSON without a format.
     UnknownColumnError
         If a table lacks a column.
     FormatFileError
         If the format file does not fit.
     EncounterRequestError
-        If own ship's path and the plots have no time in common.
+        If own ship's path and the plots have no time in common, or nothing says where own ship or the true tracks lie beside the plots.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
@@ -178,6 +180,11 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         return plots_of_json(file, fmt)
     if fmt is None and (is_nmea(file) or file.suffix.lower() in (".nmea", ".ais")) and holds_plots(file):
         return plots_of_sentences(file)
+    if fmt is None and file.suffix.lower() == ".json":
+        raise ForeignFileError(
+            f"'{file}' is a JSON file, and nothing says which of its keys are times and positions. Describe them in a format file "
+            "(--format), as studies/formats/autoferry.toml does."
+        )
     table = read_table(file, fmt.table if fmt else None)
     record = record_of(table, fmt.table if fmt else None)
     t, columns = _columns(record)

@@ -19,6 +19,7 @@ from shipid.foundation.errors import MissingExtraError, MissingFileError
 from shipid.trials.errors import (
     DamagedFileError,
     EmptyFileError,
+    ForeignFileError,
     FormatFileError,
     NonFiniteError,
     NoUnitError,
@@ -114,6 +115,12 @@ def test_a_column_that_is_not_asked_for_needs_no_unit(tmp_path):
     is_the_target(read_detections(table(tmp_path / "p.csv", "t [s],x [m],y [m],level", T, NORTH, EAST, T)))
     with pytest.raises(NoUnitError, match="'x'"):
         read_detections(table(tmp_path / "q.csv", "t [s],x,y [m]", T, NORTH, EAST))
+
+
+def test_json_asks_for_a_format(tmp_path):
+    (tmp_path / "d.json").write_text('[{"time": 1.0, "position": [1.0, 2.0]}]')
+    with pytest.raises(ForeignFileError, match="Describe them in a format file"):
+        read_detections(tmp_path / "d.json")
 
 
 def test_json_as_a_format_file_describes(tmp_path):
