@@ -12,6 +12,7 @@ import re
 
 from shipid.foundation.aliases import PintUnit
 from shipid.foundation.errors import TypedUnitError, UnitError
+from shipid.foundation.printable import printable
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -86,6 +87,8 @@ def unit(text: str) -> PintUnit:
     if tidy in ("", "1", "-"):
         return registry().Unit("")
     try:
+        if printable(tidy) != tidy:  # to pint's tokenizer a text ends at a NUL
+            raise ValueError(tidy)
         parsed = registry().parse_expression(tidy)
     except Exception:  # pint raises half a dozen kinds for text that is no unit, tokenizer errors among them
         raise UnitError(f"'{text}' is not a unit. Write it as deg/s, kn, 1/s, s^2/deg^2, or 1 for a number.") from None

@@ -96,8 +96,9 @@ def predict(
 ) -> ExitCode:
     """Predict where a ship goes under an order, or at the next turn of a route: her track with its band, stage by stage.
 
-    From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is. The track is in metres to
-    the north and to the east, on the position of the trial or from zero.
+    From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is; where predictions from
+    earlier instants were farther off than their bands, the band is widened. The track is in metres to the north and to the east, on
+    the position of the trial or from zero.
 
     \b
     shipid predict de-keizer --ship soesterberg --heading '60 deg'
@@ -260,7 +261,7 @@ def _from_trial(
 ) -> tuple[Situation, str, list[Notice], Trial]:
     """What the filter of the ship's own model knows at an instant of a trial; nothing later is read."""
     from shipid.foundation.errors import UsageError
-    from shipid.prediction.situations.trial_situation import situation_in
+    from shipid.prediction.following.past_predictions import situation_with_past
     from shipid.trials.logs.reading import read_trial
 
     match = re.match(r"^(.+?)(?:@\s*([-+0-9.eE]+)\s*s?)?$", text.strip(), re.DOTALL)
@@ -275,5 +276,5 @@ def _from_trial(
     except ValueError:
         raise UsageError(f"'{match.group(2)}' is no time in s, as in trial.csv@300.") from None
     tell("filtering")
-    situation, told = situation_in(pilot.model, pilot.ship, trial, at, flows)
+    situation, told = situation_with_past(pilot, trial, at, flows)
     return situation, f"trial {trial.name} at {situation.t:.5g} s", told, trial

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.encounter.tracking.tracking import Tracking
-from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, WIDTH, legend, svg
+from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, PAPER, WIDTH, legend, svg
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Panels
@@ -68,4 +68,7 @@ def _draw_track(ax: Panels, one: TargetTrack) -> None:
     end = one.x[-1]
     ahead = end[:2] + _VECTOR * end[2:]
     ax.plot([end[1], ahead[1]], [end[0], ahead[0]], color=_HELD, linewidth=0.8)
-    ax.annotate(str(one.number), (end[1], end[0]), fontsize=8, xytext=(3, 3), textcoords="offset points")
+    behind = {"facecolor": PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+    ax.annotate(
+        str(one.number), (end[1], end[0]), fontsize=8, xytext=(3, 3), textcoords="offset points", bbox=behind, zorder=3
+    )

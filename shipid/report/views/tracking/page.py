@@ -14,7 +14,7 @@ from shipid.foundation.numbers import fixed
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.targets import targets_figure
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.words import sentence
+from shipid.report.views.words import count, sentence
 
 _TARGETS = [
     ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
@@ -41,7 +41,7 @@ def tracking_page(found: Tracking) -> Page:
     held = [one for one in found.tracks if one.status == "held"]
     answer = [
         f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
-        f"{len(found.tracks)} confirmed tracks; {len(held)} are held at the end.",
+        f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
     nearest = min((o for o in held if o.approach is not None), key=lambda o: _nearest(o), default=None)
     if nearest is not None and nearest.approach is not None:
