@@ -186,15 +186,15 @@ class _Found:
 def _by_residuals(problem: Problem, box: Box, method: Method | None, how: SearchSettings, records: int) -> _Found:
     """Output error, with rudder biases as random effects and weights by how long residuals last."""
     unit_time, first = how.unit_time, problem.trials[0]
-    least = structural_errors(problem.signals, first, unit_time) if how.weigh else None
+    least = structural_errors(problem.signals, first, unit_time)
     prior = prior_of(problem.model, problem.initial, problem.biases, first, unit_time, problem.estimated)
-    if least is None:
+    if not how.weigh:
         # Where noise levels are given every sample counts by them, and initial states are as free as the samples let them be.
         prior = replace(prior, initial={}, strength=1.0)
-    problem = replace(problem, prior=prior, sigma=problem.sigma if least is None else least)
+    problem = replace(problem, prior=prior, sigma=least if how.weigh else problem.sigma)
     rough = replace(how, weigh=False)
     solution, rungs = climb(independent_samples(problem, unit_time), box, method, rough)
-    weighing = Weighing(least, INDEPENDENT * unit_time, how.tell, records)
+    weighing = Weighing(least, not how.weigh, INDEPENDENT * unit_time, how.tell, records)
     solution, spread = conclude(solution, problem, box, weighing)
     return _Found(solution, rungs, box, spread)
 

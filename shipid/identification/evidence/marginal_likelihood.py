@@ -14,14 +14,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import chi2
 
-from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.bias_spread import EXPECTED, BiasSpread, probability_of_common
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.least_squares import Progress, minimise_robustly
-from shipid.identification.search.prediction_weights import weigh_again
-from shipid.identification.search.solution import Solution
+from shipid.identification.search.prediction_weights import lasting_errors, weigh_again
+from shipid.identification.search.solution import Another, Solution
 from shipid.identification.uncertainty.covariance import covariance_of
 
 #: The input whose bias is a random effect.
@@ -29,14 +28,13 @@ _INPUT = "delta"
 #: Spreads that are tried, in rad, and the one at which the first weights are found: wide enough for a bias at sea.
 _SPREADS = np.deg2rad([0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6])
 _WIDE = 4
-#: Scale of the half-Cauchy distribution that the spread has beforehand (Gelman 2006): rudders are set to a part of a tenth of a
-#: degree, and its long tail leaves a bias at sea to the trials.
-_EXPECTED = np.deg2rad(0.05)
-#: Probability below which a spread adds nothing to the covariance.
+#: Probability below which a spread does not count in the covariance.
 _NEGLIGIBLE = 1e-3
 #: Relative change of the weights of the signals below which the spread is not estimated again, and how often it may be.
 _SETTLED = 0.05
 _TURNS = 2
+#: Share of the error of a structure from which on residuals that last are taken to be one.
+_STRUCTURAL = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +43,10 @@ class Weighing:
 
     Attributes
     ----------
-    least : ndarray, shape (signals,), or None
-        Error that a model of low order has, SI (`shipid.identification.search.prediction_weights`); None where the weights are
-        given.
+    least : ndarray, shape (signals,)
+        Error that a model of low order has, SI (`shipid.identification.search.prediction_weights`).
+    given : bool
+        Whether the weights are given, and stay.
     independent : float
         Time in s for which a residual lasts where only the structure of the model is wrong.
     tell : callable
@@ -56,7 +55,8 @@ class Weighing:
         Records that the trials come from: the stretches of one record have one rudder, and tell nothing of the spread.
     """
 
-    least: np.ndarray | None
+    least: np.ndarray
+    given: bool
     independent: float
     tell: Progress
     records: int
@@ -71,7 +71,7 @@ class Weighing:
         box : Box
             Bounds of the parameters.
         """
-        return solution if self.least is None else weigh_again(solution, box, self.least, self.independent)
+        return solution if self.given else weigh_again(solution, box, self.least, self.independent)
 
 
 def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) -> tuple[Solution, BiasSpread | None]:
@@ -91,7 +91,7 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
     Returns
     -------
     solution : Solution
-        Under the weights it was searched with; `Solution.added` holds what the spread's uncertainty adds to the covariance.
+        Under the weights it was searched with; `Solution.others` holds those at other spreads, for the covariance.
     spread : BiasSpread or None
         None where there is one record, or the rudder has no bias.
     """
@@ -117,15 +117,11 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
     if not end.finite:
         return end, None
     moved = [_moved(s, at, end) for s in tried]
-    total, own = np.zeros((problem.size, problem.size)), covariance_of(end).matrix
-    for weight, one in zip(share, moved):
-        if weight > _NEGLIGIBLE:
-            step = one.q - end.q
-            total += weight * (covariance_of(one).matrix + np.outer(step, step)) / share[share > _NEGLIGIBLE].sum()
-    with np.errstate(invalid="ignore"):
-        added = total - own
-    end = replace(end, added=np.where(np.isfinite(added), added, 0.0))
-    return end, _spread(middle, share, moved[-1])
+    counted = np.where(share > _NEGLIGIBLE, share, 0.0)
+    others = (Another(float(c), m.problem, m.q) for c, m in zip(counted / counted.sum(), moved) if c)
+    end = replace(end, others=tuple(others))
+    structural = bool((lasting_errors(end, weighing.independent) > _STRUCTURAL * weighing.least).any())
+    return end, _spread(middle, share, moved[-1], structural)
 
 
 def _with_spread(problem: Problem, spread: float) -> Problem:
@@ -170,13 +166,13 @@ def _probabilities(tried: list[Solution], box: Box) -> np.ndarray:
     strength = 1.0 if first.problem.prior is None else first.problem.prior.strength
     scale = np.where(norms := np.linalg.norm(_by_logs(first, box), axis=0), norms, 1.0)
     evidence = []
-    for spread, solution in zip(_SPREADS, tried):
+    for spread, width, solution in zip(_SPREADS, np.diff(_edges()), tried):
         sizes = np.linalg.svd(_by_logs(solution, box) / scale, compute_uv=False)
         # Directions that no residual shows have the same volume at every spread.
         volume = float(np.log(np.maximum(sizes, 1e-8)).sum())
         normal = (len(solution.problem.trials) - 1) * np.log(spread)
-        # The grid is even in the logarithm: a density of the spread counts with the spread.
-        beforehand = np.log(spread) - np.log1p((spread / _EXPECTED) ** 2)
+        # Each stands for its neighbourhood in the logarithm: a density of the spread counts with the spread.
+        beforehand = np.log(spread * width) - np.log1p((spread / EXPECTED) ** 2)
         evidence.append(-solution.cost / strength - volume - normal + beforehand)
     found = np.where([s.finite for s in tried], evidence, -np.inf)
     share = np.exp(found - found.max())
@@ -199,26 +195,26 @@ def _moved(one: Solution, at: Solution, end: Solution) -> Solution:
     return replace(end, problem=problem, q=q, residual=residual, jacobian=jacobian)
 
 
-def _spread(value: float, share: np.ndarray, free: Solution) -> BiasSpread:
+def _spread(value: float, share: np.ndarray, free: Solution, structural: bool) -> BiasSpread:
     """The result, with the biases of the widest spread, at which each is nearly free."""
     problem, count = free.problem, len(free.problem.trials)
     k = len(problem.initial) + problem.biases.index(_INPUT)
     places = [problem.own(i).start + k for i in range(count)]
     bias, matrix = free.q[places], covariance_of(free).matrix[np.ix_(places, places)]
     matrix = np.where(np.isfinite(matrix), matrix, 0.0)
-    apart = np.eye(count) - 1 / count
-    away = apart @ bias
-    scatter = apart @ (matrix + value**2 * np.eye(count)) @ apart
-    square = float(away @ np.linalg.pinv(scatter, rcond=1e-9, hermitian=True) @ away)
     names = [data.trial.name for data in problem.trials]
     alone = {n: (float(b), float(s)) for n, b, s in zip(names, bias, np.sqrt(np.diag(matrix)))}
-    return BiasSpread(value, _interval(share), alone, float(chi2.sf(square, count - 1)))
+    return BiasSpread(value, _interval(share), alone, probability_of_common(bias, matrix), structural)
+
+
+def _edges() -> np.ndarray:
+    """Logarithms of the spreads between which each that is tried stands for all."""
+    logs = np.log(_SPREADS)
+    return np.concatenate([[logs[0]], 0.5 * (logs[1:] + logs[:-1]), [logs[-1]]])
 
 
 def _interval(share: np.ndarray) -> tuple[float, float]:
-    """Between which spreads 95 % of the probability lies, each spread standing for its neighbourhood in the logarithm."""
-    logs = np.log(_SPREADS)
-    edges = np.concatenate([[logs[0]], 0.5 * (logs[1:] + logs[:-1]), [logs[-1]]])
+    """Between which spreads 95 % of the probability lies."""
     below = np.concatenate([[0.0], np.cumsum(share)])
-    low, high = np.interp([0.025, 0.975], below, edges)
+    low, high = np.interp([0.025, 0.975], below, _edges())
     return float(np.exp(low)), float(np.exp(high))

@@ -63,15 +63,8 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
     Solution
         The same where its weights hardly change.
     """
-    problem = solution.problem
-    single = (
-        np.mean([[d.step_of(j) for j in range(len(problem.signals))] for d in problem.trials], axis=0) / independent
-    )
     for _ in range(_TURNS):
-        # In shares of the time for which the error of a structure lasts: of white noise one sample.
-        lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
-        own = residual_levels(solution)
-        structural = np.clip(lasting - single, 0.0, 1.0)
+        own, lasting, structural = _levels(solution, independent)
         floor = np.minimum(least, _EXACT * own) * np.sqrt(structural)
         sigma = np.maximum(floor, own * np.sqrt(lasting))
         if np.abs(np.log(sigma / solution.problem.sigma)).max() < _SETTLED:
@@ -81,6 +74,30 @@ def weigh_again(solution: Solution, box: Box, least: np.ndarray, independent: fl
         again = minimise_robustly(weighed, solution.q, box, most=100, tolerance=1e-6)
         solution = replace(again, evaluations=solution.evaluations + again.evaluations)
     return solution
+
+
+def lasting_errors(solution: Solution, independent: float) -> np.ndarray:
+    """Return the part of each signal's residuals that lasts, SI, shape (signals,): nothing of white noise.
+
+    Parameters
+    ----------
+    solution : Solution
+        At its optimum.
+    independent : float
+        Time in s for which a residual lasts where only the structure of the model is wrong.
+    """
+    own, _, structural = _levels(solution, independent)
+    return np.asarray(own * np.sqrt(structural))
+
+
+def _levels(solution: Solution, independent: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Standard deviation of the residuals, how long they last in shares of the time of independence, and the share beyond one sample."""
+    problem = solution.problem
+    steps = [[d.step_of(j) for j in range(len(problem.signals))] for d in problem.trials]
+    single = np.mean(steps, axis=0) / independent
+    # White noise lasts for one sample.
+    lasting = np.maximum(correlation_times(solution) / independent, np.minimum(single, 1.0))
+    return residual_levels(solution), lasting, np.clip(lasting - single, 0.0, 1.0)
 
 
 def _off_at_the_start(problem: Problem, beyond: np.ndarray) -> Prior | None:

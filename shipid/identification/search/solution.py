@@ -12,6 +12,25 @@ from shipid.identification.search.noise_levels import NoiseLevels
 
 
 @dataclass(frozen=True, eq=False)
+class Another:
+    """A solution of the same trials at another spread of the rudder biases.
+
+    Attributes
+    ----------
+    probability : float
+        Of that spread.
+    problem : Problem
+        With that spread in its prior.
+    q : ndarray, shape (unknowns,)
+        The unknowns.
+    """
+
+    probability: float
+    problem: Problem
+    q: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class Solution:
     """Where the search ended.
 
@@ -36,9 +55,9 @@ class Solution:
     levels : NoiseLevels or None
         Noise that drives the states and noise of the sensors, where the likelihood through the filter found them
         (`shipid.identification.search.prediction_error`).
-    added : ndarray, shape (unknowns, unknowns), or None
-        What the uncertainty of the spread of the biases adds to the covariance of the unknowns
-        (`shipid.identification.evidence.marginal_likelihood`).
+    others : tuple of Another
+        Solutions at other spreads of the biases, where their spread is estimated: the covariance is the mean over them
+        (`shipid.identification.evidence.marginal_likelihood`). Their probabilities sum to 1.
     """
 
     problem: Problem
@@ -50,7 +69,7 @@ class Solution:
     evaluations: int
     covariance: np.ndarray | None = None
     levels: NoiseLevels | None = None
-    added: np.ndarray | None = None
+    others: tuple[Another, ...] = ()
 
     @property
     def finite(self) -> bool:

@@ -103,6 +103,8 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
         return replace(by_residuals, matrix=matrix, condition_number=_condition(matrix, len(problem.estimated)))
     if not problem.size:
         return Covariance(np.zeros((0, 0)), 1.0, np.ones((trials, signals)), np.zeros(0))
+    if solution.others:
+        return _over_spreads(solution, spread)
     solution = _bent(solution)
     jacobian = solution.jacobian
     if spread is not None:
@@ -121,8 +123,6 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     scales = np.outer(norms[seen], norms[seen])
     matrix = np.zeros((problem.size, problem.size))
     matrix[np.ix_(index, index)] = found / scales
-    if solution.added is not None:
-        matrix = matrix + solution.added
     white = np.zeros(problem.size)
     white[index] = (half**2).sum(axis=1) / norms[seen] ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -134,6 +134,27 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     matrix[lost, :] = matrix[:, lost] = 0.0
     matrix[lost, lost] = np.inf
     return Covariance(matrix, _condition(matrix, len(problem.estimated)), effective, excess)
+
+
+def _over_spreads(solution: Solution, spread: np.ndarray | None) -> Covariance:
+    """The covariance where the spread of the biases is estimated: its mean over the spreads, and the scatter about the estimate."""
+    alone = covariance_of(replace(solution, others=()), spread)
+    matrix = np.zeros_like(alone.matrix)
+    for one in solution.others:
+        residual, jacobian = one.problem.residuals(one.q)
+        there = replace(solution, others=(), problem=one.problem, q=one.q, residual=residual, jacobian=jacobian)
+        step = one.q - solution.q
+        matrix += one.probability * (covariance_of(there, spread).matrix + np.outer(step, step))
+    variance = np.diag(matrix).copy()
+    lost = np.isinf(variance)
+    matrix[lost, :] = matrix[:, lost] = 0.0
+    matrix[lost, lost] = np.inf
+    before = np.diag(alone.matrix)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        excess = np.where(lost | ~(before > 0), alone.excess, alone.excess * variance / before)
+    return replace(
+        alone, matrix=matrix, condition_number=_condition(matrix, len(solution.problem.estimated)), excess=excess
+    )
 
 
 def _bent(solution: Solution) -> Solution:
@@ -155,7 +176,9 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
     """Covariance in scaled unknowns, and the effective share of samples by trial and signal; half half' inverts J'J."""
     problem, signals, flat = solution.problem, len(solution.problem.signals), half @ half.T
     groups: list[ResidualGroup] = []
-    at, by_inputs = 0, np.zeros_like(flat)
+    at = 0
+    # Rows whose squares sum to what the inputs, the prior and the bounds add, in the directions of the columns of half.
+    added: list[np.ndarray] = []
     for i, data in enumerate(problem.trials):
         count = data.intervals.size
         rows = slice(at, at + count * signals)
@@ -163,19 +186,16 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
         used = np.flatnonzero(np.abs(scaled[rows]).max(axis=0) > 0)
         block = scaled[rows][:, used].reshape(signals, count, -1)
         if (effects := effects_of(problem, solution.q, i)) is not None:
-            pulls = effects.reshape(len(effects), -1) @ scaled[rows]
-            by_inputs += pulls.T @ pulls / len(effects)
+            added.append(effects.reshape(len(effects), -1) @ scaled[rows] @ half / np.sqrt(len(effects)))
         groups += groups_of(data, i, solution.residual[rows].reshape(signals, count), block, used)
-    terms, bounds = scaled[at : len(solution.residual)], scaled[len(solution.residual) :]
     strength = 1.0 if problem.prior is None else problem.prior.strength
-    prior = strength * (bounds.T @ bounds + terms.T @ terms) + by_inputs
+    added.append(np.sqrt(strength) * scaled[at:] @ half)
 
     def covariance_under(noise: list[Autoregression]) -> np.ndarray:
-        scatter = prior.copy()
-        for g, model in zip(groups, noise):
-            shaped = model.shaped(g.jacobian)
-            scatter[np.ix_(g.used, g.used)] += shaped.T @ shaped
-        return np.asarray(flat @ scatter @ flat)
+        # As the square of a root, which is never negative: half has columns of very different size where a direction is hardly seen.
+        shaped = [model.shaped(g.jacobian) @ half[g.used] for g, model in zip(groups, noise)]
+        root = np.linalg.qr(np.vstack([*added, *shaped]), mode="r") @ half.T
+        return np.asarray(root.T @ root)
 
     noise = [autoregression_of(g.residual) for g in groups]
     found = covariance_under(noise)
