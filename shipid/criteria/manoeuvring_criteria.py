@@ -245,7 +245,7 @@ def _harder(model: Model, ship: ParameterSet, rudder: float) -> list[str]:
     harder = [a for a in angles if any(n.kind == BEYOND for n in beyond(model, ship, rudder=a))]
     named = " and ".join(f"{to_display(a, 'delta'):g}" for a in harder)
     words = f"The values for {named} deg of rudder are extrapolated."
-    return [Notice(words, BEYOND, quantity="delta")] if harder else []
+    return [Notice(words, "extrapolated", quantity="delta")] if harder else []
 
 
 def _of_fit(fit: Fit) -> list[str]:
