@@ -177,7 +177,7 @@ def test_the_score_counts_what_is_no_ship(scene):
     known = scene(CROSSING, clutter=1.0)
     found = track(replace(known, truth=known.truth[:1]))
     assert found.score.false_tracks == 1
-    assert "1 moving tracks without a ship" in found.text()
+    assert "1 moving track without a ship" in found.text()
 
 
 @pytest.mark.parametrize(
