@@ -36,6 +36,12 @@ from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
+from shipid.identification.validation.explained import (
+    NOT_DETERMINED,
+    least_unexplained,
+    not_determined,
+    nothing_explained,
+)
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
@@ -335,6 +341,9 @@ class Fit(DrawnResult):
         found = []
         if not self.converged:
             found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
+        least = least_unexplained(self.fitted, self.identified.scale.unit_time)
+        if least is not None and nothing_explained(least):
+            found.append(not_determined("the model explains nothing of how the ship turned in these trials", least))
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -358,6 +367,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
+                *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
                 *coefficient_lines(self.parameters),
                 *range_lines(self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
