@@ -19,10 +19,10 @@ _HOMES = {
     "parameter": "shipid.declaration.quantity",
     "output": "shipid.declaration.quantity",
     "guard": "shipid.declaration.guard",
-    "join": "shipid.declaration.join",
-    "replace_component": "shipid.declaration.join",
+    "join": "shipid.declaration.joining.join",
+    "replace_component": "shipid.declaration.joining.join",
     "Model": "shipid.declaration.model",
-    "augment": "shipid.declaration.augment",
+    "augment": "shipid.declaration.joining.augment",
     "ParameterSet": "shipid.parameters.parameter_set",
     "read_parameter_set": "shipid.parameters.parameter_file",
     "write_parameter_set": "shipid.parameters.parameter_file",
@@ -82,6 +82,8 @@ __all__ = [*sorted(_HOMES), "__version__"]
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every kind
+    if name == "models":  # the ship models: a package of its own, which this one does not read
+        return importlib.import_module("shipid.models")
     try:
         home = _HOMES[name]
     except KeyError:
@@ -92,4 +94,4 @@ def __getattr__(name: str) -> Any:  # noqa: ANN401 - it hands on names of every 
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, "models"})

@@ -45,7 +45,7 @@ def own_tracker(measured: dict[str, str]) -> InteractingMultipleModel:
         measured=measured,
         per="1 s",
         maps=maps,
-        probabilities=[0.9, 0.05, 0.025, 0.025],
+        probabilities=[0.97, 0.01, 0.01, 0.01],
         correlated=True,
         model_noise=False,
     )

@@ -11,7 +11,7 @@ in ship lengths at equal time; the band is compared across the track. Horizons a
 
 The trials are not part of the project; the script looks for them in ``../shared/data`` or ``--data``.
 
-    python studies/predicted_trials.py [--data FOLDER] [--short] [--legs] [--json]
+    python studies/predicted_trials.py [--data FOLDER] [--short] [--campaign NAME] [--legs] [--json]
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ import numpy as np
 from _table import Row, show
 
 import shipid
+from shipid.foundation.statistics import NORMAL_95
+from shipid.prediction.following.past_predictions import situation_with_past
 from shipid.prediction.predict_track import predict_track
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.situations.trial_situation import situation_in
 from shipid.trials.measuring.results.zigzag import ZigZag
 
 FORMATS = Path(__file__).parent / "formats"
@@ -85,11 +86,12 @@ CAMPAIGNS = (
 
 @dataclass(frozen=True)
 class Leg:
-    """One predicted leg: errors in ship lengths by way, shape (ways, horizons), and distance across in half-widths of the band."""
+    """One predicted leg: errors in ship lengths by way, shape (ways, horizons), distance across and heading in half-widths of the bands."""
 
     where: str
     errors: np.ndarray
     across: np.ndarray
+    turned: np.ndarray
 
 
 def executes(trial: shipid.Trial) -> list[tuple[float, float, float]]:
@@ -159,7 +161,7 @@ def legs_of(campaign: Campaign, folder: Path, runs: int | None) -> Iterator[Leg]
         for begin, end, order in executes(trial):
             if np.count_nonzero(t <= begin) < 12:
                 continue
-            known, _ = situation_in(pilot.model, pilot.ship, trial, float(t[t <= begin][-1]))
+            known, _ = situation_with_past(pilot, trial, float(t[t <= begin][-1]))
             unit_time = length / known.values["u"]
             track = predict_track(pilot, known, rudder=order, horizon=float(HORIZONS[-1]) + 1).track
             times = HORIZONS * unit_time
@@ -176,10 +178,12 @@ def legs_of(campaign: Campaign, folder: Path, runs: int | None) -> Iterator[Leg]
             away, node = track.distance_to(truth[:, 0] + track.x[0], truth[:, 1] + track.y[0])
             width = np.interp(node, np.arange(track.s.size), track.half_width)
             errors = np.full((len(WAYS), HORIZONS.size), np.nan)
-            across = np.full(HORIZONS.size, np.nan)
+            across, turned = np.full((2, HORIZONS.size), np.nan)
             errors[:, : times.size] = [np.hypot(*(w - truth).T) / length for w in ways]
             across[: times.size] = np.abs(away) / width
-            yield Leg(f"{trial.name} at {begin:.4g} s, rudder {np.rad2deg(order):.0f} deg", errors, across)
+            headed = np.abs(np.interp(known.t + times, t, trial["psi"]) - at["psi"])
+            turned[: times.size] = headed / (NORMAL_95 * np.interp(times, track.t, track.std["psi"]))
+            yield Leg(f"{trial.name} at {begin:.4g} s, rudder {np.rad2deg(order):.0f} deg", errors, across, turned)
 
 
 def rows_of(name: str, legs: list[Leg]) -> list[Row]:
@@ -203,8 +207,9 @@ def rows_of(name: str, legs: list[Leg]) -> list[Row]:
                 best or not ASKED[k],
             )
         )
-    share = float(np.mean(across[np.isfinite(across)] <= 1))
-    rows.append(Row(f"{name}: in the 95 % band, all horizons", "90 % or more", f"{share:.0%}", share >= 0.9))
+    for what, off in (("track", across), ("heading", np.stack([leg.turned for leg in legs]))):
+        share = float(np.mean(off[np.isfinite(off)] <= 1))
+        rows.append(Row(f"{name}: {what} in the 95 % band, all horizons", "90 % or more", f"{share:.0%}", share >= 0.9))
     return rows
 
 
@@ -213,6 +218,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=Path, default=Path(__file__).resolve().parents[2] / "shared" / "data")
     parser.add_argument("--short", action="store_true", help="the first predicted run of each campaign")
+    parser.add_argument("--campaign", help="part of a name: only the campaigns that have it")
     parser.add_argument("--legs", action="store_true", help="print every leg")
     parser.add_argument("--json", action="store_true")
     chosen = parser.parse_args()
@@ -220,7 +226,7 @@ def main() -> int:
         print(f"the trials are not at {chosen.data}; nothing was run (give --data).", file=sys.stderr)
         return 0
     everything, rows = [], []
-    for campaign in CAMPAIGNS:
+    for campaign in (c for c in CAMPAIGNS if (chosen.campaign or "") in c.name):
         legs = list(legs_of(campaign, chosen.data, 1 if chosen.short else None))
         if chosen.legs:
             for leg in legs:

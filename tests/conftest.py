@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -72,3 +74,17 @@ def truth_of():
         return found.values(shipid.find_model(model), speed=speed or found.particular("speed", "m/s"))
 
     return values
+
+
+# Of a module: while Playwright runs, its event loop is that of the process, and other tests need one of their own.
+@pytest.fixture(scope="module")
+def browser():
+    """Debian's Chromium, driven by Playwright; where one of them is not installed there is nothing to test with."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    program = shutil.which("chromium") or shutil.which("chromium-browser")
+    if program is None:
+        pytest.skip("no Chromium on this machine")
+    with playwright.sync_playwright() as driver:
+        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        yield running
+        running.close()

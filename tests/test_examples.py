@@ -38,7 +38,9 @@ CALLS = [(path, call) for path in PAGES for call in commands(path)]
 
 def test_there_are_examples():
     assert len(CALLS) > 60
-    assert {call[0] for _, call in CALLS} >= set(main.list_commands(click.Context(main, **main.context_settings))) - {"completion"}
+    assert {call[0] for _, call in CALLS} >= set(main.list_commands(click.Context(main, **main.context_settings))) - {
+        "completion"
+    }
 
 
 @pytest.mark.parametrize(("path", "call"), CALLS, ids=[f"{p.relative_to(ROOT)} {' '.join(c)}"[:90] for p, c in CALLS])

@@ -123,6 +123,12 @@ def test_importing_the_package_costs_nothing():
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
+def test_the_ship_models_are_at_hand():
+    """Whoever has only imported the package can list them, and it has not read them before."""
+    code = "import sys, shipid; sys.exit('shipid.models' in sys.modules or 'DeKeizer' not in dir(shipid.models))"
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
 def test_every_folder_is_packaged():
     folders = {dotted(path) for path in SOURCES if path.name == "__init__.py"}
     assert set(PROJECT["tool"]["setuptools"]["packages"]) == folders

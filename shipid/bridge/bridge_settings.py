@@ -35,6 +35,8 @@ class BridgeSettings:
         In s.
     current, wind : tuple of float or None
         Of a simulation: speed and the direction it flows TO.
+    waves : tuple of float or None
+        Of a simulation: root mean square of the heading by waves, and the direction they run TO, in rad.
     seed : int
         Of the noise of a simulation.
     values, inputs : tuple of (str, str)
@@ -56,6 +58,7 @@ class BridgeSettings:
     prediction_interval: float = 2.0
     current: tuple[float, float] | None = None
     wind: tuple[float, float] | None = None
+    waves: tuple[float, float] | None = None
     seed: int = 0
     values: tuple[tuple[str, str], ...] = ()
     inputs: tuple[tuple[str, str], ...] = ()

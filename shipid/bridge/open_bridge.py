@@ -249,9 +249,10 @@ def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | N
 
 
 def _experiment_of(settings: BridgeSettings, pilot: Autopilot, ended: Callable[[VoyageScore], None] | None) -> _Parts:
-    if settings.source != "simulate" or settings.route is not None or settings.chart is not None:
+    if settings.source != "simulate" or any(s is not None for s in (settings.route, settings.chart, settings.waves)):
         raise UsageError(
-            "the tracking experiment is simulated, on a track of its own: leave --source, --route and --chart out."
+            "the tracking experiment is simulated, on a track of its own and without waves: leave --source, --route, --chart and --waves "
+            "out."
         )
     opened = open_experiment(
         pilot,

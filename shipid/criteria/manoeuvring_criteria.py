@@ -33,17 +33,15 @@ from shipid.foundation.errors import ParameterSetError, UsageError
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import quantity
 from shipid.identification.fit import Fit
-from shipid.identification.problem.ship_scale import recorded_speeds
 from shipid.identification.uncertainty.draws import DRAWS, band_of, draws_of
 from shipid.parameters.catalogue import model_of, ship_of
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import ParameterSet, missing_values
-from shipid.parameters.validity import BEYOND, beyond_in_run
+from shipid.parameters.validity import BEYOND, beyond, beyond_in_run
 
 #: Rudder rate where the ship's is unknown: from 35 deg on one side to 30 deg on the other in 28 s.
 _RATE = np.deg2rad(65 / 28)
 _FULL = np.deg2rad(35.0)
-_BEYOND = 1.1
 
 
 def manoeuvring_criteria(
@@ -107,12 +105,7 @@ def manoeuvring_criteria(
     turned = [point.turned for point, _ in sides if point.turned]
     reached = {n: np.concatenate([one[n] for one in turned]) for n in (turned[0] if turned else ())}
     told = beyond_in_run(model, own, velocity, {**reached, "delta": np.array([rudder])})
-    # A fit says of rudder and speed what is extrapolated; rates and drift angles are those of its set.
-    notes += (
-        [*_beyond(fit, velocity, rudder), *(n for n in told if n.known.get("quantity") in ("r", "beta"))]
-        if fit
-        else told
-    )
+    notes += [*told, *_harder(model, own, rudder), *([] if fit is None else _of_fit(fit))]
     if "u" not in model or model["u"].quantity.kind == "given":
         notes.append("The model keeps its speed in a turn: its distances are those of a ship without loss of speed.")
     if limit is None:
@@ -246,24 +239,18 @@ def _scope(length: float, speed: float, model: Model) -> list[str]:
     return notes
 
 
-def _beyond(fit: Fit, speed: float, rudder: float) -> list[str]:
-    """Where the criteria go beyond the trials of a fit, and the coefficients that the trials do not determine."""
+def _harder(model: Model, ship: ParameterSet, rudder: float) -> list[str]:
+    """Which of the criteria have more rudder than the trials that the coefficients come from."""
+    angles = sorted({to_si((10.0, "deg"), "rad"), to_si((20.0, "deg"), "rad"), rudder})
+    harder = [a for a in angles if any(n.kind == BEYOND for n in beyond(model, ship, rudder=a))]
+    named = " and ".join(f"{to_display(a, 'delta'):g}" for a in harder)
+    words = f"The values for {named} deg of rudder are extrapolated."
+    return [Notice(words, "extrapolated", quantity="delta")] if harder else []
+
+
+def _of_fit(fit: Fit) -> list[str]:
+    """What a fit says of its coefficients: those that the trials do not determine, and whether they are final."""
     notes: list[str] = []
-    largest = max(
-        (float(np.nanmax(np.abs(c.trial["delta"]), initial=0.0)) for c in fit.fitted if c.trial.has("delta")),
-        default=0.0,
-    )
-    harder = [a for a in (10.0, 20.0, to_display(rudder, "delta")) if a > _BEYOND * to_display(largest, "delta")]
-    if harder:
-        words = (
-            f"The fitted trials have rudder angles up to {to_display(largest, 'delta'):.3g} deg: the values for "
-            f"{' and '.join(f'{a:g}' for a in dict.fromkeys(harder))} deg are extrapolated, and the bands do not include that error."
-        )
-        notes.append(Notice(words, BEYOND, quantity="delta"))
-    speeds = recorded_speeds([c.trial for c in fit.fitted])
-    if speeds and not 0.9 * min(speeds) <= speed <= 1.1 * max(speeds):
-        words = f"The speeds of the fitted trials are {min(speeds):.3g} to {max(speeds):.3g} m/s, and not this speed."
-        notes.append(Notice(words, BEYOND, quantity="u"))
     unknown = [n for n in fit.unidentifiable if fit.parameters[n].standing == UNKNOWN]
     if unknown:
         notes.append(

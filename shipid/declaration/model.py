@@ -13,6 +13,7 @@ from types import MappingProxyType
 from typing import Any
 
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope, slug
+from shipid.declaration.described import model_html, model_text
 from shipid.declaration.quantity import COMPUTED, Equation, Kind, Quantity
 from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Expression
@@ -145,6 +146,12 @@ class Model:
         """Names of the margins that are not negative while the model is valid."""
         return self._names("guard")
 
+    @cached_property
+    def delays(self) -> Mapping[str, str]:
+        """The inputs that act later than they are given, and the parameter or constant that says by how much, in s."""
+        dead_times = (e.quantity for n, e in self.entries.items() if n in self.parameters + self.constants)
+        return MappingProxyType({q.delays: q.name for q in dead_times if q.delays in self.inputs})
+
     @property
     def is_sampled(self) -> bool:
         """Whether every state is defined by its next sample, so that no integration is needed."""
@@ -156,11 +163,17 @@ class Model:
         return equation
 
     def __repr__(self) -> str:
-        parts = ", ".join(c.__name__ for c in self.components)
-        return (
-            f"<Model {self.name!r}: {parts}; states {', '.join(self.states)}; inputs {', '.join(self.inputs)}; "
-            f"parameters {', '.join(self.parameters)}>"
-        )
+        return model_text(self.name, [c.__name__ for c in self.components], self._quantities())
+
+    def _repr_html_(self) -> str:
+        """The model in a notebook: its equations typeset, and its quantities with their units."""
+        import shipid
+
+        equations = [(e.mathml, e.plain, e.source) for e in shipid.typeset(self)]
+        return model_html(self.name, [c.__name__ for c in self.components], self._quantities(), equations)
+
+    def _quantities(self) -> list[Quantity]:
+        return [replace(e.quantity, name=n) for n, e in self.entries.items() if n != SAMPLING_INTERVAL]
 
     def impose(self, names: Iterable[str]) -> Model:
         """Return a new model in which published coefficients take the place of the parameters they define.

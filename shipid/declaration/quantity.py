@@ -123,6 +123,8 @@ class Quantity:
     noise : str or None
         For an output: its standard deviation per sample. For a state, an input or a parameter: the white noise a filter
         lets drive it, per sample in its own unit, or as a density per root second (``"0.01 deg/s^1.5"`` on a rate).
+    delays : str or None
+        For a parameter in s: the input that acts so much later than it is given.
     """
 
     kind: Kind
@@ -141,6 +143,7 @@ class Quantity:
     estimated: bool = True
     measures: str | None = None
     noise: str | None = None
+    delays: str | None = None
     name: str = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
@@ -331,6 +334,7 @@ def parameter(
     prime: bool = False,
     estimated: bool = True,
     noise: str | None = None,
+    delays: str | None = None,
 ) -> Expression:
     """Declare a coefficient that identification may estimate.
 
@@ -350,6 +354,8 @@ def parameter(
         Whether it is estimated unless the user chooses.
     noise : str, optional
         Noise of its random walk where a filter estimates it: per sample, or per root second.
+    delays : str, optional
+        For a dead time in s: the input that acts so much later than it is given. Records of inputs are shifted by it.
 
     Returns
     -------
@@ -370,6 +376,7 @@ def parameter(
         prime=prime,
         estimated=estimated,
         noise=noise,
+        delays=delays,
     )
 
 

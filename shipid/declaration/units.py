@@ -12,6 +12,7 @@ import re
 
 from shipid.foundation.aliases import PintUnit
 from shipid.foundation.errors import TypedUnitError, UnitError
+from shipid.foundation.printable import printable
 
 _NUMBER = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
 _SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -85,6 +86,8 @@ def unit(text: str) -> PintUnit:
     tidy = _tidy(text)
     if tidy in ("", "1", "-"):
         return registry().Unit("")
+    if printable(tidy) != tidy:  # to pint's tokenizer a text ends at a NUL
+        raise UnitError(f"'{text}' is not a unit: it holds characters that cannot be printed.")
     try:
         parsed = registry().parse_expression(tidy)
     except Exception:  # pint raises half a dozen kinds for text that is no unit, tokenizer errors among them

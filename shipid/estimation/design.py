@@ -13,8 +13,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from shipid.declaration.augment import augment
 from shipid.declaration.component import Component
+from shipid.declaration.delays import delays_in, refuse_estimated_delay
+from shipid.declaration.joining.augment import augment
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
@@ -316,6 +317,7 @@ def design_filter(
     gate = _gate(given)
     base, ship = model_of(model), ship_of(ship)
     estimated = drifting(base) if given.estimated is None else given.estimated
+    refuse_estimated_delay(base, estimated, "A filter")
     scale = Scale(ship.particular("L", "m"), ship.particular("speed", "m/s"))
     known = ship.values(base, speed=scale.speed) | dict(given.values or {})
     initial, starts = given.initial or {}, dict(given.start or {})
@@ -358,6 +360,7 @@ def design_filter(
             read_ranges(whole, tuple(levels), given.ranges or {}),
             lost,
             scale,
+            delays=delays_in(whole, held),
         ),
         sources,
         first,

@@ -12,6 +12,7 @@ from __future__ import annotations
 from math import inf, isfinite
 from typing import Literal, TypeAlias
 
+from shipid.foundation.numbers import percent
 from shipid.foundation.statistics import interval_95
 
 Standing: TypeAlias = Literal["determined", "not distinguishable from zero", "not determined"]
@@ -52,12 +53,18 @@ def standing_of(
     if std > HARDLY * before:
         return (
             UNKNOWN,
-            f"it is known from before: its standard deviation is {std / before:.0%} of the one it started with.",
+            f"it is known from before: its standard deviation is {percent(std / before)} of the one it started with.",
         )
     if std < UNDETERMINED * abs(value):
         return DETERMINED, ""
     if low < 0 and std <= UNDETERMINED * size:
         first, last = interval_95(value, std)
         return NEAR_ZERO, f"its 95 % interval, {first:.2g} to {last:.2g}, holds zero."
-    share = f"{std / abs(value):.0%} of its value" if std < 100 * abs(value) else "more than a hundred times its value"
-    return UNKNOWN, f"its standard deviation is {share}."
+    times = std / abs(value) if value else inf
+    if times < 1:
+        return (
+            UNKNOWN,
+            f"its standard deviation is {percent(times)} of its value, and has to be below {percent(UNDETERMINED)}.",
+        )
+    many = f"{times:.2g} times" if times < 100 else "more than a hundred times"
+    return UNKNOWN, f"its standard deviation is {many} its value: the data leave its size open."

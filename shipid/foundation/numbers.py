@@ -72,6 +72,19 @@ def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
     return text.replace("-", "−")
 
 
+def percent(share: float, decimals: int = 0) -> str:
+    """Return a share in percent as it is written everywhere, with a space: ``43 %``.
+
+    Parameters
+    ----------
+    share : float
+        1 is 100 %.
+    decimals : int
+        Decimals.
+    """
+    return f"{100 * share:.{decimals}f} %"
+
+
 def uncertain(value: float | None, std: float | None) -> str:
     """Return ``1.594 ± 0.0060``: the standard deviation with two digits, the value to the same place.
 

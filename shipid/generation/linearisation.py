@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import casadi as ca
 import numpy as np
 
+from shipid.declaration.delays import refuse_delay
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import ShipidError, UnknownNameError
@@ -119,6 +120,7 @@ def linearise(
     UnknownNameError
         If the model has no such state, input or output.
     """
+    refuse_delay(model, "A linear system without one")
     system = generate(model)
     _ = system.right_hand_side  # raises for a sampled model
     at = (

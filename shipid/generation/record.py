@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import casadi as ca
 import numpy as np
 
+from shipid.declaration.delays import shifted_rows
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Expression
 from shipid.generation.loop import Loop, make_loop
@@ -37,6 +38,8 @@ class Record:
         Derivatives of the initial states, which the loop starts with after the states.
     guards : tuple of str
         Names of the margins that `run` returns, without derivatives.
+    late : tuple of str
+        Inputs of which the loop reads the derivative by their dead time.
     """
 
     system: System
@@ -45,6 +48,7 @@ class Record:
     loop: Loop = field(repr=False)
     seed: np.ndarray = field(repr=False)
     guards: tuple[str, ...] = ()
+    late: tuple[str, ...] = ()
 
     @property
     def step(self) -> Expression:
@@ -61,7 +65,7 @@ class Record:
         x0 : ndarray, shape (states,)
             Initial states.
         u : ndarray, shape (inputs, N)
-            Inputs at the samples.
+            Inputs at the samples; those with a dead time as they are given.
         intervals : ndarray, shape (N,)
             Time from each sample to the next, in s; the last one is not used.
         p : ndarray, shape (coefficients,)
@@ -99,12 +103,20 @@ class Record:
         count = u.shape[1]
         n_y, n_q = len(self.outputs), len(self.unknowns)
         shifted = u if bias is None else u + bias[:, None]
-        following = np.concatenate([shifted[:, 1:], shifted[:, -1:]], axis=1)
         if count == 0:
             return np.empty((n_y, 0)), np.empty((n_y, n_q, 0)), np.empty((len(self.guards), 0))
         steps = np.array(intervals, dtype=float)
         steps[-1] = 0.0
-        controls = np.vstack([shifted, following, steps]).T
+        model, by_delay = self.system.model, np.zeros((0, count))
+        if model.delays:
+            delays = {x: float(p[self.system.coefficients.index(n)]) for x, n in model.delays.items()}
+            t = np.concatenate([[0.0], np.cumsum(steps[:-1])])
+            shifted, by_delay = shifted_rows(model, t, shifted, delays)
+            by_delay = by_delay[[model.inputs.index(x) for x in self.late]]
+        now = np.vstack([shifted, by_delay])
+        following = np.concatenate([now[:, 1:], now[:, -1:]], axis=1)
+        count_u = len(shifted)
+        controls = np.vstack([shifted, following[:count_u], steps, by_delay, following[count_u:]]).T
         _, out = self.loop(np.concatenate([x0, self.seed]), controls, p)
         end = n_y * (1 + n_q)
         slopes = out[:, n_y:end].reshape(count, n_q, n_y).transpose(2, 1, 0)
@@ -152,20 +164,27 @@ def make_record(
     -----
     With S the derivative of the states by the unknowns q, the step carries
     ``S+ = (dx+/dx) S + dx+/dq``, and the outputs ``dy/dq = (dy/dx) S + dy/dq``: one pass, no adjoint of the whole
-    record, 2-4 times faster than differentiating the accumulated function.
+    record, 2-4 times faster than differentiating the accumulated function. A dead time acts through its input:
+    its ``dx+/dq`` is that of the input at both ends of the step, times the derivative of these values by the dead time.
     """
     system = generate(model)
-    step = make_step(system, method, hold, substeps)
+    step = make_step(system, method, hold, substeps, delayed=True)
+    late = tuple(x for x, n in model.delays.items() if n in coefficients)
+    now, then = ca.SX.sym("late", len(late)), ca.SX.sym("later", len(late))
     n_x, n_q = system.x.shape[0], len(coefficients) + len(initial) + len(biases)
     sensitivities = ca.SX.sym("S", n_x, n_q)
     outputs_now = system.expression(outputs)
 
-    carried = ca.jacobian(step.x_next, system.x) @ sensitivities + _direct(
-        step.x_next, system, step, coefficients, initial, biases
-    )
-    shown = ca.jacobian(outputs_now, system.x) @ sensitivities + _direct(
-        outputs_now, system, step, coefficients, initial, biases
-    )
+    def slopes(expression: Expression) -> Expression:
+        direct = _direct(expression, system, step, coefficients, initial, biases)
+        for k, name in enumerate(late):
+            place, column = system.inputs.index(name), coefficients.index(model.delays[name])
+            direct[:, column] += ca.jacobian(expression, step.u0)[:, place] * now[k]
+            if not ca.is_equal(step.u0, step.u1):
+                direct[:, column] += ca.jacobian(expression, step.u1)[:, place] * then[k]
+        return ca.jacobian(expression, system.x) @ sensitivities + direct
+
+    carried, shown = slopes(step.x_next), slopes(outputs_now)
 
     u1 = step.u1 if not ca.is_equal(step.u0, step.u1) else ca.SX.sym("u1", system.u.shape[0])
     z = ca.vertcat(system.x, ca.vec(sensitivities))
@@ -173,7 +192,7 @@ def make_record(
     # Dense, as the record is read from plain memory: a derivative that is structurally zero has its place too.
     guards = model.guards if guarded else ()
     out = ca.densify(ca.vertcat(outputs_now, ca.vec(shown), system.expression(guards)))
-    function = ca.Function("step", [z, ca.vertcat(system.u, u1, system.T), system.p], [z_next, out])
+    function = ca.Function("step", [z, ca.vertcat(system.u, u1, system.T, now, then), system.p], [z_next, out])
     seed = np.zeros((n_x, n_q))
     for j, name in enumerate(initial):
         seed[system.states.index(name), len(coefficients) + j] = 1.0
@@ -185,6 +204,7 @@ def make_record(
         make_loop(function, compiled),
         seed.ravel(order="F"),
         guards,
+        late,
     )
 
 

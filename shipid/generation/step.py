@@ -11,6 +11,7 @@ from typing import Any
 
 import casadi as ca
 
+from shipid.declaration.delays import refuse_delay
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.system import System
@@ -77,7 +78,9 @@ class Step:
         )
 
 
-def make_step(system: System, method: str = "rk4", hold: str = "linear", substeps: int = 1) -> Step:
+def make_step(
+    system: System, method: str = "rk4", hold: str = "linear", substeps: int = 1, delayed: bool = False
+) -> Step:
     """Generate the step of a system.
 
     Parameters
@@ -90,6 +93,8 @@ def make_step(system: System, method: str = "rk4", hold: str = "linear", substep
         How the input runs between its samples.
     substeps : int
         Integration steps in one sampling interval.
+    delayed : bool
+        Whether who runs it shifts the inputs that have a dead time (`shipid.declaration.delays`); a step alone cannot.
 
     Returns
     -------
@@ -100,7 +105,7 @@ def make_step(system: System, method: str = "rk4", hold: str = "linear", substep
     UnknownNameError
         If the method or the hold is unknown.
     UsageError
-        If `substeps` is less than one.
+        If `substeps` is less than one, or an input has a dead time that nobody shifts it by.
     """
     if method not in METHODS:
         raise UnknownNameError("integration method", method, METHODS)
@@ -109,6 +114,8 @@ def make_step(system: System, method: str = "rk4", hold: str = "linear", substep
     if substeps < 1:
         raise UsageError(f"a step needs at least one substep, and got {substeps}.")
     u1 = system.u if hold == "zero" else ca.SX.sym("u1", system.u.shape[0])
+    if not delayed:
+        refuse_delay(system.model, "A step from sample to sample")
     x_next = system.x + 0  # a copy: assigning to its rows must not change the system
     if len(system.nexts) < system.x.shape[0]:
         rates = ca.Function("rates", [system.x, system.u, system.p, system.T], [system.rates])

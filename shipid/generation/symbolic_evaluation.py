@@ -8,8 +8,8 @@ from contextlib import contextmanager
 
 import casadi as ca
 
+from shipid.declaration.joining.unit_check import user_line
 from shipid.declaration.model import Entry, Evaluation
-from shipid.declaration.unit_check import user_line
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError
 

@@ -48,7 +48,9 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
             directions_of(identified, [c.measures.words for c in fit.fitted]),
             residuals_of(identified),
             manoeuvres_of(identified, compared, draws_of(identified, draws, seed), structure) if bands else None,
-            findings_of(fit.ship, fit.fitted, fit.validation, fit.model.inputs, identified.method)
+            findings_of(
+                fit.ship, fit.fitted, fit.validation, fit.model.inputs, identified.method, bool(fit.model.delays)
+            )
             if findings
             else None,
             structure,

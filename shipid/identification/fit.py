@@ -20,28 +20,32 @@ from shipid.foundation.statistics import plain
 from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.explained import (
+    NOT_DETERMINED,
+    least_unexplained,
+    not_determined,
+    nothing_explained,
+)
 from shipid.identification.fit_text import (
     band_lines,
     bias_lines,
     coefficient_lines,
     comparison_lines,
+    dead_time_lines,
     ladder_lines,
     noise_lines,
+    prior_lines,
     range_lines,
 )
 from shipid.identification.identified import Identified
+from shipid.identification.problem.prior_shares import prior_shares
 from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.explained import (
-    NOT_DETERMINED,
-    least_unexplained,
-    not_determined,
-    nothing_explained,
-)
+from shipid.identification.validation.loadings import LOADINGS, loading_notices
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
@@ -137,6 +141,11 @@ class Fit(DrawnResult):
     def unidentifiable(self) -> tuple[str, ...]:
         """Names of the fitted coefficients that the trials do not determine."""
         return tuple(n for n in self.estimated if not self.parameters[n].identifiable)
+
+    @property
+    def prior_shares(self) -> dict[str, float]:
+        """Share of the information on a coefficient that its prior is and not the trials, by coefficient that has a prior."""
+        return prior_shares(self.identified.problem.prior, self.parameters)
 
     def validate(self, trials: Sequence[Trial]) -> Fit:
         """Return the same fit with its prediction of trials that were not fitted.
@@ -240,7 +249,7 @@ class Fit(DrawnResult):
         if speed is not None:
             return to_si(speed, "m/s", "the speed")
         joint = self.ship.joint.get(self.model.name)
-        sailed = None if joint is None or joint.speeds is None else 0.5 * sum(joint.speeds)
+        sailed = None if joint is None else joint.belongs_to
         known = sailed or self.ship.particular("speed", "m/s")
         if known is None:
             raise UsageError("neither the trials nor the ship say a speed: give one with its unit, as in '9 kn'.")
@@ -322,6 +331,7 @@ class Fit(DrawnResult):
                 "condition_number": self.condition_number,
                 "unidentifiable": list(self.unidentifiable),
                 "why": {n: self.parameters[n].why for n in self.unidentifiable},
+                "prior_shares": self.prior_shares,
                 "correlation": {
                     "names": list(self.estimated),
                     "matrix": [[round(float(v), 6) for v in row] for row in self.correlation],
@@ -350,6 +360,7 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
+        found += loading_notices({c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)})
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
@@ -369,10 +380,13 @@ class Fit(DrawnResult):
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
                 *coefficient_lines(self.parameters),
-                *range_lines(self.ship.joint.get(self.model.name)),
+                *dead_time_lines(self.model),
+                *prior_lines(self.prior_shares),
+                *range_lines(self.model, self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),
                 *comparison_lines(self.validation, "predicted"),
                 *(f"  beyond    {w}" for w in self.warnings if w.kind == BEYOND),
+                *(f"  loadings  {w}" for w in self.warnings if w.kind == LOADINGS),
                 *band_lines((None if self.assessment is None else self.assessment.manoeuvres) or {}),
                 *bias_lines(self.bias_spread, self.fitted),
                 *ladder_lines(self.ladder),

@@ -13,12 +13,14 @@ from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.methods import METHODS
+from shipid.identification.problem.prior_shares import held_words
 from shipid.identification.search.noise_levels import WHITE, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.parameters.correlation import Joint
+from shipid.parameters.validity import range_words
 
 
 def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
@@ -35,30 +37,53 @@ def coefficient_lines(parameters: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
-def range_lines(known: Joint | None) -> list[str]:
-    """Return one line of the speeds and amplitudes that the fitted trials reach.
+def dead_time_lines(model: Model) -> list[str]:
+    """Return one line for a dead time of a model: what it is, and how the fit goes without it.
 
     Parameters
     ----------
+    model : Model
+        The fitted model.
+    """
+    return [
+        f"  {name:<10s} is a dead time: '{late}' acts so much later than it is recorded, by its gear or by a clock. Every record of "
+        f"it is shifted by that, and orders in a closed loop are late by it; --fix '{name}=0 s' fits without."
+        for late, name in model.delays.items()
+    ]
+
+
+def prior_lines(shares: Mapping[str, float]) -> list[str]:
+    """Return one line of the coefficients that are known more by their prior than by the trials.
+
+    Parameters
+    ----------
+    shares : mapping of str to float
+        Share of the information that the prior is, by coefficient.
+    """
+    held = held_words(shares)
+    return [f"  held      {held}: that much of the information is the prior that the model declares"] if held else []
+
+
+def range_lines(model: Model, known: Joint | None) -> list[str]:
+    """Return the speeds and amplitudes that the fitted trials reach, and the speed that coefficients with a dimension belong to.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
     known : Joint or None
         What the set says of the origin of its coefficients.
     """
-    if known is None:
-        return []
-    said = []
-    if known.speeds is not None:
-        low, high = (shown(v, "u", "m/s", digits=3) for v in known.speeds)
-        said.append(f"speeds {low} to {high}" if low != high else f"speed {low}")
-    said += [
-        f"{words} to {shown(value, name, unit, digits=3)}"
-        for words, value, name, unit in (
-            ("rudder angles", known.rudder, "delta", "rad"),
-            ("rates of turn", known.rate, "r", "rad/s"),
-            ("drift angles", known.drift, "beta", "rad"),
+    words = {} if known is None else range_words(known)
+    said = [f"speeds {words[n]}" if n == "u" else words[n] for n in words]
+    lines = [f"  seen      {', '.join(said)}; beyond that it extrapolates"] if said else []
+    dimensional = [n for n in model.parameters if model[n].quantity.prime]
+    if known is not None and known.belongs_to is not None and dimensional:
+        at = shown(known.belongs_to, "u", "m/s", digits=3)
+        lines.append(
+            f"            {', '.join(dimensional)} belong to {at} before the manoeuvre; at other speeds they are scaled by L/U"
         )
-        if value is not None
-    ]
-    return [f"  seen      {', '.join(said)}; beyond that it extrapolates"] if said else []
+    return lines
 
 
 def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
@@ -75,7 +100,8 @@ def comparison_lines(comparisons: Sequence[Comparison], role: str) -> list[str]:
     for c in comparisons:
         explained = c.fit_percent
         errors = ", ".join(
-            _error_text(s, v) + (f" (fit {percent(explained[s])})" if s in explained else "") for s, v in c.rmse.items()
+            _error_text(s, v) + (f" (fit {fit_words(explained[s])})" if s in explained else "")
+            for s, v in c.rmse.items()
         )
         lines.append(f"  {role:<9s}  {c.trial.name}: rms error {errors}")
         if c.departure is not None:
@@ -200,7 +226,7 @@ def method_words(rung: Rung, solution: Solution, noise_given: bool) -> str:
     return ", ".join([*words, *([f"{problem.loss} loss"] if problem.loss != "linear" else [])])
 
 
-def percent(value: float) -> str:
+def fit_words(value: float) -> str:
     """Return a fit in percent: ``97.3 %``; of one that is far worse than the mean only that it is.
 
     Parameters

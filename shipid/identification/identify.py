@@ -18,12 +18,14 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
 from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.explained import least_unexplained, nothing_explained
 from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.problem.box import Box
+from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
 from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import INDEPENDENT, prior_of, structural_errors
@@ -38,7 +40,6 @@ from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
 from shipid.identification.uncertainty.estimates import estimates_of, unseen_words, without_values
 from shipid.identification.uncertainty.identified_ship import identified_ship
-from shipid.identification.validation.explained import least_unexplained, nothing_explained
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.autopilot_steers import autopilot_steers
@@ -131,10 +132,14 @@ def identify(
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:
         method = "prediction-error"
-    setting = settle(model, trials, ship, estimate, fixed or {})
-    shown = fitted_signals(setting.model, [*trials, *validate], signals)
     for trial in trials:
         check_identifiable_input(trial)
+    setting = settle(
+        with_dead_time(model, trials) if free and not steered and not (estimate or fixed) else model,
+        trials, ship, estimate, fixed or {},
+    )  # fmt: skip
+    shown = fitted_signals(setting.model, [*trials, *validate], signals)
+    for trial in trials:
         check_answer(trial, shown)
     check_length(setting, trials)
     own_speed, unit_time = setting.ship.particular("speed", "m/s"), setting.scale.unit_time

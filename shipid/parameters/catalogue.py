@@ -20,16 +20,19 @@ from typing import TypeGuard
 
 from shipid import parts
 from shipid.declaration.component import Component, declared_quantities, slug
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
 from shipid.parameters.parameter_file import read_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
+from shipid.parts.rudder_delay import RudderDelay
 
 _PACKAGE = "shipid.models"
 #: What stands at the end of the name of a model that the true wind of a log turns, and the component that states how.
 IN_WIND, _WIND = "-wind", "WindMoment"
+#: What stands at the end of the name of a model whose rudder acts later than it is recorded.
+DELAYED = "-delay"
 
 
 def modules() -> list[ModuleType]:
@@ -94,7 +97,7 @@ def find_model(name: str) -> Model:
     ----------
     name : str
         ``"de-keizer"``, or a file and the name of a model or a component class in it. With ``-wind`` after it, any model of yaw is
-        joined with the moment of the true wind.
+        joined with the moment of the true wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it.
 
     Raises
     ------
@@ -103,6 +106,8 @@ def find_model(name: str) -> Model:
     DeclarationError
         If the file cannot be loaded, with the line that fails.
     """
+    if name.endswith(DELAYED) and names_a_file(name):
+        return delayed(_from_file(name.removesuffix(DELAYED)))
     if names_a_file(name):
         return _from_file(name)
     for module in _mentioning(f'"{name}"'):
@@ -112,11 +117,27 @@ def find_model(name: str) -> Model:
     models = known_models()
     if name in models:
         return models[name]
-    if name.endswith(IN_WIND) and (base := name.removesuffix(IN_WIND)) in models:
-        model = in_wind(models[base])
-        if model.name == name:
-            return model
+    for ending, complete in ((DELAYED, delayed), (IN_WIND, in_wind)):
+        if name.endswith(ending):
+            with contextlib.suppress(UnknownNameError):
+                model = complete(find_model(name.removesuffix(ending)))
+                if model.name == name:
+                    return model
     raise UnknownNameError("model", name, models, "A model of your own is given as path/to/file.py:Class.")
+
+
+@functools.lru_cache(maxsize=64)
+def delayed(model: Model) -> Model:
+    """Return a model with a dead time of the rudder, or the same where it has one or reads no rudder.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    if "delta" not in model.inputs or "delta" in model.delays or "delay" in model:
+        return model
+    return join(model.name + DELAYED, model, RudderDelay)
 
 
 def in_wind(model: Model) -> Model:

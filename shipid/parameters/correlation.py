@@ -12,9 +12,11 @@ from shipid.foundation.errors import ParameterSetError, UnitError
 
 #: The table of a parameter set in which it stands, one inner table a model.
 IDENTIFIED = "identified"
-_KEYS = {"names", "correlation", "speeds", "speed_unit", "rudder", "rate", "drift"}
-#: Largest amplitudes of the trials: entry, SI unit, and the unit that is written.
-_AMPLITUDES = (("rudder", "rad", "deg"), ("rate", "rad/s", "deg/s"), ("drift", "rad", "deg"))
+_KEYS = {"names", "correlation", "speeds", "speed_unit", "speed", "rudder", "rate", "drift"}
+#: What the trials say in one number, their speed before the manoeuvre and largest amplitudes: entry, SI unit, unit that is written.
+_SINGLE = (("speed", "m/s", "m/s"), ("rudder", "rad", "deg"), ("rate", "rad/s", "deg/s"), ("drift", "rad", "deg"))
+#: A value of each unit, for messages.
+_EXAMPLES = {"m/s": "8 m/s", "rad": "20 deg", "rad/s": "1 deg/s"}
 
 
 @dataclass(frozen=True)
@@ -28,7 +30,9 @@ class Joint:
     correlation : tuple of tuple of float
         Their correlation matrix, in that order.
     speeds : tuple of float or None
-        Lowest and highest speed of the trials in m/s.
+        Lowest and highest speed in m/s that the trials went through.
+    speed : float or None
+        Mean speed before the manoeuvre of the trials in m/s, to which coefficients with a dimension belong.
     rudder, rate, drift : float or None
         Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad of the trials, where they are known.
     """
@@ -36,9 +40,15 @@ class Joint:
     names: tuple[str, ...]
     correlation: tuple[tuple[float, ...], ...]
     speeds: tuple[float, float] | None = None
+    speed: float | None = None
     rudder: float | None = None
     rate: float | None = None
     drift: float | None = None
+
+    @property
+    def belongs_to(self) -> float | None:
+        """The speed in m/s that coefficients with a dimension belong to: `speed`, or the middle of `speeds` where only those are known."""
+        return self.speed if self.speed is not None or self.speeds is None else 0.5 * sum(self.speeds)
 
 
 def read_joint(where: str, raw: Plain) -> dict[str, Joint]:
@@ -91,15 +101,15 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
                 f"{where}: speeds are {speeds}, and have to be zero or greater than zero and rising."
             )
         speeds = (low, high)
-    reached = {name: _amplitude(where, name, raw.get(name), unit) for name, unit, _ in _AMPLITUDES}
+    reached = {name: _single(where, name, raw.get(name), unit) for name, unit, _ in _SINGLE}
     return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds, **reached)
 
 
-def _amplitude(where: str, name: str, text: Plain, unit: str) -> float | None:
+def _single(where: str, name: str, text: Plain, unit: str) -> float | None:
     if text is None:
         return None
     if not isinstance(text, str):
-        raise ParameterSetError(f"{where}: '{name}' is {text!r}. Write it with its unit, as in '20 deg'.")
+        raise ParameterSetError(f"{where}: '{name}' is {text!r}. Write it with its unit, as in '{_EXAMPLES[unit]}'.")
     try:
         value = to_si(text, unit, f"'{name}' in {where}")
     except UnitError as error:
@@ -122,7 +132,7 @@ def seen_by(known: Joint | None) -> dict[str, Plain]:
         What a set says of the origin of its coefficients.
     """
     speeds = None if known is None or known.speeds is None else list(known.speeds)
-    reached = {n: {"value": getattr(known, n, None), "unit": unit} for n, unit, _ in _AMPLITUDES}
+    reached = {n: {"value": getattr(known, n, None), "unit": unit} for n, unit, _ in _SINGLE}
     return {"speeds": {"value": speeds, "unit": "m/s"}, **reached}
 
 
@@ -142,11 +152,9 @@ def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
     for model, one in joint.items():
         rows = [[float(f"{v:.6g}") for v in row] for row in one.correlation]
         speeds = {} if one.speeds is None else {"speeds": list(one.speeds), "speed_unit": "m/s"}
-        reached = {n: getattr(one, n) for n, *_ in _AMPLITUDES}
+        reached = {n: getattr(one, n) for n, *_ in _SINGLE}
         written = {
-            n: f"{reached[n] * factor(unit, shown):.4g} {shown}"
-            for n, unit, shown in _AMPLITUDES
-            if reached[n] is not None
+            n: f"{reached[n] * factor(unit, shown):.4g} {shown}" for n, unit, shown in _SINGLE if reached[n] is not None
         }
         tables[model] = {"names": list(one.names), "correlation": rows, **speeds, **written}
     return {IDENTIFIED: tables} if tables else {}

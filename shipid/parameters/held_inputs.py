@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable, Mapping
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.quantity import Equation, Quantity, constant, derived
 from shipid.declaration.units import to_si

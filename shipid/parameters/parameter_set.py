@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from shipid.declaration.component import Scope
+from shipid.declaration.component import Scope, slug
 from shipid.declaration.model import Model
+from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
 from shipid.foundation.result import Result, table
@@ -192,6 +193,10 @@ class ParameterSet(Result):
         return table(rows, ["section", "name"], columns)
 
 
+#: A message that asks for values shows so many of them.
+_EXAMPLES = 3
+
+
 class _Lookup(dict[str, float]):
     """The set's own numbers for the quantities of a model, read when asked for."""
 
@@ -310,7 +315,20 @@ def missing_values(model: Model, values: Mapping[str, float], ship: str) -> Para
     if not lacking:
         return None
     named = ", ".join(f"{n} [{pretty(model[n].unit)}]" for n in lacking)
-    return ParameterSetError(
-        f"model {model.name} needs {named}, which {ship} does not hold. Give them, as in --fix "
-        f"'{lacking[0]}=1.0 {pretty(model[lacking[0]].unit)}', or take a ship that has a [{model.name}] table."
+    examples = [_example(model, n, values) for n in lacking[:_EXAMPLES]]
+    remark = (
+        " (where a search begins: an order of size, not a value of this ship)" if "=1.0 " not in examples[0] else ""
     )
+    it = "it" if len(lacking) == 1 else "them"
+    return ParameterSetError(
+        f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or take a ship "
+        f"that has a [{slug(model[lacking[0]].owner)}] table."
+    )
+
+
+def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
+    """How a value is stated, with its unit: where a search for it begins, where that is known."""
+    # With two speeds: a coefficient that is scaled by the length alone comes out the same.
+    start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
+    value = "1.0" if start is None or start != other else f"{start:.3g}"
+    return f"--set '{name}={value} {pretty(model[name].unit)}'"

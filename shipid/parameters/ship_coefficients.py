@@ -24,12 +24,15 @@ class ShipCoefficients:
         SI.
     span : tuple of float or None
         Speeds in m/s between which the coefficients are known; None where the set does not state them.
+    reference : float or None
+        The speed in m/s that coefficients with a dimension belong to; None where the set does not say it.
     scaled : bool
         Whether dimensional coefficients were carried from another speed by powers of L and L/U.
     """
 
     values: Mapping[str, float]
     span: tuple[float, float] | None
+    reference: float | None
     scaled: bool
 
 
@@ -39,7 +42,7 @@ def coefficients_at(
     """Return the coefficients of a ship at a speed that may lie outside its trials.
 
     Coefficients without dimension hold at every speed. Dimensional ones belong to the speed at which they were identified or
-    published, that of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
+    published, that before the manoeuvres of the trials, of a table, or the ship's own; elsewhere they follow the speed by powers of L and L/U: Passenier (1989), eq. (2.61).
 
     Parameters
     ----------
@@ -61,15 +64,16 @@ def coefficients_at(
     tables = [v for v in (ship.find(model, n) for n in model.entries) if v is not None and v.speed]
     limits = [[s * factor(v.speed_unit, "m/s") for s in (v.speed[0], v.speed[-1])] for v in tables]
     span = (max(a for a, _ in limits), min(b for _, b in limits)) if limits else None
-    trials = _trial_speeds(ship, model)
-    reference = float(np.clip(speed, *span)) if span else 0.5 * sum(trials) if trials else own
+    joint = ship.joint.get(model.name)
+    trials, sailed = (None, None) if joint is None else (joint.speeds, joint.belongs_to)
+    reference = float(np.clip(speed, *span)) if span else own if sailed is None else sailed
     known = ship.values(model, speed=reference) | dict(values or {})
     lacking = missing_values(model, known, f"ship {ship.name}")
     if lacking:
         raise lacking
     dimensional = [n for n in model.parameters if model[n].quantity.prime]
     if not dimensional or speed == reference:
-        return ShipCoefficients(known, span or trials, False)
+        return ShipCoefficients(known, span or trials, reference, False)
     if reference is None or length is None or not length > 0:
         what = "speed" if reference is None else "length L"
         raise ParameterSetError(
@@ -79,10 +83,4 @@ def coefficients_at(
     here, there = Scale(length, speed), Scale(length, reference)
     for name in dimensional:
         known[name] *= here.factor_of(model[name]) / there.factor_of(model[name])
-    return ShipCoefficients(known, span or trials, True)
-
-
-def _trial_speeds(ship: ParameterSet, model: Model) -> tuple[float, float] | None:
-    """The speeds of the trials a set was identified from, where it states them."""
-    joint = ship.joint.get(model.name)
-    return None if joint is None else joint.speeds
+    return ShipCoefficients(known, span or trials, reference, True)

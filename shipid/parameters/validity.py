@@ -15,6 +15,12 @@ from shipid.parameters.parameter_set import ParameterSet
 
 #: Share of a limit by which it may be passed without a word.
 MARGIN = 0.1
+#: What the range says in one number: entry, words, field and unit.
+_AMPLITUDES = (
+    ("rudder", "rudder angles", "delta", "rad"),
+    ("rate", "rates of turn", "r", "rad/s"),
+    ("drift", "drift angles", "beta", "rad"),
+)
 #: Kinds of the notices.
 BEYOND, UNKNOWN = "beyond-what-was-fitted", "range-not-known"
 
@@ -40,6 +46,33 @@ def range_of(ship: ParameterSet, model: Model) -> tuple[str, Joint] | None:
     return None
 
 
+def range_words(known: Joint) -> dict[str, str]:
+    """Return the range that coefficients come from in words, by field: ``{"u": "5.2 to 8 m/s", "delta": "rudder angles up to 20 deg"}``.
+
+    Parameters
+    ----------
+    known : Joint
+        What a set says of the origin of its coefficients.
+    """
+    words = {} if known.speeds is None else {"u": speed_words(known.speeds)}
+    for entry, what, name, unit in _AMPLITUDES:
+        if (largest := getattr(known, entry)) is not None:
+            words[name] = f"{what} up to {shown(largest, name, unit, digits=3)}"
+    return words
+
+
+def speed_words(span: tuple[float, float]) -> str:
+    """Return a range of speeds in words: ``5.2 to 8 m/s``, or ``8 m/s`` where both ends are alike.
+
+    Parameters
+    ----------
+    span : tuple of float
+        Lowest and highest, in m/s.
+    """
+    low, high = (shown(v, "u", "m/s", digits=3) for v in span)
+    return low if span[1] - span[0] < 0.005 * span[1] else f"{low.removesuffix(' m/s')} to {high}"
+
+
 def beyond(
     model: Model,
     ship: ParameterSet,
@@ -58,7 +91,8 @@ def beyond(
     ship : ParameterSet
         Whose coefficients.
     speeds : sequence of float
-        The speeds before the manoeuvre in m/s.
+        The speeds before the manoeuvre in m/s. They are held against all the speeds that the trials went through: a ship that slows
+        down from 8 m/s to 5 m/s has been tried at both.
     rudder, rate, drift : float, optional
         Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad.
 
@@ -84,12 +118,12 @@ def beyond(
         )
     if found is None or known is None:
         return notices
-    section = found[0]
+    section, words = found[0], range_words(known)
 
-    def say(what: str, value: float, limit: str, name: str, unit: str) -> None:
+    def say(what: str, value: float, name: str, unit: str) -> None:
         notices.append(
             Notice(
-                f"{what} {shown(value, name, unit, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {limit}. "
+                f"{what} {shown(value, name, unit, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {words[name]}. "
                 "Beyond that the model extrapolates, and no band contains that error.",
                 BEYOND,
                 quantity=name,
@@ -98,28 +132,15 @@ def beyond(
 
     if known.speeds is not None:
         low, high = known.speeds
-        stated = f"{low:.3g} m/s" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g} m/s"
         outside = [v for v in speeds if not (1 - MARGIN) * low <= v <= (1 + MARGIN) * high]
         if outside:
-            say("The speed is", max(outside, key=lambda v: max(low / v, v / max(high, 1e-9))), stated, "u", "m/s")
+            say("The speed is", max(outside, key=lambda v: max(low / v, v / max(high, 1e-9))), "u", "m/s")
     if known.rudder is not None and rudder is not None and rudder > (1 + MARGIN) * known.rudder:
-        say(
-            "The rudder goes to",
-            rudder,
-            f"rudder angles up to {shown(known.rudder, 'delta', 'rad', digits=3)}",
-            "delta",
-            "rad",
-        )
+        say("The rudder goes to", rudder, "delta", "rad")
     if known.rate is not None and rate is not None and rate > (1 + MARGIN) * known.rate * _faster(known, speeds):
-        say("The ship turns at", rate, f"rates of turn up to {shown(known.rate, 'r', 'rad/s', digits=3)}", "r", "rad/s")
+        say("The ship turns at", rate, "r", "rad/s")
     if known.drift is not None and drift is not None and drift > (1 + MARGIN) * known.drift:
-        say(
-            "The drift angle is",
-            drift,
-            f"drift angles up to {shown(known.drift, 'beta', 'rad', digits=3)}",
-            "beta",
-            "rad",
-        )
+        say("The drift angle is", drift, "beta", "rad")
     return notices
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.quantity import constant, given, state
+from shipid.foundation.aliases import Expression
 
 
 class SteeringMachine(Component):
@@ -27,6 +28,16 @@ class SteeringMachine(Component):
         The figure has no lag inside the limits; a short one (assumed, half a second) keeps the machine a smooth
         differential equation near the order.
         """
+        return self.towards_order(self.delta)
+
+    def towards_order(self, angle: Expression) -> Expression:
+        """Return the rate in rad/s at which the machine moves a rudder towards the order.
+
+        Parameters
+        ----------
+        angle : Expression
+            Where the rudder is, in rad.
+        """
         order = np.minimum(np.maximum(self.delta_order, -self.delta_max), self.delta_max)
-        wanted = (order - self.delta) / self.tau_delta
+        wanted = (order - angle) / self.tau_delta
         return np.minimum(np.maximum(wanted, -self.delta_rate), self.delta_rate)

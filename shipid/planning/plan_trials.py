@@ -12,9 +12,8 @@ from threadpoolctl import threadpool_limits
 from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
-from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.estimation.standing import UNKNOWN, standing_of
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice
 from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
@@ -23,30 +22,16 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.planning.leg import Leg
 from shipid.planning.plan import Forecast, Plan
 from shipid.planning.planning_problem import PlanningProblem, planning_problem
+from shipid.planning.repertoire import candidates_of, within_limits
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
-from shipid.planning.timetable import sailed_timetable
-from shipid.trials.manoeuvres.manoeuvre import KINDS, Manoeuvre
-from shipid.trials.manoeuvres.simulate import NotSailedError
+from shipid.planning.timetable import Surroundings, sailed_timetable
+from shipid.trials.manoeuvres.flows import Flow, check_flows, number
+from shipid.trials.manoeuvres.simulate import NotSailedError, simulate
 
-#: Candidates by kind of manoeuvre, as `shipid simulate` takes them; spirals take long and are only used on request.
-REPERTOIRE: dict[str, tuple[str, ...]] = {
-    "zigzag": (
-        *("zigzag:5/5", "zigzag:10/5", "zigzag:10/10", "zigzag:10/20", "zigzag:15/15", "zigzag:20/10"),
-        *("zigzag:20/20", "zigzag:20/40", "zigzag:25/25", "zigzag:30/10", "zigzag:30/30", "zigzag:35/35"),
-    ),
-    "telegraph": tuple(f"telegraph:{a}" for a in (5, 10, 15, 20, 25, 30, 35)),
-    "turn": (*(f"turn:{a}" for a in (5, 10, 15, 20, 25, 30, 35)), "turn:20/180", "turn:30/180"),
-    "course": ("course:30/10", "course:60/20", "course:90/30"),
-    "spiral": ("spiral:10", "spiral:20", "spiral:30"),
-    "reversed-spiral": ("reversed-spiral:0.3", "reversed-spiral:0.6"),
-}
-#: The default repertoire.
-USUAL = ("zigzag", "telegraph", "turn", "course")
 #: The standard that a plan is compared with.
 STANDARD = ("zigzag:10/10", "zigzag:20/20")
-#: Length of the turn that shows whether the model has a steady one, in L/U.
-_STEADY = 100.0
-_TELEGRAPHS = 2
+#: So long a run, in s, shows whether a ship has all her coefficients.
+_GLANCE = 30.0
 Progress = Callable[[str], None]
 
 
@@ -84,6 +69,9 @@ def plan_trials(
     sampling: str | float | None = None,
     correlation: str | float | None = None,
     between: str | float | None = None,
+    heading: str | float = 0.0,
+    current: Flow | None = None,
+    wind: Flow | None = None,
     spread: float = 0.2,
     draws: int = 8,
     seed: int = 0,
@@ -123,6 +111,11 @@ def plan_trials(
         By default the noise is white.
     between : str or float, optional
         Steady approach between two manoeuvres in s, and once more where the speed changes; five L/U by default.
+    heading : str or float
+        Heading of the first approach, for the sea room in a current or a wind, with its unit or in rad.
+    current, wind : tuple, optional
+        Speed and direction it flows TO, with units or in SI, for the timetable and its sea room; the manoeuvres are chosen for
+        calm water. Waves move no track: what they do to the measurements is `noise` and `correlation`.
     spread : float
         Relative standard deviation of a coefficient for which neither the ship nor the declaration holds one.
     draws : int
@@ -152,8 +145,14 @@ def plan_trials(
     """
     if criterion not in CRITERIA:
         raise UnknownNameError("criterion", criterion, CRITERIA, "D: determinant, A: mean relative variance.")
+    planned = model_of(model)
+    around = Surroundings(number(heading, "rad", "the heading"), _flow(current, "current"), _flow(wind, "wind"))
+    check_flows(planned, current, wind)
+    if wind is not None:
+        # A ship without coefficients of the wind is refused before the work is done.
+        simulate(planned, ship_of(ship), "turn:5", duration=_GLANCE, wind=wind, values=values)
     problem = planning_problem(
-        model_of(model),
+        planned,
         ship_of(ship),
         time,
         speed=speed,
@@ -169,7 +168,7 @@ def plan_trials(
     )
     warnings: list[str] = []
     problem = _with_comparable_draws(problem, draws, warnings)
-    candidates = _within_limits(problem, _candidates(repertoire, problem.speeds, seed), warnings)
+    candidates = within_limits(problem, candidates_of(repertoire, problem.speeds, seed), warnings)
     tell = progress or (lambda _: None)
     with threadpool_limits(1, "blas"):
         rows = _Rows()
@@ -191,55 +190,14 @@ def plan_trials(
             criterion,
             worst_case,
         )
-        return _result(problem, rows, table, choose(table, [pair]), pair, warnings)
+        return _result(problem, rows, table, choose(table, [pair]), pair, warnings, around)
 
 
-def _candidates(repertoire: Sequence[str] | None, speeds: Sequence[float], seed: int) -> list[CandidateManoeuvre]:
-    texts: list[str] = []
-    for name in USUAL if repertoire is None else repertoire:
-        kind = name.partition(":")[0].strip()
-        if kind not in REPERTOIRE:
-            raise UnknownNameError("manoeuvre", kind, KINDS)
-        texts += [name.strip()] if ":" in name else REPERTOIRE[kind]
-    if not texts:
-        raise UsageError("the repertoire is empty: name a kind of manoeuvre, as in zigzag.")
-    seeds = {t: range(seed, seed + _TELEGRAPHS) if t.startswith("telegraph") else [seed] for t in texts}
-    return [candidate_of(t, v, s) for v in speeds for t in dict.fromkeys(texts) for s in seeds[t]]
-
-
-def _within_limits(
-    problem: PlanningProblem, candidates: list[CandidateManoeuvre], warnings: list[str]
-) -> list[CandidateManoeuvre]:
-    """Leave out rudder angles beyond the ship's limit, and those whose steady turn the model does not have."""
-    limit, name = problem.experiment.limit, problem.experiment.model.name
-    angles = sorted({s.rudder for s in candidates if s.rudder is not None})
-    beyond = [a for a in angles if a > limit + 1e-9]
-    if beyond:
-        warnings.append(
-            f"rudder angles of {_degrees(beyond)} exceed the {_degrees([limit])} of ship {problem.ship.name} and are "
-            "left out."
-        )
-    lost = [a for a in angles if a not in beyond and not _turns_steadily(problem, a)]
-    if lost:
-        warnings.append(
-            f"turns with {_degrees(lost)} of rudder are {NOT_SAILED} ({name}), which has no steady turn there; they are left out."
-        )
-    kept = [s for s in candidates if s.rudder is None or s.rudder not in {*beyond, *lost}]
-    if not kept:
-        kind = NotSailedError if lost else UsageError
-        raise kind(f"no manoeuvre of the repertoire can be sailed: {' '.join(warnings)}")
-    return kept
-
-
-def _turns_steadily(problem: PlanningProblem, angle: float) -> bool:
-    speed = problem.speeds[0]
-    turn = CandidateManoeuvre(Manoeuvre("turn", (angle, 1e9)), speed)
-    return problem.experiment.rudder_of(turn, _STEADY * problem.experiment.length / speed, problem.known) is not None
-
-
-def _degrees(angles: Sequence[float]) -> str:
-    shown = ", ".join(f"{to_display(a, 'delta'):g}" for a in angles)
-    return f"{shown} {display_unit('delta', 'rad')}"
+def _flow(flow: Flow | None, what: str) -> tuple[float, float] | None:
+    """Speed in m/s and direction in rad."""
+    if flow is None:
+        return None
+    return number(flow[0], "m/s", f"the {what}"), number(flow[1], "rad", f"direction of the {what}")
 
 
 def _over_draws(problem: PlanningProblem, candidate: CandidateManoeuvre, durations: list[float]) -> np.ndarray | None:
@@ -325,6 +283,7 @@ def _result(
     chosen: list[int],
     pair: list[int],
     warnings: list[str],
+    around: Surroundings,
 ) -> Plan:
     experiment = problem.experiment
     warnings += problem.beyond([rows.candidates[i] for i in chosen])
@@ -377,7 +336,7 @@ def _result(
         independent=1 / experiment.rate,
         draws=len(problem.draws) - 1,
         candidates=len(rows.candidates),
-        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings),
+        timetable=sailed_timetable(experiment.model, problem.ship, legs, warnings, around),
         warnings=tuple(warnings),
     )
 

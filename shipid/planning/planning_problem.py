@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import to_si
@@ -21,7 +21,7 @@ from shipid.identification.uncertainty.information import CandidateManoeuvre, Ex
 from shipid.parameters.draws import normal_draws
 from shipid.parameters.parameter_set import ParameterSet, Value, missing_values
 from shipid.parameters.validity import beyond
-from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.rudder_delay import steering_machine_of
 from shipid.trials.manoeuvres.noise import parse_noise
 
 #: Shortest manoeuvre, longest, and the steady approach between two, in L/U.
@@ -209,7 +209,7 @@ def planning_problem(
         if model[n].quantity.kind not in ("parameter", "constant", "derived"):
             raise UsageError(f"'{n}' is no coefficient of model {model.name}, and takes no value.")
     ship = _with_values(model, ship, held)
-    steered = join(model.name, model, SteeringMachine)
+    steered = join(model.name, model, steering_machine_of(model))
     known = ship.values(steered, speed=first)
     lacking = missing_values(steered, known, f"ship {ship.name}")
     if lacking:

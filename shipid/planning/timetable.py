@@ -1,6 +1,6 @@
 """The timetable of a plan: rudder orders with their times and conditions, and the sea room that the trials take.
 
-Times and tracks are those of the ship as it is known before the trials, simulated in calm. An order with a condition is given when it is
+Times and tracks are those of the ship as it is known before the trials, simulated in calm or in a current and a wind that are stated. An order with a condition is given when it is
 met, not by the clock: the trials are sailed to find out how the ship turns.
 """
 
@@ -97,15 +97,19 @@ class Timetable(Result):
         Of each manoeuvre, from its approach; empty for a model without a position.
     room : SeaRoom or None
         Of all of them one after the other, with the steady runs between them straight ahead.
+    weather : str
+        The current and the wind they are sailed in, in words.
     """
 
     orders: tuple[TimetableOrder, ...]
     rooms: tuple[SeaRoom, ...]
     room: SeaRoom | None
+    weather: str = "calm"
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
         return {
+            "weather": self.weather,
             "orders": [o.to_dict() for o in self.orders],
             "sea_room": None if self.room is None else self.room.to_dict(),
             "sea_room_of_each": [r.to_dict() for r in self.rooms],
@@ -114,7 +118,7 @@ class Timetable(Result):
     def text(self) -> str:
         """Return a line for each order, and the sea room."""
         lines = [
-            "  timetable, in calm, by what is known of the ship; an order with a condition is given when it is met:"
+            f"  timetable, in {self.weather}, by what is known of the ship; an order with a condition is given when it is met:"
         ]
         lines += [f"  {clock(o.time):>7s}  {o.leg}  {o.action}{f', {o.when}' if o.when else ''}" for o in self.orders]
         if self.room is not None:
@@ -138,7 +142,41 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
-def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Leg]) -> Timetable:
+@dataclass(frozen=True)
+class Surroundings:
+    """Where and in what a plan is sailed, SI; calm water on a heading to the north by default.
+
+    Attributes
+    ----------
+    heading : float
+        Of the first approach, in rad.
+    current, wind : tuple of float or None
+        Speed in m/s and direction it flows TO, in rad.
+    """
+
+    heading: float = 0.0
+    current: tuple[float, float] | None = None
+    wind: tuple[float, float] | None = None
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """The current to the north and to the east, in m/s."""
+        speed, to = self.current or (0.0, 0.0)
+        return speed * float(np.cos(to)), speed * float(np.sin(to))
+
+    @property
+    def words(self) -> str:
+        """Current and wind in words."""
+        told = (
+            [] if self.current is None else [f"a current of {self.current[0]:.3g} m/s to {_bearing(self.current[1])}"]
+        )
+        told += [] if self.wind is None else [f"a wind of {self.wind[0]:.3g} m/s from {_bearing(self.wind[1] + np.pi)}"]
+        return f"{' and '.join(told)}, first heading {_bearing(self.heading)}" if told else "calm"
+
+
+def timetable_of(
+    model: Model, ship: ParameterSet, legs: Sequence[Leg], surroundings: Surroundings | None = None
+) -> Timetable:
     """Return the timetable of manoeuvres sailed one after the other.
 
     Parameters
@@ -149,27 +187,50 @@ def timetable_of(model: Model, ship: ParameterSet, legs: Sequence[Leg]) -> Timet
         The ship.
     legs : sequence of Leg
         The manoeuvres.
+    surroundings : Surroundings, optional
+        First heading, current and wind; calm by default.
 
     Raises
     ------
     NotSailedError
         If the model does not sail one of them.
     """
+    around = surroundings or Surroundings()
     orders: list[TimetableOrder] = []
     tracks: list[np.ndarray] = []
+    heading = around.heading
     for k, leg in enumerate(legs, start=1):
-        trial = simulate(model, ship, leg.manoeuvre, speed=leg.speed, duration=leg.duration, seed=leg.seed)
+        trial = simulate(
+            model,
+            ship,
+            leg.manoeuvre,
+            speed=leg.speed,
+            duration=leg.duration,
+            seed=leg.seed,
+            heading=heading,
+            current=around.current,
+            wind=around.wind,
+        )
         before = "" if k == 1 or legs[k - 2].speed == leg.speed else "new speed, "
         orders.append(TimetableOrder(leg.start, k, f"{before}steady on a straight course at {leg.speed:.3g} m/s"))
         orders += _orders(trial, leg, k)
         orders.append(TimetableOrder(leg.start + leg.duration, k, "end; steady the ship on a straight course"))
         if "x" in trial.table and "y" in trial.table:
-            tracks.append(np.stack([trial["x"], trial["y"], trial["psi"]]))
-    rooms = tuple(_room(_turned(track, 0.0, 0.0, 0.0)) for track in tracks)
-    return Timetable(tuple(orders), rooms, _whole(tracks, legs) if len(tracks) == len(legs) and tracks else None)
+            tracks.append(np.stack([trial["x"] - trial["x"][0], trial["y"] - trial["y"][0], trial["psi"]]))
+        # Each begins on the heading on which the one before ended.
+        heading = float(trial["psi"][-1])
+    rooms = tuple(_room(track, float(track[2, 0])) for track in tracks)
+    whole = _room(_whole(tracks, legs, around), around.heading) if len(tracks) == len(legs) and tracks else None
+    return Timetable(tuple(orders), rooms, whole, around.words)
 
 
-def sailed_timetable(model: Model, ship: ParameterSet, legs: Sequence[Leg], warnings: list[str]) -> Timetable | None:
+def sailed_timetable(
+    model: Model,
+    ship: ParameterSet,
+    legs: Sequence[Leg],
+    warnings: list[str],
+    surroundings: Surroundings | None = None,
+) -> Timetable | None:
     """Return the timetable of manoeuvres; None, and a warning that says why, where the model does not sail one of them.
 
     Parameters
@@ -182,9 +243,11 @@ def sailed_timetable(model: Model, ship: ParameterSet, legs: Sequence[Leg], warn
         The manoeuvres.
     warnings : list of str
         It is added to.
+    surroundings : Surroundings, optional
+        First heading, current and wind; calm by default.
     """
     try:
-        return timetable_of(model, ship, legs)
+        return timetable_of(model, ship, legs, surroundings)
     except NotSailedError as error:
         warnings.append(f"there is no timetable: {error}")
         return None
@@ -222,32 +285,34 @@ def _steered(kind: str, numbers: Sequence[float], time: float, number: int) -> T
     return TimetableOrder(time, number, f"steer steady rates of turn up to r L/U = {numbers[0]:g}, one after the other")
 
 
+def _bearing(value: float) -> str:
+    """A direction from 0 to 360 degrees, in words."""
+    return angle(float(value % (2 * np.pi)), 3)
+
+
 def _sided(value: float) -> str:
     return f"{angle(abs(float(value)), 4)} to {'starboard' if value > 0 else 'port'}"
 
 
-def _whole(tracks: Sequence[np.ndarray], legs: Sequence[Leg]) -> SeaRoom:
-    """All tracks one after the other, each from where the steady run behind the one before ends."""
-    north = east = heading = 0.0
+def _whole(tracks: Sequence[np.ndarray], legs: Sequence[Leg], around: Surroundings) -> np.ndarray:
+    """All tracks (x, y, psi) one after the other, each from where the steady run behind the one before ends."""
+    here = np.zeros(3)
     pieces = []
     for k, (track, leg) in enumerate(zip(tracks, legs)):
-        placed = _turned(track, north, east, heading)
+        placed = track + np.array([[here[0]], [here[1]], [0.0]])
         pieces.append(placed)
-        north, east, heading = (float(row[-1]) for row in placed)
+        here = placed[:, -1]
         if k + 1 < len(legs):
             after = legs[k + 1]
-            run = after.speed * (after.start - leg.start - leg.duration)
-            north, east = north + run * float(np.cos(heading)), east + run * float(np.sin(heading))
-    return _room(np.concatenate([*pieces, np.array([[north], [east], [heading]])], axis=1))
+            time = after.start - leg.start - leg.duration
+            north, east = around.drift
+            ahead = after.speed * np.array([np.cos(here[2]), np.sin(here[2])]) + np.array([north, east])
+            here = here + time * np.append(ahead, 0.0)
+    return np.concatenate([*pieces, here[:, None]], axis=1)
 
 
-def _turned(track: np.ndarray, north: float, east: float, heading: float) -> np.ndarray:
-    """A track (x, y, psi) moved so that it begins at a position, on a heading."""
-    x, y = track[0] - track[0, 0], track[1] - track[1, 0]
-    by = heading - track[2, 0]
-    return np.stack([north + x * np.cos(by) - y * np.sin(by), east + x * np.sin(by) + y * np.cos(by), track[2] + by])
-
-
-def _room(track: np.ndarray) -> SeaRoom:
-    ahead, aside = track[0], track[1]
+def _room(track: np.ndarray, heading: float) -> SeaRoom:
+    """How far a track (x, y) that begins at zero goes along a heading and across it."""
+    ahead = track[0] * np.cos(heading) + track[1] * np.sin(heading)
+    aside = track[1] * np.cos(heading) - track[0] * np.sin(heading)
     return SeaRoom(*(max(0.0, float(v)) for v in (ahead.max(), -ahead.min(), -aside.min(), aside.max())))

@@ -10,14 +10,14 @@ from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice, notice_of
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.wheel_over import heading_on
-from shipid.prediction.predict_track import prediction_of, wind_parts
+from shipid.prediction.predict_track import prediction_of
 from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route import Route
 from shipid.prediction.routes.route_plan import plan_of
 from shipid.prediction.routes.route_turn import against_plan, next_turn
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, TrackPredictor
+from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, TrackPredictor, wind_parts
 from shipid.prediction.tracks.track_run import cruise_of
 from shipid.trials.manoeuvres.flows import number
 

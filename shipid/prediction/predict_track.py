@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from shipid.autopilot.design.autopilot import Autopilot
-from shipid.declaration.component import Component
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.notices import Notice
 from shipid.parameters.validity import beyond_in_run
-from shipid.parts.wind import Wind
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
 from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route_turn import RouteTurn
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
-from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor
+from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, Predicting, TrackPredictor, wind_parts
 from shipid.prediction.tracks.track_run import cruise_of
 
 
@@ -100,22 +98,6 @@ def predict_track(
         band=band,
     )
     return prediction_of(pilot, known, track, horizon, band, origin, told, wheel_over=found)
-
-
-def wind_parts(pilot: Autopilot, known: Situation, model: Predicting = "own") -> tuple[type[Component], ...]:
-    """Return the wind as a component to join, where there is some and the predicting model reads it.
-
-    Parameters
-    ----------
-    pilot : Autopilot
-        The autopilot with its ship.
-    known : Situation
-        What is known.
-    model : {"own", "first-order"}
-        What predicts; the first-order model reads the wind always.
-    """
-    reads = model != "own" or "r_disturbance" in pilot.model.inputs
-    return (Wind,) if reads and known.values.get("wind_speed") else ()
 
 
 def prediction_of(

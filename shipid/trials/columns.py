@@ -14,10 +14,15 @@ from shipid.trials.errors import ColumnUnitError, NoUnitError
 _SPELLINGS = (
     (re.compile(r"\brev\b"), "revolution"),
     (re.compile(r"\b([kM]?)Nm\b"), r"\1N*m"),
-    (re.compile(r"\b(RPM|Rpm)\b"), "rpm"),
+    (re.compile(r"\b(RPM|Rpm)\b|(?i:\b(u|umdr\.?|r|omw|omdr?|obr|tr)/min\b|\b[ur]pm\b)|\bmin-1(?!\w)"), "rpm"),
     (re.compile(r"\bNM\b"), "nmi"),
-    (re.compile(r"\b(DEG|Deg)\b"), "deg"),
     (re.compile(r"\b[Dd]ecimal [Dd]egrees\b|\bdegrees?_(north|east)\b|\b(DD|dd)\b"), "deg"),
+    # Degrees of the compass: pint reads Grad as a thousand million rad, and grad as a hundredth of a right angle, which no ship logs.
+    (re.compile(r"(?i:\bdeg(rees?)?\b|\bgrad(er|en)?\b)\.?|º"), "deg"),
+    (re.compile(r"\bKn\b|(?i:\b(kts?|knots?|knoten|knopen|knop)\b)"), "kn"),  # kN is a force
+    (re.compile(r"(?i:(?<=/)(min|minute)\b)"), "min"),
+    (re.compile(r"(?i:\b(sek|sekunden?|sec|secs|seconds?)\b)\.?"), "s"),
+    (re.compile(r"\b(m|deg|rad) ?s-1(?!\w)"), r"\1/s"),
 )
 #: A longer header is a name without a unit.
 _LONGEST_HEADER = 300

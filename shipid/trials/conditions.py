@@ -66,6 +66,8 @@ _ENTRIES = (
 
 #: By name.
 ENTRIES: Mapping[str, Condition] = MappingProxyType({e.name: e for e in _ENTRIES})
+#: Share by which numbers of one loading may differ: fuel that is burnt, draughts that are read to a few centimetres.
+_SAME_LOADING = 0.03
 #: Those that cannot be zero or negative.
 _POSITIVE = ("length", "breadth", "draught_forward", "draught_aft", "displacement", "depth")
 
@@ -173,3 +175,33 @@ def conditions_of(table: Table) -> Conditions:
             # A date is written without quotes in TOML.
             values[name] = str(table.content[name])
     return Conditions(values)
+
+
+def different_loadings(stated: Mapping[str, Conditions]) -> str | None:
+    """Return what trials state of different loadings, in words, or None where those that state any agree.
+
+    Parameters
+    ----------
+    stated : mapping of str to Conditions
+        By trial.
+
+    Returns
+    -------
+    str or None
+        As in ``"displacement 520 t (ballast-20), 610 t (laden-20)"``. Numbers agree within 3 %, texts where they are the same but
+        for case.
+    """
+    said = []
+    for entry in (e for e in _ENTRIES if e.group == "loading"):
+        known = {trial: c.values[entry.name] for trial, c in stated.items() if entry.name in c.values}
+        numbers = [v for v in known.values() if isinstance(v, float)]
+        if numbers and max(numbers) <= (1 + _SAME_LOADING) * min(numbers):
+            continue
+        if not numbers and len({str(v).casefold() for v in known.values()}) < 2:
+            continue
+        trials: dict[str, list[str]] = {}
+        for trial in known:
+            trials.setdefault(str(stated[trial].shown(entry.name)), []).append(trial)
+        each = ", ".join(f"{value} ({', '.join(names)})" for value, names in trials.items())
+        said.append(f"{entry.label[0].lower()}{entry.label[1:]} {each}")
+    return "; ".join(said) or None

@@ -30,7 +30,7 @@ def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
     if not trial.has(column):
         raise UnknownColumnError(
             f"trial '{trial.name}' has no column '{column}', and without the rudder angle there is nothing to "
-            f"identify. It has {', '.join(trial.table.columns)}."
+            f"identify. It has {', '.join(trial.table.columns)}." + _of_thrusters(trial, column)
         )
     delta = trial[column]
     delta = delta[np.isfinite(delta)]
@@ -41,3 +41,16 @@ def check_identifiable_input(trial: Trial, column: str = "delta") -> None:
             f"(it moves by {angle(spread, 2)}), so the response to it cannot be identified. "
             "Use a stretch with a manoeuvre in it, or check which column holds the rudder angle."
         )
+
+
+def _of_thrusters(trial: Trial, column: str) -> str:
+    """What to do where a ship is steered by azimuth thrusters: models of yaw read their angle as that of a rudder."""
+    angles = [n for n in trial.table.columns if "azi" in n.casefold()]
+    if not angles:
+        return ""
+    one = angles[0]
+    return (
+        f" A ship that is steered by azimuth thrusters is read by the same models: name the angle of one of them, '{one}', "
+        f"{column} in a format file ('shipid format FILE' drafts it), with sign = -1 where a positive angle turns her to port. Thrusters on "
+        "both sides that are turned together count once."
+    )

@@ -219,7 +219,7 @@ def test_no_ship_and_no_numbers():
             "nomoto",
             "zeefakkel",
             {"speeds": "1:6:1 m/s"},
-            "outside the identified range: ship zeefakkel was tried from 2 to 6.2",
+            "outside the identified range: ship zeefakkel was tried at 2 to 6.2",
         ),
         ("nomoto", "soesterberg", {}, "scaled by speed: the coefficients of nomoto hold at 9.5 m/s"),
         ("bech", "kvlcc2", {}, "course-unstable: without the autopilot"),

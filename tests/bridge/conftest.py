@@ -14,7 +14,7 @@ from shipid.parameters.catalogue import find_model, find_ship
 
 @pytest.fixture(scope="session")
 def pilot():
-    return shipid.design_autopilot(find_model("de-keizer"), find_ship("soesterberg"), design="pole")
+    return shipid.design_autopilot(find_model("de-keizer"), find_ship("soesterberg"))
 
 
 def sail(core: BridgeCore, seconds: float) -> None:

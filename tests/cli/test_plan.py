@@ -43,6 +43,29 @@ def test_text(call):
     assert "b3" not in answer.out
 
 
+def test_a_plan_in_a_current_and_a_wind(call, tmp_path):
+    """The timetable, its sea room and the page are of the weather that is stated; the choice is that of calm water."""
+    weather = ["--current", "2 kn to 0 deg", "--wind", "5 m/s from 90 deg", "--heading", "180 deg"]
+    coefficients = ["--set", "N_w=5e-6 rad/m^2", "--set", "F_w=5e-6 1/m^2"]
+    calm = json.loads(call(*QUICK, "--time", "5min", "--json").out)
+    told = json.loads(
+        call(*QUICK, "--time", "5min", *weather, *coefficients, "--json", "--out", str(tmp_path / "p")).out
+    )
+    assert told["plan"] == calm["plan"] and calm["timetable"]["weather"] == "calm"
+    assert told["timetable"]["weather"] == (
+        "a current of 1.03 m/s to 0 deg and a wind of 5 m/s from 90 deg, first heading 180 deg"
+    )
+    assert told["timetable"]["sea_room"]["ahead"]["value"] < calm["timetable"]["sea_room"]["ahead"]["value"] - 50
+    page = (tmp_path / "p" / "report.html").read_text(encoding="utf-8")
+    for word in (
+        "Orders to the helm",
+        "a wind of 5 m/s from 90 deg",
+        "Sea room",
+        told["timetable"]["orders"][1]["action"],
+    ):
+        assert word in page
+
+
 def test_a_planned_manoeuvre_can_be_simulated(call):
     leg = json.loads(call(*QUICK, "--time", "5min", "--json").out)["plan"][0]
     answer = call(
@@ -73,6 +96,8 @@ def test_a_planned_manoeuvre_can_be_simulated(call):
         (2, ["--time", "9min", "--model", "norbin"], ("Did you mean norrbin",)),
         (2, ["--time", "9min", "--ship", "zeefakel"], ("Did you mean zeefakkel?",)),
         (3, ["--time", "9min", "--model", "pershitz"], ("q21", "[pershitz]")),
+        (3, ["--time", "9min", "--wind", "8 m/s from 20 deg"], ("N_w", "--set 'N_w=", "[wind]")),
+        (2, ["--time", "9min", "--current", "2 kn"], ("where it flows",)),
         (2, [], ("'--time'", "shipid plan --help")),
     ],
 )

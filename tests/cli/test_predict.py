@@ -121,6 +121,28 @@ def test_wind_current_and_schedule(call, tmp_path):
     assert abs(delta[-1]) > 0.2
 
 
+def test_waves_make_a_state_that_is_read_uncertain(call):
+    ship = [
+        "predict",
+        "de-keizer",
+        "--ship",
+        "soesterberg",
+        "--from",
+        "psi=40 deg,u=9 m/s",
+        "--rudder",
+        "10 deg",
+        "--json",
+    ]
+    widths = [
+        json.loads(call(*ship, *waves).out)["prediction"]["half_width_95"]
+        for waves in ([], ["--waves", "0.5 deg from 300 deg"], ["--waves", "1 deg from 300 deg"])
+    ]
+    assert widths[0] is None
+    assert (
+        widths[2]["values"][-1] == pytest.approx(2 * widths[1]["values"][-1], rel=0.01) and widths[1]["values"][-1] > 1
+    )
+
+
 def test_refusals(refused, voyage):
     ship = ["predict", "de-keizer", "--ship", "soesterberg"]
     refused(2, ship, "--heading, --rudder, --rate or --route")
@@ -135,5 +157,8 @@ def test_refusals(refused, voyage):
         [*ship, "--heading", "60 deg", "--from", f"{voyage}@300", "--current", "1 kn to 0 deg"],
         "leave --current out",
     )
+    waves = ["--waves", "0.5 deg from 300 deg"]
+    refused(2, [*ship, "--heading", "60 deg", "--from", f"{voyage}@300", *waves], "leave --waves out")
+    refused(2, [*ship, "--heading", "60 deg", *waves], "give it in the state")
     refused(2, [*ship, "--heading", "60 deg", "--horizon", "0"], "ship lengths")
     refused(2, [*ship, "--heading", "60 m"], "heading")

@@ -22,6 +22,16 @@ def test_a_ship_is_shown_with_its_sources(call):
     assert "particulars: speed" in shown["assumed"] and shown["not_stated"] == ["B", "T"]
 
 
+def test_what_a_regression_expects_of_the_hull_is_shown(call):
+    lines = call("ship", "kvlcc2").out.splitlines()
+    at = lines.index("expected of the hull, not of trials (Clarke, Gedling and Hine 1983):")
+    assert lines[at + 1].split()[:4] == ["Y_v", "-0.0253", "±", "0.0040"] and "L/B 5 to 7.6" in lines[at + 9]
+    shown = json.loads(call("ship", "kvlcc2", "--json").out)["hull_regression"]
+    assert shown["found"]["Y_v"]["value"] == pytest.approx(-0.0253, abs=5e-5) and shown["beyond"] is None
+    said = call("ship", "gunnerus").out
+    assert "nothing. L/B of ship gunnerus is 3.53, and the regression is used from 4.97 to 7.64." in said
+
+
 def test_a_draft_becomes_a_ship_when_its_sources_are_filled_in(call, tmp_path):
     path = tmp_path / "tender.toml"
     answer = call(

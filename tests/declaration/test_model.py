@@ -6,7 +6,7 @@ from dataclasses import FrozenInstanceError
 import pytest
 
 from shipid import Component, derived, find_model, given, join, parameter, state
-from shipid.declaration.join import replace_component
+from shipid.declaration.joining.join import replace_component
 from shipid.declaration.model import Evaluation
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 from shipid.models import DeKeizer, DeKeizerMinimal, Norrbin, PlanarMotion, VanLeeuwenSway

@@ -132,6 +132,12 @@ def test_what_no_unit_holds_is_refused_before_it_is_computed(text: str) -> None:
         units.unit(text)
 
 
+@pytest.mark.parametrize("text", ["deg\0", "deg\0/s", "m/\x1b[2Js", "kn\u202e"])
+def test_a_unit_with_a_character_that_steers_a_terminal_is_none(text: str) -> None:
+    with pytest.raises(UnitError, match="is not a unit"):
+        units.unit(text)
+
+
 @pytest.mark.parametrize("text", ["s^2/deg^2", "m**0.333333", "m/s^(-1)", "(m/s)^2", "kg·m²", "m**(1/3)", "1/(m*s)"])
 def test_powers_that_units_have_are_read(text: str) -> None:
     assert units.unit(text).dimensionality

@@ -20,7 +20,7 @@ SPEED = 9.5
 
 @pytest.fixture(scope="module")
 def predictor():
-    return TrackPredictor(shipid.design_autopilot("de-keizer", "soesterberg", design="pole", damping=0.85))
+    return TrackPredictor(shipid.design_autopilot("de-keizer", "soesterberg"))
 
 
 @pytest.fixture

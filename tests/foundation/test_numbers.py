@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, uncertain, uncertain_text
+from shipid.foundation.numbers import NO_NUMBER, fixed, interval, number, percent, uncertain, uncertain_text
 from shipid.foundation.numbers import given as as_given
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True)
@@ -70,3 +70,7 @@ def test_given_numbers_get_no_digits():
 def test_digits_are_those_of_the_rounded_number(value, digits, text):
     """0.99999997 and 1 stand in one column, and look alike."""
     assert number(value, digits) == text
+
+
+def test_a_percentage_has_a_space():
+    assert [percent(0.4321), percent(0.4321, 1), percent(4.33)] == ["43 %", "43.2 %", "433 %"]

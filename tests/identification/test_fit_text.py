@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 import shipid
 from shipid.identification.fit_text import noise_lines
 from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.trials.conditions import Conditions
 
 
 def test_noise_is_said_to_three_digits_in_the_units_of_the_display():
@@ -18,3 +21,19 @@ def test_noise_is_said_to_three_digits_in_the_units_of_the_display():
         "noise drives u: 0.00988 m/s/s^0.5 (white, per root second)",
         "noise sensor of psi: 0.235 deg in one sample",
     ]
+
+
+def test_trials_at_several_loadings_are_not_pooled_in_silence(drift, drifting):
+    """One set of coefficients for two ships: the notice names the trials and what they state."""
+    trials = [drifting(np.deg2rad(0.5), 120, seed=seed)[0] for seed in (1, 2)]
+    stated = [
+        replace(t, name=name, source=replace(t.source, conditions=Conditions({"displacement": mass})))
+        for t, name, mass in zip(trials, ("light", "laden"), (520e3, 610e3))
+    ]
+    told = [w for w in shipid.identify(drift, stated, starts=1).warnings if w.kind == "loadings"]
+    assert len(told) == 1
+    assert "displacement 520 t (light), 610 t (laden)" in told[0]
+    assert not told[0].serious
+    alone = shipid.identify(drift, stated[:1], starts=1, validate=stated[1:])
+    assert "loadings  the trials state different loadings" in alone.text()
+    assert not [w for w in shipid.identify(drift, trials, starts=1).warnings if w.kind == "loadings"]

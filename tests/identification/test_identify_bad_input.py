@@ -143,3 +143,12 @@ def test_what_a_trial_to_predict_lacks(refused):
 def test_length(refused, length):
     trial = make_trial(**{"u [m/s]": 5.0})
     refused(ParameterSetError, [trial], "length L", length, model="de-keizer", ship="zeefakkel", fixed={"L": length})
+
+
+def test_azimuth_thrusters_are_told_how_they_are_read(refused) -> None:
+    """Not only that the rudder is missing: models of yaw read the angle of a thruster as that of a rudder."""
+    swung = np.rad2deg(make_trial()["delta"])
+    thrusters = make_trial(**{"delta [deg]": None, "azimuth_port [deg]": swung})
+    refused(UnknownColumnError, [thrusters], "no column 'delta'", "'azimuth_port', delta in a format file", "sign = -1")
+    helm = make_trial(**{"delta [deg]": None, "helm [deg]": swung})
+    refused(UnknownColumnError, [helm], "there is nothing to identify. It has t, psi, r, helm.")

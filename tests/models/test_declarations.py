@@ -12,8 +12,8 @@ import pytest
 from shipid import Component, find_model, find_ship, join
 from shipid.declaration import units
 from shipid.declaration.component import declared_equations, declared_quantities, slug
+from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.scale import Scale, prime_exponents
-from shipid.declaration.unit_check import check_units
 from shipid.foundation.errors import DeclarationError
 from shipid.parameters.catalogue import known_component, known_models, known_ships, modules
 from shipid.parameters.parameter_set import PARTICULARS, missing_values

@@ -20,6 +20,7 @@ from shipid import (
 )
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, UnknownNameError
 from shipid.parameters.parameter_set import Value, missing_values, parse_value, resolve
+from shipid.parts.wind import Wind
 
 SHIP = """
 name = "boat"
@@ -237,3 +238,13 @@ def test_a_value_given_on_the_command_line() -> None:
         parse_value(model, "n4=1 s")
     with pytest.raises(DeclarationError, match=r"'r' is a state of model norrbin, and cannot be given a value"):
         parse_value(model, "r=1 deg/s")
+
+
+def test_a_message_about_lacking_values_shows_how_they_are_stated():
+    """Values scaled by the length alone are shown where a search begins; those that need a speed as well as 1.0."""
+    windy = join("in wind", find_model("nomoto"), Wind)
+    said = str(missing_values(windy, {"L": 100.0, "K": 0.1, "tau": 10.0}, "ship x"))
+    assert "--set 'N_w=1e-06 rad/m²' --set 'F_w=1e-06 1/m²' (where a search begins" in said
+    assert "--set 'K=1.0 1/s'" in str(
+        missing_values(windy, {"L": 100.0, "tau": 10.0, "N_w": 0.0, "F_w": 0.0}, "ship x")
+    )

@@ -9,9 +9,10 @@ import pytest
 
 import shipid
 from shipid.foundation.errors import ParameterSetError
-from shipid.identification.uncertainty.amplitudes import largest_amplitudes
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes, recorded_speeds
 from shipid.parameters.catalogue import find_model, find_ship
 from shipid.parameters.correlation import Joint
+from shipid.parameters.ship_coefficients import coefficients_at
 from shipid.parameters.validity import BEYOND, UNKNOWN, beyond, beyond_in_run, range_of
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -77,6 +78,31 @@ def test_a_fit_records_its_range_and_the_file_keeps_it(tmp_path, sail):
     assert [n.known["quantity"] for n in beyond(MODEL, again, [9.5], 20 * DEG)] == ["delta"]
 
 
+def test_the_speeds_are_those_that_the_trials_went_through(sail):
+    """From the approach to the slowest: a ship that lost speed in her trials has been tried at what she slowed down to."""
+    trial = sail("de-keizer", "soesterberg", "turn:35", speed="9.5 m/s")
+    low, high = recorded_speeds([trial])
+    assert low == pytest.approx(np.quantile(trial["u"], 0.02), rel=0.05) and low < 0.85 * 9.5
+    assert high == pytest.approx(9.5, rel=0.02)
+    made = shipid.identify("nomoto", [trial], ship="soesterberg", starts=1)
+    assert made.ship.joint["nomoto"].speeds == (low, high)
+    assert beyond(MODEL, made.ship, [low, 0.5 * (low + high), high]) == []
+    # The coefficients of a model that keeps its speed belong to the speed before the manoeuvre: there they are not scaled.
+    belongs_to = made.ship.joint["nomoto"].speed
+    assert belongs_to == pytest.approx(9.5, rel=0.01)
+    at = coefficients_at(MODEL, made.ship, belongs_to)
+    assert not at.scaled and at.values["K"] == made.parameters["K"].value
+    assert coefficients_at(MODEL, made.ship, low).values["K"] == pytest.approx(
+        made.parameters["K"].value * low / belongs_to, rel=1e-9
+    )
+    assert f"K, tau belong to {belongs_to:.2f} m/s before the manoeuvre" in made.text()
+
+
+def test_a_set_that_states_only_a_range_belongs_to_its_middle():
+    known = ship(speeds=(4.0, 6.0)).joint["nomoto"]
+    assert known.belongs_to == 5.0 and replace(known, speed=5.8).belongs_to == 5.8 and Joint((), ()).belongs_to is None
+
+
 def test_a_fit_says_what_its_trials_reach(sail):
     trial = sail("nomoto", "soesterberg", "zigzag:10/10")
     # Without its rate of turn, and with the order for the rudder angle: both are what the trial shows of them.
@@ -94,7 +120,7 @@ def test_a_fit_says_what_its_trials_reach(sail):
     seen = fit.to_dict()["seen"]
     assert seen["rudder"]["value"] == fit.ship.joint["nomoto"].rudder
     assert seen["drift"]["value"] == fit.ship.joint["nomoto"].drift
-    assert "rudder angles to 10 deg, rates of turn to" in repr(fit)
+    assert "rudder angles up to 10 deg, rates of turn up to" in repr(fit)
 
 
 def test_a_run_is_held_against_all_that_is_stated():

@@ -8,7 +8,7 @@ import pytest
 import shipid
 from shipid.parameters.replaced import with_values
 from shipid.planning.leg import Leg
-from shipid.planning.timetable import sailed_timetable, timetable_of
+from shipid.planning.timetable import Surroundings, sailed_timetable, timetable_of
 
 MODEL, SHIP = shipid.find_model("norrbin"), shipid.find_ship("zeefakkel")
 
@@ -60,7 +60,7 @@ def test_the_sea_room():
     north, heading = (float(first[n][-1]) for n in ("x", "psi"))
     assert found.room.astern >= -(north + 500 * np.cos(heading)) - 1e-6 > 0
     assert found.room.ahead == pytest.approx(found.rooms[0].ahead, rel=1e-6)
-    assert set(found.to_dict()) == {"orders", "sea_room", "sea_room_of_each"}
+    assert set(found.to_dict()) == {"weather", "orders", "sea_room", "sea_room_of_each"}
 
 
 def test_a_plan_holds_its_timetable():
@@ -77,3 +77,16 @@ def test_a_manoeuvre_that_is_not_sailed_gives_a_reason():
     wild, said = with_values(SHIP, {"b1": "-1 1/s", "b3": "0 s/rad^2"}, [MODEL]), []
     assert sailed_timetable(MODEL, wild, [Leg("turn:30", 5.0, 300.0, 0.0)], said) is None
     assert said[0].startswith("there is no timetable: turn:30 of ship zeefakkel")
+
+
+def test_the_sea_room_in_a_current():
+    """A current along the first heading carries the whole track; on the reverse heading it lies astern."""
+    legs = [Leg("turn:20/180", 5.0, 120.0, 0.0), Leg("turn:-20/180", 5.0, 120.0, 220.0)]
+    calm = timetable_of(MODEL, SHIP, legs)
+    for heading, side in ((0.7, "ahead"), (0.7 + np.pi, "astern")):
+        found = timetable_of(MODEL, SHIP, legs, Surroundings(heading, current=(1.0, 0.7)))
+        assert (found.room.ahead > calm.room.ahead + 50) is (side == "ahead")
+        assert (found.room.astern > calm.room.astern + 200) is (side == "astern")
+        assert found.weather == f"a current of 1 m/s to 40.1 deg, first heading {np.degrees(heading):.3g} deg"
+    turned = timetable_of(MODEL, SHIP, legs, Surroundings(2.0))
+    assert turned.weather == "calm" and turned.room.starboard == pytest.approx(calm.room.starboard, abs=0.5)

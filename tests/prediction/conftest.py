@@ -13,13 +13,19 @@ STD = np.array([10.0, 8.0, 0.01, 2e-4, 0.1, 0.02, 0.1])
 
 @pytest.fixture(scope="session")
 def pilot():
-    """The course-changing autopilot of the container ship, by De Keizer's model."""
-    return shipid.design_autopilot("de-keizer", "soesterberg", design="pole", damping=0.85)
+    """The autopilot of the container ship as the commands design it, by De Keizer's model."""
+    return shipid.design_autopilot("de-keizer", "soesterberg")
 
 
 @pytest.fixture(scope="session")
 def predictor(pilot):
     return TrackPredictor(pilot)
+
+
+@pytest.fixture(scope="session")
+def placed():
+    """Under the course changer of the thesis, whose poles are placed and which has no integral."""
+    return TrackPredictor(shipid.design_autopilot("de-keizer", "soesterberg", design="pole", damping=0.85))
 
 
 @pytest.fixture(scope="session")

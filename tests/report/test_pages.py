@@ -12,17 +12,19 @@ import pypdf
 import pytest
 
 import shipid
+from shipid.campaign.fleet_result import FleetResult, Scatter
 from shipid.criteria.measured.trial_sheet import trial_sheet
 from shipid.foundation.errors import UsageError
 from shipid.identification.choice.choosing import Rank
 from shipid.identification.choice.ranking import Ranking
+from shipid.report.figures.comparisons import heading_drawing
 from shipid.report.write_report import render, write_report
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import not_read
 
 #: `diverged` has the elements of `fit`.
-SCREENS = ("fit", "filter", "ranking", "plan", "criteria", "check", "sheet")
-KINDS = ("fit", "diverged", "filter", "ranking", "plan", "criteria", "check", "sheet")
+SCREENS = ("fit", "filter", "ranking", "plan", "criteria", "check", "sheet", "fleet")
+KINDS = ("fit", "diverged", "filter", "ranking", "plan", "criteria", "check", "sheet", "fleet")
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +51,23 @@ def results(fit, diverged, criteria):
         "criteria": criteria,
         "check": (check_trial(trial), check_trial(mirrored, fit.ship), not_read("x.csv", "no column is a time.")),
         "sheet": trial_sheet([trial], length=226.0),
+        "fleet": fleet_of(),
     }
+
+
+def fleet_of():
+    """Three trials: two determine K, and the check of one found something serious."""
+    rows = {
+        "trial": np.array(["a.csv", "b.csv", "c.csv"]),
+        "outcome": np.array(["identified", "identified", "not identified"]),
+        "doctor": np.array(["", "rudder-sign", ""]),
+        "message": np.array(["", "", "no column is a time."]),
+        "K": np.array([0.0142, 0.0143, np.nan]),
+        "K_std": np.array([0.0001, 0.0002, np.nan]),
+        "K_determined": np.array([1, 1, 0]),
+    }
+    scatter = Scatter("K", "1/s", "yaw gain", 2, 0.01422, 0.00009, 0.00007, 0.6)
+    return FleetResult("nomoto", "soesterberg", rows, {}, {"K": scatter}, {"versions": {"shipid": "1"}})
 
 
 @pytest.fixture(scope="module")
@@ -110,24 +128,38 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     assert f"by {command}" in said.text
 
 
+def test_what_limits_the_criteria_comes_before_them(pages):
+    page = pages["criteria"]
+    assert 0 < page.index("The values for 35 deg of rudder are extrapolated.") < page.index("<nav")
+
+
+def test_a_simulated_trial_is_no_measurement(results, pages):
+    assert any(n.kind == "simulated" and "first" in n for n in results["sheet"].warnings)
+    assert ">simulated, not measured</span>" in pages["sheet"]
+    # The length that was given stands in the record of the trial too.
+    assert results["sheet"].conditions.number("length") == 226.0
+
+
+def test_a_fleet_is_drawn_with_short_labels(pages, read_page):
+    page = pages["fleet"]
+    assert page.count("<svg") == 1 and "K [10⁻² 1/s]" in page
+    assert "Check: rudder-sign." in read_page(page).text and "2 of 3 were identified" in read_page(page).text
+
+
+def test_a_turn_has_its_rudder_below_its_heading(fit):
+    """Through 600 degrees on one axis, 35 degrees of rudder are a flat line."""
+    kept = fit.validation[0]
+    table = kept.trial.table.copy()
+    table["psi"] = np.linspace(0.0, np.deg2rad(600.0), len(table))
+    turned = dataclasses.replace(kept, trial=dataclasses.replace(kept.trial, table=table))
+    assert [len(heading_drawing({"a": c}).figure().axes) for c in (kept, turned)] == [1, 2]
+
+
 def test_a_report_asks_for_a_kind_it_knows(results):
     with pytest.raises(UsageError, match="no report for a list"):
         render([])
     with pytest.raises(UsageError, match="no report for several int"):
         render([1, 2])
-
-
-@pytest.fixture(scope="module")
-def browser():
-    """Debian's Chromium, driven by Playwright; where one of them is not installed there is nothing to test with."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        pytest.skip("no Chromium on this machine")
-    with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield running
-        running.close()
 
 
 @pytest.mark.parametrize("kind", SCREENS)

@@ -77,7 +77,7 @@ def test_collected_figures_are_not_drawn():
 
 def test_a_fit_is_a_system_of_python_control_at_the_speed_that_is_asked_for(fit):
     system = fit.to_control(inputs=["delta"], outputs=["psi", "r"])
-    sailed = np.mean(fit.ship.joint[fit.model.name].speeds)
+    sailed = fit.ship.joint[fit.model.name].belongs_to
     slow = fit.to_control(f"{sailed / 2} m/s", inputs=["delta"], outputs=["psi", "r"])
     assert list(system.output_labels) == ["psi", "r"] and list(system.input_labels) == ["delta"]
     # Both equations of the model count time in lengths sailed: half the speed, half of each pole.

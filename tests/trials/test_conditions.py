@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 import shipid
+from shipid.trials.conditions import Conditions, different_loadings
 from shipid.trials.errors import FormatFileError
 from shipid.trials.logs.format import read_format
 
@@ -55,3 +56,12 @@ def test_the_trial_carries_them(tmp_path):
 def test_what_cannot_be_meant_is_refused(tmp_path, text, words):
     with pytest.raises(FormatFileError, match=words):
         stated(tmp_path, text)
+
+
+def test_trials_of_different_loadings_are_told_apart() -> None:
+    laden = Conditions({"displacement": 610e3, "condition": "laden", "draught_aft": 3.0})
+    also = Conditions({"displacement": 605e3, "condition": "Laden", "draught_aft": 3.05})
+    ballast = Conditions({"displacement": 520e3, "condition": "ballast"})
+    assert different_loadings({"a": laden, "b": also, "c": Conditions()}) is None
+    words = different_loadings({"a": laden, "b": also, "c": ballast})
+    assert words == "loading condition laden (a), Laden (b), ballast (c); displacement 610 t (a), 605 t (b), 520 t (c)"

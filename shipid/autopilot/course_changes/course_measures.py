@@ -11,7 +11,7 @@ import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChanges
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.quantity import constant, given, state
 from shipid.foundation.aliases import Expression
 from shipid.generation.simulator import make_simulator

@@ -19,7 +19,7 @@ from shipid.autopilot.design.placement import closed_poles
 from shipid.autopilot.design.plant import Plant, linear_plant, ship_plants
 from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.linearisation import linearise
 from shipid.generation.system import generate

@@ -21,6 +21,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.errors import ParameterSetError, UnknownNameError
+from shipid.foundation.numbers import percent
 from shipid.parameters.catalogue import known_component, model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
@@ -176,7 +177,7 @@ def _refined(problem: GainDesign, grid: np.ndarray) -> Schedule:
         if len(grid) + len(coarse) > MOST_SPEEDS:
             raise DesignRequestError(
                 f"between {coarse[0]:.3g} m/s and its neighbours no schedule of {MOST_SPEEDS} speeds keeps the poles within "
-                f"{TOLERANCE:.0%} of those requested. Begin at a higher speed, or request poles that this ship can have there."
+                f"{percent(TOLERANCE)} of those requested. Begin at a higher speed, or request poles that this ship can have there."
             )
         grid = np.sort(np.concatenate([grid, coarse]))
 

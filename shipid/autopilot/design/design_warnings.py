@@ -13,10 +13,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
-from shipid.parameters.validity import BEYOND, beyond
-
-#: Speeds outside those of the trials by less than this part are no extrapolation.
-_SLACK = 0.05
+from shipid.parameters.validity import BEYOND, MARGIN, beyond, speed_words
 
 
 def design_warnings(
@@ -48,16 +45,17 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
     for ship in ships:
         known = [coefficients_at(model, ship, float(v)) for v in (speeds[0], speeds[-1])]
         span = known[0].span
-        outside = span and (speeds[0] < span[0] * (1 - _SLACK) or speeds[-1] > span[1] * (1 + _SLACK))
+        outside = span and (speeds[0] < span[0] * (1 - MARGIN) or speeds[-1] > span[1] * (1 + MARGIN))
         if span and outside:
             words = (
-                f"outside the identified range: ship {ship.name} was tried from {span[0]:.3g} to {span[1]:.3g} m/s, and the "
+                f"outside the identified range: ship {ship.name} was tried at {speed_words(span)}, and the "
                 f"schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s; beyond the trials it is extrapolation."
             )
             found.append(Notice(words, BEYOND, quantity="u"))
         if any(k.scaled for k in known) and (outside or not span):
+            belongs_to = next(k.reference for k in known if k.scaled)
             found.append(
-                f"scaled by speed: the coefficients of {model.name} hold at {ship.particular('speed', 'm/s'):.3g} m/s; at other "
+                f"scaled by speed: the coefficients of {model.name} hold at {belongs_to:.3g} m/s; at other "
                 "speeds they are scaled by L and L/U, which a ship follows only roughly."
             )
     return found

@@ -16,6 +16,7 @@ from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE
 from shipid.autopilot.judgement.margins import disk_margins, loop_polynomials, sea_filtered
 from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.declaration.vocabulary import to_display
+from shipid.foundation.numbers import percent
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
 from shipid.parameters.draws import Drawn
@@ -90,7 +91,7 @@ def robustness_of(
     variants["sea filter on"] = _filtered(pilot, condition, speed, change, wave_frequency)
     for log in _LOG:
         off = run_course_changes(pilot, [speed], [change], condition=condition, values={"log_scale": log})
-        variants[f"log reads {abs(log - 1):.0%} too {'low' if log < 1 else 'high'}"] = _variant(
+        variants[f"log reads {percent(abs(log - 1))} too {'low' if log < 1 else 'high'}"] = _variant(
             float(_disks(pilot, condition, None, {}, log).min()), off
         )
     found = Robustness(

@@ -33,7 +33,7 @@ from shipid.autopilot.on_board.model_reference import (
 from shipid.autopilot.on_board.on_board_runs import Adaptation, Feedback, OnBoardRun, OnBoardRuns
 from shipid.autopilot.on_board.sampled_loop import SampledLoop, make_sampled_loop
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown, to_display

@@ -24,6 +24,7 @@ from shipid.bridge.shown.past_track import PastTrack
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.prediction.situations.past import Past
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
@@ -32,6 +33,10 @@ STALE = 5.0
 #: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
 _SLOWEST, _FASTEST = 0.02, 0.8
 RUDDER_LIMIT = math.radians(10.0)
+#: A track that begins so many ship lengths behind the ship is not shown.
+_BEHIND = 2.0
+#: Seconds between two looks at how far off the predictions were.
+_LOOKS_BACK = 20.0
 
 
 class BridgeCore:
@@ -103,7 +108,8 @@ class BridgeCore:
         self.t = 0.0
         self.clock_factor: float | None = 1.0 if source.timed else None
         self.paused = False
-        self._asked = -math.inf
+        self._asked = self._looked_back = -math.inf
+        self._answered = 0.0
         self._trial_changed = self._lost_answer = False
         self._tracks: dict[str, ShownTrack | None] = {"trial": None, "executed": None}
         self._warned = 0
@@ -213,6 +219,7 @@ class BridgeCore:
                 self.console.trial.rudder_limit,
                 executed is not None and executed.mode == "track",
                 begins,
+                self._voyage(),
             )
         if self._trial_changed:
             self._trial_changed = False
@@ -221,6 +228,13 @@ class BridgeCore:
                 return None
             return Question(self.t, known, self._as_headed(trial))
         return None
+
+    def _voyage(self) -> Past | None:
+        """The voyage so far, once in a while: how far off predictions were does not change from one to the next."""
+        if self.t - self._looked_back < _LOOKS_BACK:
+            return None
+        self._looked_back = self.t
+        return self.own_ship.remembered.past()
 
     def _as_headed(self, steering: SteeringOrder | None) -> SteeringOrder | None:
         """A steering along the route, with the heading that it is about now."""
@@ -238,6 +252,8 @@ class BridgeCore:
             Of a question of `question`.
         """
         asked = answer.question
+        if asked.executed is not None or asked.trial is not None:
+            self._answered = asked.t
         if asked.begins is not None:
             self.scale.begin(answer.still)
         if asked.executed is not None:
@@ -261,6 +277,13 @@ class BridgeCore:
         self.forecaster.warm(Situation({"psi": 0.0, "u": self.pilot.own_speed}))
         if self.steered is not None:
             self.steered.warm()
+
+    def _lateness(self) -> ShownTrack | None:
+        """What stands in place of tracks that begin where the ship was long ago; None where they are in time."""
+        known, late = self.own_ship.situation, self.t - self._answered
+        if known is None or late * known.values["u"] <= _BEHIND * self.pilot.length:
+            return None
+        return ShownTrack(None, f"the predictor is {late:.0f} s late: a lower clock factor gives it time.")
 
     # What a navigator does.
 
@@ -345,7 +368,8 @@ class BridgeCore:
         put("own", own.to_dict())
         put("sensors", own.sensors.to_list())
         put("settings", self.console.to_dict())
-        shown = {n: "null" if track is None else track.text for n, track in self._tracks.items()}
+        late = self._lateness()
+        shown = {n: "null" if track is None else (late or track).text for n, track in self._tracks.items()}
         self.board.put_text("tracks", f'{{"trial":{shown["trial"]},"executed":{shown["executed"]}}}')
         self.board.put_text("route", "null" if self.watch is None else self.watch.text(t))
         put("flow", own.flow())

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,10 +17,13 @@ from shipid.bridge.shown.plain_values import number, strict_json
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ShipidError
 from shipid.parameters.validity import beyond_in_run
+from shipid.prediction.following.past_predictions import past_errors
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.following.track_pilot import TrackOrder, TrackPilot
 from shipid.prediction.following.wheel_over import TrackLeg, WheelOver, wheel_over
-from shipid.prediction.situations.situation import Situation
+from shipid.prediction.situations.past import Past, told_of
+from shipid.prediction.situations.ship_spread import with_coefficients
+from shipid.prediction.situations.situation import PastErrors, Situation
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, TrackPredictor
 from shipid.prediction.tracks.track_run import cruise_of
@@ -38,7 +41,7 @@ class ShownTrack:
     track : PredictedTrack or None
         The track.
     message : str
-        Why there is none, why it ends early, or where it goes beyond what the ship's coefficients come from.
+        Why there is none, why it ends early, where it goes beyond what the ship's coefficients come from, or that its band is widened.
     """
 
     track: PredictedTrack | None
@@ -85,6 +88,8 @@ class Question:
         Whether the track pilot is asked what to order.
     begins : SteeringOrder or None
         What was executed just now: its turn in still water is wanted.
+    past : Past or None
+        The voyage so far, where it is to be seen anew how far off the predictions along it were.
     """
 
     t: float
@@ -95,6 +100,7 @@ class Question:
     rudder_limit: float = 0.1
     steer: bool = False
     begins: SteeringOrder | None = None
+    past: Past | None = None
 
 
 @dataclass(frozen=True)
@@ -140,6 +146,7 @@ class Forecaster:
         self.predictor, self.interval = predictor, interval
         self._band = band
         self._pilot: TrackPilot | None = None
+        self._errors: PastErrors | None = None
 
     def follow(self, plan: PlannedTrack, rudder_limit: float, leg: int) -> None:
         """Begin to steer along a planned track.
@@ -169,6 +176,9 @@ class Forecaster:
         PredictionAnswer
             What cannot be predicted says why.
         """
+        if question.past is not None and self._band:
+            with suppress(ShipidError):
+                self._errors = past_errors(self.predictor.pilot, question.past)
         order = None
         if question.steer and self._pilot is not None:
             try:
@@ -216,8 +226,12 @@ class Forecaster:
         if order is not None:
             wanted = {"heading": order.heading, "rudder_limit": order.rudder_limit}
         try:
+            known = question.situation
+            if self._band:
+                # What the filter does not estimate of her coefficients, and that a model is not the ship, is in the band too.
+                known = replace(with_coefficients(known, self.predictor.pilot), past=self._errors)
             track = self.predictor.predict(
-                question.situation,
+                known,
                 **wanted,
                 horizon=HORIZON,
                 points=POINTS,
@@ -231,4 +245,6 @@ class Forecaster:
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
         pilot, run = self.predictor.pilot, {n: getattr(track, n) for n in COLUMNS}
         said = beyond_in_run(pilot.model, pilot.ship, cruise_of(question.situation), run, known=True)
+        if self._errors is not None:
+            said += told_of(self._errors)
         return ShownTrack(track, " ".join([track.ended, *said]).strip())

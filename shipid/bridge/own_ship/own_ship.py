@@ -9,6 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.own_ship.remembered import Remembered
 from shipid.bridge.own_ship.sensors import Sensors
 from shipid.bridge.shown.plain_values import number
 from shipid.estimation.errors import FilterDivergedError
@@ -53,6 +54,8 @@ class OwnShip:
         What is heard of her.
     message : str
         What there is to say of the filter.
+    remembered : Remembered
+        The voyage so far.
     """
 
     def __init__(self, pilot: Autopilot) -> None:
@@ -62,7 +65,7 @@ class OwnShip:
         self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts, switchable=bool(adapts))
         self._adapts = bool(adapts)
         self._pilot = pilot
-        self.sensors = Sensors()
+        self.sensors, self.remembered = Sensors(), Remembered(pilot.length)
         self.message = ""
         self._online: OnlineFilter | None = None
         self._first: dict[str, float] = {}
@@ -140,6 +143,8 @@ class OwnShip:
         if not estimate.refused:
             self._estimate = estimate
             self._situation = self._known()
+            if self._situation is not None and self.health == "well":
+                self.remembered.add(self._situation)
 
     @property
     def _turns(self) -> bool:
@@ -152,6 +157,7 @@ class OwnShip:
     def _restart(self, t: float, why: str) -> None:
         self._online, self._situation, self._estimate = None, None, None
         self._first = {}
+        self.remembered.forget()
         self._diverged, self.message = t, why
 
     def _known(self) -> Situation | None:

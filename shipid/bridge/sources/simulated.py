@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from shipid.autopilot.course_changes.weather import Weather, standard_weather
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.core.console import SteeringOrder
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
@@ -16,10 +18,12 @@ from shipid.declaration.component import Component
 from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 from shipid.prediction.sailing.simulated_ship import SimulatedShip, SteeredBy
 from shipid.prediction.situations.own_ship_filter import BRIDGE
 from shipid.prediction.tracks.order import unwrapped
+from shipid.trials.manoeuvres.sea import wave_intensity
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
 #: Units of what the sensors of a bridge show, and the speeds a disturbance may have at most, in m/s.
@@ -44,6 +48,9 @@ class SimulatedSource:
         At the beginning, to the north and to the east in m.
     current, wind : tuple of float
         Speed in m/s and the direction it flows TO in rad.
+    waves : tuple of float, optional
+        Root mean square of the heading by waves, the ship at rest, and the direction they run TO, in rad. Sensors and autopilot
+        see them.
     noise : bool
         Whether the sensors have noise.
 
@@ -65,19 +72,31 @@ class SimulatedSource:
         place: tuple[float, float] = (0.0, 0.0),
         current: tuple[float, float] = (0.0, 0.0),
         wind: tuple[float, float] = (0.0, 0.0),
+        waves: tuple[float, float] | None = None,
         noise: bool = True,
     ) -> None:
-        self._parts: tuple[type[Component], ...] = (Wind,) if _has_wind(pilot) else ()
+        self._windy = has_wind(pilot)
+        self._parts: tuple[type[Component], ...] = (*((Wind,) if self._windy else ()), *((Waves,) if waves else ()))
         self._pilot, self._flows = pilot, {"current": current, "wind": wind}
         self._random = np.random.default_rng(seed)
         self._levels = {n: to_si(level, _UNITS[n]) for n, level in BRIDGE.items()} if noise else {}
         self._changed: dict[str, float] = {}
+        self._sea: Weather | None = None
+        self._waves_to = 0.0
+        if waves is not None:
+            self._sea = replace(standard_weather(pilot.length, pilot.own_speed), wave_heading=waves[0])
+            self._waves_to = waves[1]
+            self._changed = {"wave_frequency": self._sea.wave_frequency, "wave_damping": self._sea.damping}
         self._by: SteeredBy = "heading"
         self._ended = ""
         self.ship = SimulatedShip(
-            pilot, start={"psi": heading, "x": place[0], "y": place[1]}, parts=self._parts, inputs=self._acting()
+            pilot,
+            start={"psi": heading, "x": place[0], "y": place[1]},
+            parts=self._parts,
+            inputs=self._acting(),
+            values=self._changed,
         )
-        names = (*pilot.model.parameters, *(("N_w", "F_w") if self._parts else ()))
+        names = (*pilot.model.parameters, *(("N_w", "F_w") if self._windy else ()))
         self._coefficients = {n: self.ship.coefficients[n] for n in names if n in self.ship.coefficients}
         self._limit = pilot.rudder_limit
 
@@ -85,7 +104,7 @@ class SimulatedSource:
         (set_, towards), (wind, blows) = self._flows["current"], self._flows["wind"]
         return {
             "current_north": set_ * math.cos(towards), "current_east": set_ * math.sin(towards),
-            "wind_speed": wind, "wind_direction": blows,
+            "wind_speed": wind, "wind_direction": blows, **({"wave_direction": self._waves_to} if self._sea else {}),
         }  # fmt: skip
 
     @property
@@ -142,13 +161,29 @@ class SimulatedSource:
         if self._ended:
             return SourceReading()
         try:
-            now = self.ship.advance(t - self.ship.t) if t > self.ship.t else self.ship.now
+            now = self._sailed(t - self.ship.t) if t > self.ship.t else self.ship.now
         except NotSailedError as error:
             self._ended = str(error)
             return SourceReading(told=(self._ended,))
+        if self._sea is not None:
+            moved = self.ship.states
+            now = {**now, "psi": now["psi"] + moved["psi_wave"], "r": now["r"] + moved["r_wave"]}
         values = {n: v + self._levels.get(n, 0.0) * self._random.standard_normal() for n, v in now.items() if n != "v"}
         wind, blows = self._flows["wind"]
-        return SourceReading(values | ({"wind_speed": wind, "wind_direction": blows} if self._parts else {}))
+        return SourceReading(values | ({"wind_speed": wind, "wind_direction": blows} if self._windy else {}))
+
+    def _sailed(self, seconds: float) -> dict[str, float]:
+        """Sail on, the waves driven by noise that is held for a step of the ship."""
+        if self._sea is None:
+            return self.ship.advance(seconds)
+        count = max(1, math.ceil(seconds / self.ship.longest_step - 1e-9))
+        sea = self._sea
+        size = math.sqrt(wave_intensity(sea.wave_frequency, sea.wave_heading, sea.damping) * count / seconds)
+        now = self.ship.now
+        for push in self._random.standard_normal(count):
+            self.ship.inputs["wave_noise"] = size * float(push)
+            now = self.ship.advance(seconds / count)
+        return now
 
     def warm(self) -> None:
         """Build the ship once under every kind of order: what is compiled then is kept."""
@@ -220,6 +255,12 @@ class SimulatedSource:
         }  # fmt: skip
 
 
-def _has_wind(pilot: Autopilot) -> bool:
-    """Whether the ship's set states what the wind does to her."""
+def has_wind(pilot: Autopilot) -> bool:
+    """Return whether the ship's set states what the wind does to her.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot, with the ship.
+    """
     return "r_disturbance" in pilot.model.inputs and any("N_w" in s for s in pilot.ship.sections.values())

@@ -8,11 +8,12 @@ from shipid.bridge.core.source import SampleSource
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.replayed import ReplayedSource
 from shipid.bridge.sources.signalk import SignalKSource
-from shipid.bridge.sources.simulated import SimulatedSource
+from shipid.bridge.sources.simulated import SimulatedSource, has_wind
 from shipid.foundation.errors import UsageError
 from shipid.prediction.following.wheel_over import TrackLeg
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.reading import read_trial
+from shipid.trials.manoeuvres.flows import check_flows
 
 
 def source_of(
@@ -40,10 +41,16 @@ def source_of(
         If there is no such source.
     """
     kind, _, rest = settings.source.partition(":")
-    if kind != "simulate" and (settings.current is not None or settings.wind is not None):
-        raise UsageError("--current and --wind belong to a simulation.")
+    if kind != "simulate" and any(f is not None for f in (settings.current, settings.wind, settings.waves)):
+        raise UsageError("--current, --wind and --waves belong to a simulation.")
     if kind == "simulate" and not rest:
         calm = (0.0, 0.0)
+        check_flows(pilot.model, settings.current, settings.wind)
+        if settings.wind is not None and not has_wind(pilot):
+            raise UsageError(
+                f"ship {pilot.ship.name} states no coefficients of the wind, N_w and F_w of a table [wind], so a wind does not act on "
+                "her: leave --wind out."
+            )
         leg = begin or TrackLeg(0.0, 0.0, 0.0)
         return SimulatedSource(
             pilot,
@@ -52,6 +59,7 @@ def source_of(
             place=(leg.x, leg.y),
             current=settings.current or calm,
             wind=settings.wind or calm,
+            waves=settings.waves,
         )
     if kind == "replay" and rest:
         return ReplayedSource(read_trial(rest, format=settings.format))

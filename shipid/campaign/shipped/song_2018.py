@@ -30,9 +30,8 @@ AIM = np.deg2rad(60.0)
 SPEEDS, TURN, KEPT = (3.0, 8.0), np.deg2rad(0.6), 60.0
 #: Periods after which a craft that has not arrived is given up.
 LONGEST = 130
-#: Points that are predicted from and steps that are predicted, as in the paper's predictions: the velocity of an obstacle is the mean
-#: one over them.
-RAW_POINTS, AHEAD = 4, 5
+#: Points that are predicted from, as in the paper's predictions.
+RAW_POINTS = 4
 #: What a craft may know of the obstacles.
 METHODS = ("raw", "decimated", "sampled", "all_scans", "straight", "tracker", "tracker_margin", "truth")
 #: How much larger than they are the domains are taken by "tracker_margin", m: two standard deviations of its positions.
@@ -55,12 +54,15 @@ class Case:
         Full speed of the craft, m/s.
     every : int
         Scans from one point to the next of those that are predicted from.
+    ahead : int
+        Steps that are predicted: the velocity of an obstacle is the mean one over them.
     """
 
     name: str
     period: float
     speed: float
     every: int
+    ahead: int = 5
 
 
 CASES = (Case("T5", 5.0, 23.0, 4), Case("T2", 2.0, 57.0, 5))
@@ -158,8 +160,8 @@ def known(method: str, case: Case, truth: np.ndarray, seen: np.ndarray) -> np.nd
     else:
         reading: Reading = "sampled" if method == "sampled" else "all scans"
         points, limit = mitigated_points(windows, case.every, Mitigation(reading, radius=ERROR)), 1.0
-    ahead = predicted_positions(points, AHEAD, limit)[..., -1, :] - points[..., -1, :]
-    return np.concatenate([points[..., -1, :], ahead / (AHEAD * apart * case.period)], axis=-1)
+    ahead = predicted_positions(points, case.ahead, limit)[..., -1, :] - points[..., -1, :]
+    return np.concatenate([points[..., -1, :], ahead / (case.ahead * apart * case.period)], axis=-1)
 
 
 def sail(case: Case, truth: np.ndarray, believed: np.ndarray, margin: float = 0.0) -> dict[str, np.ndarray]:
@@ -225,7 +227,9 @@ def runs_of(case: Case, methods: Sequence[str] = METHODS) -> Mapping[str, Measur
     return found
 
 
-def sailed(case: Case, generators: Sequence[np.random.Generator]) -> dict[str, np.ndarray]:
+def sailed(
+    case: Case, generators: Sequence[np.random.Generator], methods: Sequence[str] = METHODS
+) -> dict[str, np.ndarray]:
     """Return the measures of a batch of runs of a case.
 
     Parameters
@@ -234,12 +238,14 @@ def sailed(case: Case, generators: Sequence[np.random.Generator]) -> dict[str, n
         What the paper leaves open.
     generators : sequence of numpy.random.Generator
         One a run.
+    methods : sequence of str
+        What is compared.
     """
     drawn = [obstacles(rng, case) for rng in generators]
     truth, seen = np.stack([d[0] for d in drawn]), np.stack([d[1] for d in drawn])
     before = INTERVALS * case.every
     found: dict[str, np.ndarray] = {}
-    for method in METHODS:
+    for method in methods:
         margin = MARGIN if method.endswith("margin") else 0.0
         by = sail(case, truth[..., before:, :], known(method, case, truth, seen), margin)
         found[f"entries_{method}"] = by["entries"]

@@ -30,7 +30,8 @@ def criteria(
     """Evaluate a model against the manoeuvring criteria of IMO MSC.137(76).
 
     Turning circle, initial turning and overshoots to both sides beside their limits, with bands from the standard deviations
-    of the ship's set, and the width of the spiral's loop.
+    of the ship's set, and the width of the spiral's loop. The criteria hold in deep, calm water (MSC.137(76), 5.2), so the
+    command takes no wind, current or waves: shipid simulate and shipid plan do.
 
     \b
     shipid criteria de-keizer --ship soesterberg

@@ -130,9 +130,11 @@ def ship_data(found: ParameterSet) -> dict[str, Plain]:
     found : ParameterSet
         The ship.
     """
+    from shipid.parameters.hull.estimates import hull_estimates
     from shipid.parameters.parameter_file import parameter_table
 
-    return parameter_table(found) | {"assumed": _assumed(found), "not_stated": _unstated(found)}
+    told = {"assumed": _assumed(found), "not_stated": _unstated(found)}
+    return parameter_table(found) | told | {"hull_regression": hull_estimates(found).to_dict()}
 
 
 def ship_text(found: ParameterSet) -> str:
@@ -145,6 +147,7 @@ def ship_text(found: ParameterSet) -> str:
     """
     from shipid.declaration.units import pretty
     from shipid.parameters.draft import KNOWN_PARTICULARS
+    from shipid.parameters.hull.estimates import hull_estimates
 
     meanings = {known.name: known.meaning for known in KNOWN_PARTICULARS}
     lines = [f"{found.name}: {found.title}" if found.title else found.name]
@@ -160,6 +163,7 @@ def ship_text(found: ParameterSet) -> str:
             lines.append(f"  {name:<{names}}  {shown[name]:<{width}}  {value.source}{note}{meaning}")
             lines += [f"  {'':<{names}}  {_table(value)}"] if value.speed else []
     lines += [f"found at: [{section}] {_range(known)}" for section, known in found.joint.items()]
+    lines += hull_estimates(found).lines()
     assumed, unstated = _assumed(found), _unstated(found)
     lines.append(f"assumed: {', '.join(assumed) if assumed else 'nothing'}")
     lines += [f"not stated: {', '.join(unstated)}"] if unstated else []
@@ -167,16 +171,9 @@ def ship_text(found: ParameterSet) -> str:
 
 
 def _range(known: Joint) -> str:
-    from shipid.declaration.vocabulary import shown
+    from shipid.parameters.validity import range_words
 
-    parts = [] if known.speeds is None else [f"{known.speeds[0]:g} to {known.speeds[1]:g} m/s"]
-    fields = (("rudder", "delta", "rad"), ("rate", "r", "rad/s"), ("drift", "beta", "rad"))
-    parts += [
-        f"{what} up to {shown(value, name, unit)}"
-        for what, name, unit in fields
-        if (value := getattr(known, what)) is not None
-    ]
-    return ", ".join(parts) or "speeds and rudder angles that are not stated"
+    return ", ".join(range_words(known).values()) or "speeds and rudder angles that are not stated"
 
 
 def _shown(value: Value, unit: str) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from shipid.cli.frame.completing import complete_manoeuvre
 from shipid.cli.frame.delivery import output_file, overwrite_option
+from shipid.cli.frame.flows import current_option, flow_of, wind_option
 from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
     LEVELS,
@@ -62,8 +62,8 @@ if TYPE_CHECKING:
 @click.option(
     "--heading", type=NumberWithUnit("deg"), default="0 deg", show_default=True, help="Heading of the approach."
 )
-@click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from').")
-@click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to'); needs a ship with wind coefficients.")
+@current_option()
+@wind_option("; needs a ship with wind coefficients")
 @click.option("--waves", metavar="W", help="Yaw by waves that the instruments show, '0.5 deg from 300 deg'.")
 @values_option
 @input_option
@@ -235,39 +235,3 @@ def _print(trial: Trial) -> None:
     for line in trial.source.comment.splitlines():
         click.echo(f"# {line}")
     click.echo(trial.to_frame().to_csv(index=False, lineterminator="\n", float_format="%.10g"), nl=False)
-
-
-def flow_of(text: str | None, what: str, unit: str = "m/s") -> tuple[float, float] | None:
-    """Return what ``"3 kn to 30 deg"`` says: speed and direction it flows TO, SI; None for none.
-
-    Parameters
-    ----------
-    text : str or None
-        As above, or ``"10 m/s from 270 deg"``.
-    what : str
-        What flows, for the message.
-    unit : str
-        Of its size, SI.
-
-    Raises
-    ------
-    UsageError
-        If the text has another form.
-    """
-    import math
-
-    from shipid.declaration.units import Typed, to_si
-    from shipid.foundation.errors import UsageError
-
-    if text is None:
-        return None
-    match = re.match(r"^\s*(.+?)\s+(to|from)\s+(.+?)\s*$", text)
-    if not match:
-        raise UsageError(
-            f"the {what} '{text}' does not say where it flows: write '3 kn to 30 deg' or '10 m/s from 270 deg'."
-        )
-    direction = to_si(Typed(match.group(3)), "rad", f"direction of the {what}")
-    turned = math.pi if match.group(2) == "from" else 0.0
-    return to_si(
-        Typed(match.group(1)), unit, f"{'speed' if unit == 'm/s' else 'size'} of the {what}"
-    ), direction + turned

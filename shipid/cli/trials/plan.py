@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.flows import current_option, flow_of, wind_option
 from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
@@ -60,6 +61,15 @@ if TYPE_CHECKING:
 @click.option(
     "--between", type=NumberWithUnit("s"), help="Steady approach between two manoeuvres; five L/U by default."
 )
+@click.option(
+    "--heading",
+    type=NumberWithUnit("deg"),
+    default="0 deg",
+    show_default=True,
+    help="Heading of the first approach, for the sea room in current and wind.",
+)
+@current_option("; for timetable and sea room")
+@wind_option("; for timetable and sea room")
 @click.option("--draws", default=8, type=click.IntRange(0), show_default=True, help="Draws of the coefficients.")
 @values_option
 @input_option
@@ -78,6 +88,9 @@ def plan(
     sampling: str | None,
     correlation: str | None,
     between: str | None,
+    heading: str,
+    current: str | None,
+    wind: str | None,
     draws: int,
     values: dict[str, str],
     inputs: dict[str, str],
@@ -88,11 +101,13 @@ def plan(
 
     The timetable holds every rudder order with its time or its condition, and the sea room. Each manoeuvre is one of
     ``shipid simulate --manoeuvre``; the plan stands beside 10/10 and 20/20 zig-zags in the same time.
-    Standard deviations are Cramer-Rao bounds, which hold for a ship that the model describes exactly.
+    Standard deviations are Cramer-Rao bounds, which hold for a ship that the model describes exactly. The manoeuvres are
+    chosen for calm water; what waves do to the measurements is --noise and --correlation.
 
     \b
     shipid plan --model norrbin --ship zeefakkel --time 20min
     shipid plan --model de-keizer --ship ship.toml --time '1 h' --repertoire zigzag,turn:20 --noise 'psi=0.2 deg'
+    shipid plan --model de-keizer --ship ship.toml --time 30min --heading '40 deg' --current '2 kn to 90 deg'
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.planning.plan_trials import plan_trials
 
@@ -112,6 +127,9 @@ def plan(
             sampling=sampling,
             correlation=correlation,
             between=between,
+            heading=heading,
+            current=flow_of(current, "current"),
+            wind=flow_of(wind, "wind"),
             draws=draws,
             seed=seed,
             progress=tell,

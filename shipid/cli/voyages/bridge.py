@@ -65,6 +65,7 @@ if TYPE_CHECKING:
 )
 @click.option("--current", metavar="C", help="Of the simulation, as in '3 kn to 30 deg' (or 'from').")
 @click.option("--wind", metavar="W", help="Of the simulation, as in '10 m/s from 270 deg' (or 'to').")
+@click.option("--waves", metavar="W", help="Of the simulation: yaw that the instruments show, '0.5 deg from 300 deg'.")
 @seed_option("the noise of the simulated sensors")
 def bridge(
     ship: str | None,
@@ -88,6 +89,7 @@ def bridge(
     prediction_interval: str,
     current: str | None,
     wind: str | None,
+    waves: str | None,
     seed: int,
 ) -> ExitCode:
     """Open the bridge page of a ship: her planned track, her past one and her predicted one. NOT FOR NAVIGATION.
@@ -97,11 +99,12 @@ def bridge(
     \b
     shipid bridge
     shipid bridge --ship kvlcc2 --record voyage.csv
+    shipid bridge --wind '10 m/s from 270 deg' --waves '0.5 deg from 300 deg'
     shipid bridge --source nmea:udp:10110 --format nmea.toml
     shipid bridge --scenario T1 --condition C
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.bridge.bridge_settings import BridgeSettings
-    from shipid.cli.ships.simulate import flow_of
+    from shipid.cli.frame.flows import flow_of
 
     return _open(
         BridgeSettings(
@@ -120,6 +123,7 @@ def bridge(
             prediction_interval=_interval(prediction_interval, "--prediction-interval"),
             current=flow_of(current, "current"),
             wind=flow_of(wind, "wind"),
+            waves=flow_of(waves, "waves", "rad"),
             seed=seed,
             values=tuple(values.items()),
             inputs=tuple(inputs.items()),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
+from shipid.cli.frame.flows import current_option, flow_of, wind_option
 from shipid.cli.frame.options import (
     format_option,
     input_option,
@@ -58,8 +59,13 @@ _STATE = {"psi": "rad", "u": "m/s", "r": "rad/s", "v": "m/s", "x": "m", "y": "m"
     "--rudder-limit", type=NumberWithUnit("deg"), help="Largest rudder angle; the autopilot's own by default."
 )
 @click.option("--horizon", default=20.0, show_default=True, metavar="L", help="Length of the track in ship lengths.")
-@click.option("--current", metavar="C", help="As in '3 kn to 30 deg' (or 'from'); from a trial it is estimated.")
-@click.option("--wind", metavar="W", help="As in '10 m/s from 270 deg' (or 'to').")
+@current_option("; from a trial it is estimated")
+@wind_option()
+@click.option(
+    "--waves",
+    metavar="W",
+    help="Yaw by waves in the heading and rate of turn of a state, '0.5 deg from 300 deg'; it moves no track.",
+)
 @click.option(
     "--band", default="linear", show_default=True, metavar="linear|samples|none", help="How the 95 % band is found."
 )
@@ -81,6 +87,7 @@ def predict(
     horizon: float,
     current: str | None,
     wind: str | None,
+    waves: str | None,
     band: Band,
     values: dict[str, str],
     inputs: dict[str, str],
@@ -89,11 +96,13 @@ def predict(
 ) -> ExitCode:
     """Predict where a ship goes under an order, or at the next turn of a route: her track with its band, stage by stage.
 
-    From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is. The track is in metres to
-    the north and to the east, on the position of the trial or from zero.
+    From a trial, a filter of the ship's own model runs up to the instant and says how sure her state is; where predictions from
+    earlier instants were farther off than their bands, the band is widened. The track is in metres to the north and to the east, on
+    the position of the trial or from zero.
 
     \b
     shipid predict de-keizer --ship soesterberg --heading '60 deg'
+    shipid predict de-keizer --ship soesterberg --from 'psi=40 deg,u=9 m/s' --rudder '10 deg' --waves '0.5 deg from 300 deg'
     shipid predict de-keizer --ship ship.toml --from trial.csv@300 --rudder '20 deg' --out predicted
     shipid predict de-keizer --ship ship.toml --from trial.csv@300 --route plan.rtz --chart harbour.000 --out predicted
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
@@ -115,7 +124,7 @@ def predict(
     pilot = _pilot(model, ship, schedule, values, inputs)
     with delivery.progress() as tell:
         situation, origin, told, trial = _situation(
-            pilot, begin, current, wind, format_, tell, on_route=plan is not None
+            pilot, begin, current, wind, waves, format_, tell, on_route=plan is not None
         )
         place = _origin(plan, trial)
         # A chart that cannot be drawn is told before the work is done.
@@ -177,27 +186,34 @@ def _situation(
     begin: str | None,
     current: str | None,
     wind: str | None,
+    waves: str | None,
     format_: str | None,
     tell: Callable[[str], object],
     *,
     on_route: bool,
 ) -> tuple[Situation | dict[str, float], str, list[Notice], Trial | None]:
-    from shipid.cli.ships.simulate import flow_of
     from shipid.foundation.errors import UsageError
+    from shipid.prediction.situations.in_waves import in_waves
     from shipid.trials.manoeuvres.flows import flow_inputs
 
     flows = flow_inputs(flow_of(current, "current"), flow_of(wind, "wind"))
     if begin is not None and "=" not in begin:
         if current is not None:
             raise UsageError("from a trial the current is estimated: leave --current out.")
+        if waves is not None:
+            raise UsageError("a trial shows its waves itself: leave --waves out.")
         return _from_trial(pilot, begin, flows, format_, tell)
     # On a route without a state the ship begins at its first waypoint, on the heading that keeps the first leg.
     values = {"u": pilot.own_speed, "r": 0.0, **flows} | ({} if on_route else {"psi": 0.0})
     origin = "the first waypoint" if on_route else "a straight course"
+    read: dict[str, float] = {}
     if begin is not None:
-        values |= _state_of(begin, pilot)
+        read = _state_of(begin, pilot)
+        values |= read
         origin = "the state given"
-    return values, origin, [], None
+    yaw = flow_of(waves, "waves", "rad")
+    known = values if yaw is None else in_waves(values, read, yaw, pilot.length, pilot.own_speed)
+    return known, origin, [], None
 
 
 def _origin(route: Route | None, trial: Trial | None) -> tuple[float, float] | None:
@@ -245,7 +261,7 @@ def _from_trial(
 ) -> tuple[Situation, str, list[Notice], Trial]:
     """What the filter of the ship's own model knows at an instant of a trial; nothing later is read."""
     from shipid.foundation.errors import UsageError
-    from shipid.prediction.situations.trial_situation import situation_in
+    from shipid.prediction.following.past_predictions import situation_with_past
     from shipid.trials.logs.reading import read_trial
 
     match = re.match(r"^(.+?)(?:@\s*([-+0-9.eE]+)\s*s?)?$", text.strip(), re.DOTALL)
@@ -260,5 +276,5 @@ def _from_trial(
     except ValueError:
         raise UsageError(f"'{match.group(2)}' is no time in s, as in trial.csv@300.") from None
     tell("filtering")
-    situation, told = situation_in(pilot.model, pilot.ship, trial, at, flows)
+    situation, told = situation_with_past(pilot, trial, at, flows)
     return situation, f"trial {trial.name} at {situation.t:.5g} s", told, trial

@@ -101,7 +101,9 @@ def trial_sheet(
     if not manoeuvres and len(given) == 1 and failures:
         raise failures[0]
     rows = tuple(row for m in manoeuvres for row in measured_criteria(m.number, m.measures, stated))
-    return TrialSheet(whole, stated, tuple(manoeuvres), rows, tuple(lost), tuple(_warnings(stated, rows, lost, unread)))
+    warnings = _simulated([trial for trial, _ in sailed]) + _warnings(stated, rows, lost, unread)
+    record = whole.with_defaults({"length": stated})
+    return TrialSheet(record, stated, tuple(manoeuvres), rows, tuple(lost), tuple(warnings))
 
 
 def _measure_all(
@@ -146,6 +148,11 @@ def _conditions(given: Conditions | None, trials: Sequence[Trial], ship: Paramet
     return whole.with_defaults(
         {"ship": ship.name, "length": ship.particular("L", "m"), "breadth": ship.particular("B", "m")}
     )
+
+
+def _simulated(trials: Sequence[Trial]) -> list[Notice]:
+    names = [t.name for t in trials if t.source.simulated]
+    return [Notice(f"Simulated, not measured: {', '.join(names)}.", "simulated")] if names else []
 
 
 def _warnings(

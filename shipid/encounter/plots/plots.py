@@ -260,9 +260,9 @@ def _scan_starts(t: np.ndarray, away: np.ndarray, period: float | None, one_by_o
         new = np.diff(t) > 0 if turned is None else np.diff(np.floor(turned)) > 0
         return [0, *(np.flatnonzero(new) + 1).tolist()]
     edges = [0]
-    for k in range(1, t.size):
-        if t[k] - t[edges[-1]] >= period:
-            edges.append(k)
+    # One plot further at least: a period may be lost in the digits of the time.
+    while (following := max(int(np.searchsorted(t, t[edges[-1]] + period)), edges[-1] + 1)) < t.size:
+        edges.append(following)
     return edges
 
 

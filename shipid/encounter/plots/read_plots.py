@@ -21,7 +21,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
 from shipid.foundation.notices import Notice
 from shipid.trials import columns as spelling
-from shipid.trials.errors import ClockError, EmptyFileError, NoUnitError, UnknownColumnError
+from shipid.trials.errors import ClockError, EmptyFileError, ForeignFileError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.positions import pair_of
@@ -110,17 +110,21 @@ def read_detections(
         If a file is not there.
     EmptyFileError
         If there is no plot.
+    ForeignFileError
+        If it is a file of another kind, such as JSON without a format.
     UnknownColumnError
         If a table lacks a column.
     FormatFileError
         If the format file does not fit.
     EncounterRequestError
-        If own ship's path and the plots have no time in common.
+        If own ship's path and the plots have no time in common, or nothing says where own ship or the true tracks lie beside the plots.
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
     raw = _raw(file, fmt)
     origin = _origin(raw)
+    if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
+        own = _own_among(truth, fmt)
     if origin is None and own is not None:
         origin = _first_fix(own, fmt)
     begin = _begin(raw.t, raw.looks)
@@ -176,6 +180,11 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         return plots_of_json(file, fmt)
     if fmt is None and (is_nmea(file) or file.suffix.lower() in (".nmea", ".ais")) and holds_plots(file):
         return plots_of_sentences(file)
+    if fmt is None and file.suffix.lower() == ".json":
+        raise ForeignFileError(
+            f"'{file}' is a JSON file, and nothing says which of its keys are times and positions. Describe them in a format file "
+            "(--format), as studies/formats/autoferry.toml does."
+        )
     table = read_table(file, fmt.table if fmt else None)
     record = record_of(table, fmt.table if fmt else None)
     t, columns = _columns(record)
@@ -293,33 +302,68 @@ def _fixes(path: str | Path) -> np.ndarray | None:
     return found if len(found) else None
 
 
+def _own_among(truth: str | Path, fmt: PlotFormat | None) -> str | Path | None:
+    """The file of the true tracks, where own ship is one of them by the format; else None."""
+    if fmt is None or fmt.own is None or fmt.truth is None:
+        return None
+    return truth if fmt.own in _true_tables(_file(truth), fmt) else None
+
+
+def _true_tables(file: Path, fmt: PlotFormat) -> dict[str, np.ndarray]:
+    """Times and positions of the true tracks, own ship's among them, of a file that the format describes."""
+    assert fmt.truth is not None, "called for a format with a truth only"
+    return truth_of_structs(file, fmt) if fmt.truth.struct else truth_of_json(file, fmt)
+
+
 def _own_paths(own: str | Path | None, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> ShipPath | None:
     """Own ship from a file of her own."""
     if own is None:
         return None
     if fmt is not None and fmt.own is not None:
-        paths = {p.name: p for p in _truth(_file(own), replace(fmt, own=None), origin)}
-        if fmt.own not in paths:
+        if fmt.own not in _true_tables(_file(own), fmt):
             raise failed(fmt, f"'{own}' holds no ship called '{fmt.own}'.")
-        return paths[fmt.own]
+        return {p.name: p for p in _truth(_file(own), replace(fmt, own=None), origin)}[fmt.own]
     record = read_record(own)
     t, columns = _columns(record)
     pair = pair_of(columns)
     if origin is not None and pair is not None:
         return path_of("own ship", t, *to_local(columns[pair[0]], columns[pair[1]], origin))
     if "x" in columns and "y" in columns:
+        if origin is not None:
+            raise _apart(own, "positions of own ship")
         return path_of("own ship", t, columns["x"], columns["y"])
     raise UnknownColumnError(
         f"'{own}' holds no positions of own ship: it needs x and y, or lat and lon, with their units."
     )
 
 
+def _known(origin: tuple[float, float] | None, file: str | Path, what: str) -> tuple[float, float]:
+    """The origin, for positions in degrees; without one nothing says where they lie beside the plots."""
+    if origin is None:
+        raise EncounterRequestError(
+            f"the {what} in '{file}' are in latitude and longitude, and the plots count in metres from a place that is not known. "
+            "Give own ship's path with lat and lon (--own)."
+        )
+    return origin
+
+
+def _apart(file: str | Path, what: str) -> EncounterRequestError:
+    """What is said where metres from an origin of their own stand beside degrees."""
+    return EncounterRequestError(
+        f"the {what} in '{file}' count in metres from an origin of their own, and the plots lie by latitude and longitude: nothing says "
+        "where one lies beside the other. Give both in degrees, or both in metres from one origin."
+    )
+
+
 def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | None) -> tuple[ShipPath, ...]:
     """The true tracks of a file, without own ship's."""
     if fmt is not None and fmt.truth is not None:
-        tables = truth_of_structs(file, fmt) if fmt.truth.struct else truth_of_json(file, fmt)
-        if fmt.truth.lonlat and origin is not None:
-            tables = {n: np.column_stack([a[:, 0], *to_local(a[:, 1], a[:, 2], origin)]) for n, a in tables.items()}
+        tables = _true_tables(file, fmt)
+        if fmt.truth.lonlat:
+            start = _known(origin, file, "true tracks")
+            tables = {n: np.column_stack([a[:, 0], *to_local(a[:, 1], a[:, 2], start)]) for n, a in tables.items()}
+        elif origin is not None:
+            raise _apart(file, "true tracks")
         paths = [path_of(n, *a.T) for n, a in tables.items() if n != fmt.own]
         return tuple(p for p in paths if p is not None)
     table = read_table(file)
@@ -330,10 +374,13 @@ def _truth(file: Path, fmt: PlotFormat | None, origin: tuple[float, float] | Non
     )
     names = np.array(["truth"] * t.size) if labels is None else labels.astype(str).to_numpy()
     pair = pair_of(columns)
-    if "x" in columns and "y" in columns:
+    local = "x" in columns and "y" in columns
+    if pair is not None and not (local and origin is None):
+        x, y = to_local(columns[pair[0]], columns[pair[1]], _known(origin, file, "true tracks"))
+    elif local and origin is not None:
+        raise _apart(file, "true tracks")
+    elif local:
         x, y = columns["x"], columns["y"]
-    elif pair is not None and origin is not None:
-        x, y = to_local(columns[pair[0]], columns[pair[1]], origin)
     else:
         raise UnknownColumnError(
             f"'{file}' holds no true positions: it needs x and y, or lat and lon, with their units."

@@ -103,7 +103,7 @@ class TrackingScore(Result):
         """Return the result in lines of text."""
         rate = "" if self.false_rate is None else f", {self.false_rate:.2f} a minute"
         lines = [
-            f"beside the truth: {self.false_tracks} moving tracks without a ship within {_FAR:.0f} m{rate}; "
+            f"beside the truth: {self.false_tracks} moving track{'' if self.false_tracks == 1 else 's'} without a ship within {_FAR:.0f} m{rate}; "
             f"a track within {self.near:.0f} m is a ship's"
         ]
         for s in self.ships:

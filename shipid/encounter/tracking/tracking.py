@@ -135,7 +135,8 @@ class Tracking(DrawnResult):
         ]
         if self.tracks:
             ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
-            lines.append(f"  positions in m, {ends}, at the end of each track")
+            what = "positions and speeds" if self.relative else "positions in m,"
+            lines.append(f"  {what} {ends}, at the end of each track")
             heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "course [deg]", "CPA [m]", "TCPA [s]")  # fmt: skip
             rows = [heads, *(self._row(one) for one in self.tracks)]
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]

@@ -13,7 +13,7 @@ from shipid.estimation.records.consistency import FITTING, REJECTED_SHARE
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import percent, uncertain_text
 
 #: So many samples of a sensor say something.
 _ENOUGH = 10
@@ -101,7 +101,7 @@ def _about_sensor(
     if share > REJECTED_SHARE:
         opened = f" The gate was opened for {taken} of them." if taken else ""
         yield Notice(
-            f"{count} of {squares.size} samples of {name} ({share:.0%}) are beyond the gate: so many are rarely wrong, and the "
+            f"{count} of {squares.size} samples of {name} ({percent(share)}) are beyond the gate: so many are rarely wrong, and the "
             f"noise levels or the model do not fit.{opened}{_advice(levels, name)}",
             "rejected",
             serious=True,

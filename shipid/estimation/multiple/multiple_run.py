@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from shipid.estimation.multiple.design import MultipleModelDesign
+from shipid.estimation.named_quantities import RecordRun
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.triangles import unpacked
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MultipleModelRun(DrawnResult):
+class MultipleModelRun(RecordRun, DrawnResult):
     """A record and what a multiple-model filter made of it; N samples, M modes.
 
     Attributes
@@ -44,20 +46,10 @@ class MultipleModelRun(DrawnResult):
     control: np.ndarray
     out: np.ndarray
 
-    def rows(self, name: str) -> np.ndarray:
-        """Return a part of the cycle's outputs at the samples of the record, shape (N, part).
-
-        Parameters
-        ----------
-        name : str
-            A key of `CycleLayout.full`.
-        """
-        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.full[name]])
-
     @property
-    def t(self) -> np.ndarray:
-        """Times of the samples that are used in s, shape (N,)."""
-        return np.asarray(self.arranged.t[self.arranged.shown])
+    def places(self) -> Mapping[str, slice]:
+        """Where each part stands among the outputs of the cycle (`CycleLayout.full`)."""
+        return self.design.layout.full
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -68,11 +60,6 @@ class MultipleModelRun(DrawnResult):
     def modes(self) -> tuple[str, ...]:
         """Names of the modes."""
         return self.design.names
-
-    @property
-    def x(self) -> np.ndarray:
-        """Combined estimates after each sample, SI, shape (N, states)."""
-        return self.rows("x")
 
     @functools.cached_property
     def covariance(self) -> np.ndarray:
@@ -93,11 +80,6 @@ class MultipleModelRun(DrawnResult):
     def most_probable(self) -> tuple[str, ...]:
         """The most probable mode after each sample."""
         return tuple(self.modes[j] for j in np.argmax(self.probabilities, axis=1))
-
-    @property
-    def log_likelihood(self) -> float:
-        """Logarithm of the likelihood of the samples, given the modes and their transitions."""
-        return float(self.out[:, self.design.layout.full["ll"]].sum())
 
     @property
     def parameter(self) -> np.ndarray:
@@ -121,20 +103,6 @@ class MultipleModelRun(DrawnResult):
             raise UnknownNameError("mode called", name, self.modes)
         j = self.modes.index(name)
         return self.rows(f"x{j}"), unpacked(self.rows(f"P{j}"), self.design.layout.sizes[j])
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return a state, or a quantity of the first mode's model, out of the combined estimates, SI, shape (N,)."""
-        return self.quantity(name)[0]
-
-    def std_of(self, name: str) -> np.ndarray:
-        """Return the standard deviation of a quantity along the record, SI, shape (N,).
-
-        Parameters
-        ----------
-        name : str
-            See `quantity`.
-        """
-        return self.quantity(name)[1]
 
     def quantity(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a quantity and its standard deviation along the record, SI, shapes (N,).

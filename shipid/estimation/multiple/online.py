@@ -6,33 +6,30 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown_estimate
+from shipid.declaration.model import Model
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.multiple.design import MultipleModelDesign
 from shipid.estimation.multiple.first_state import FirstState, packed
 from shipid.estimation.multiple.record import first_carried, spread_covariances
 from shipid.estimation.multiple.transition import over_intervals
 from shipid.estimation.multiple.whitening import whitened
+from shipid.estimation.named_quantities import SampleEstimate
 from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.records.clock import steps
 from shipid.estimation.records.triangles import unpacked
-from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result, table
+from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Result
 from shipid.generation.loop import Stepper
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 #: The sampling interval is the median of so many of the last.
 _RECENT = 9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MultipleModelEstimate(Result):
+class MultipleModelEstimate(SampleEstimate):
     """The estimate after a sample.
 
     Attributes
@@ -58,39 +55,43 @@ class MultipleModelEstimate(Result):
     log_likelihood: float
     design: MultipleModelDesign = field(repr=False)
 
-    def __getitem__(self, name: str) -> float:
-        """Return the combined estimate of a state, SI."""
-        return float(self.x[self.design.states.index(name)])
+    @property
+    def model(self) -> Model:
+        """The model of the first mode."""
+        return self.design.first.model
 
-    def std_of(self, name: str) -> float:
-        """Return the standard deviation of a state, SI.
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The states of the combined estimate."""
+        return self.design.states
+
+    def quantity(self, name: str) -> tuple[float, float]:
+        """Return the combined estimate of a state and its standard deviation, SI.
 
         Parameters
         ----------
         name : str
             The state.
+
+        Raises
+        ------
+        UnknownNameError
+            If the combined estimate has no such state.
         """
-        at = self.design.states.index(name)
-        return float(np.sqrt(max(self.covariance[at, at], 0.0)))
+        if name not in self.names:
+            raise UnknownNameError("state of the combined estimate called", name, self.names)
+        at = self.names.index(name)
+        return float(self.x[at]), float(np.sqrt(max(self.covariance[at, at], 0.0)))
 
     @property
     def mode(self) -> str:
         """The most probable mode."""
         return self.design.names[int(np.argmax(self.probabilities))]
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return the combined estimate as a pandas table, SI."""
-        rows = ({"name": n, "value": self[n], "unit": u, "std": self.std_of(n)} for n, u in self._units())
-        return table(rows, "name")
-
-    def text(self) -> str:
-        """Return the estimate in lines of text: modes, then states."""
-        shares = ", ".join(f"{n} {p:.4g}" for n, p in zip(self.design.names, self.probabilities.tolist()))
-        states = (f"  {n:<12s} {shown_estimate(self[n], self.std_of(n), n, u)}" for n, u in self._units())
-        return "\n".join([f"estimate at {self.t:g} s; modes: {shares}", *states])
-
-    def _units(self) -> list[tuple[str, str]]:
-        return [(n, self.design.first.model[n].unit) for n in self.design.states]
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """The probabilities of the modes."""
+        return ("modes: " + ", ".join(f"{n} {p:.4g}" for n, p in zip(self.design.names, self.probabilities.tolist())),)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

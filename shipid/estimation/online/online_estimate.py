@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown_estimate
+from shipid.declaration.model import Model
 from shipid.estimation.design import FilterDesign
+from shipid.estimation.named_quantities import SampleEstimate
 from shipid.estimation.records.derived import named
 from shipid.foundation.aliases import Plain
-from shipid.foundation.result import Result, table
-from shipid.foundation.statistics import plain
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class OnlineEstimate(Result):
+class OnlineEstimate(SampleEstimate):
     """The estimate after a sample.
 
     Attributes
@@ -47,45 +42,40 @@ class OnlineEstimate(Result):
     lagged: tuple[float, np.ndarray, np.ndarray] | None
     design: FilterDesign = field(repr=False)
 
-    def __getitem__(self, name: str) -> float:
-        """Return the estimate of a state or an estimated parameter, SI."""
-        return float(named(self.design, self.x, self.std, name)[0])
+    @property
+    def model(self) -> Model:
+        """The model whose quantities they are."""
+        return self.design.model
 
-    def std_of(self, name: str) -> float:
-        """Return the standard deviation of a state or an estimated parameter, SI.
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The states, and the parameters that are estimated."""
+        hidden = self.design.parameters.values()
+        return (*(s for s in self.design.model.states if s not in hidden), *self.design.parameters)
+
+    def quantity(self, name: str) -> tuple[float, float]:
+        """Return a state or an estimated parameter and its standard deviation, SI.
 
         Parameters
         ----------
         name : str
             A state or an estimated parameter.
         """
-        return float(named(self.design, self.x, self.std, name)[1])
+        value, std = named(self.design, self.x, self.std, name)
+        return float(value), float(std)
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI; None where a number is not finite."""
-        names = [s for s in self.design.model.states if s not in self.design.parameters.values()]
-        names += list(self.design.parameters)
-        model = self.design.model
         return {
             "t": self.t,
-            "estimates": {
-                n: {"value": plain(self[n]), "unit": model[n].unit, "std": plain(self.std_of(n))} for n in names
-            },
+            "estimates": self.estimates,
             "taken": list(self.taken),
             "rejected": list(self.rejected),
             "refused": self.refused,
         }
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return the estimates as a pandas table, SI."""
-        return table(({"name": n, **e} for n, e in self.to_dict()["estimates"].items()), "name")
-
-    def text(self) -> str:
-        """Return the estimate in lines of text."""
-        estimates = self.to_dict()["estimates"].items()
-        lines = [
-            f"estimate at {self.t:g} s",
-            *(f"  {n:<12s} {shown_estimate(e['value'], e['std'], n, e['unit'])}" for n, e in estimates),
-        ]
-        lines += [f"  rejected: {', '.join(self.rejected)}"] if self.rejected else []
-        return "\n".join(lines + ([f"  refused: {self.refused}"] if self.refused else []))
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was not used, and why."""
+        lines = (f"rejected: {', '.join(self.rejected)}", f"refused: {self.refused}")
+        return tuple(line for line, there in zip(lines, (self.rejected, self.refused)) if there)

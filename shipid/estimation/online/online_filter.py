@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from shipid.declaration.delays import refuse_delay
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.online.online_estimate import OnlineEstimate
@@ -70,12 +71,13 @@ class OnlineFilter:
     Raises
     ------
     UsageError
-        If the lag is not longer than zero.
+        If the lag is not longer than zero, or the model has a dead time.
     """
 
     def __init__(self, design: FilterDesign, lag: float | None = None) -> None:
         if lag is not None and not lag > 0:
             raise UsageError(f"a lag of {lag:g} s is too short; give one greater than zero.")
+        refuse_delay(design.model, "A filter that takes one sample at a time")
         self.design, self.lag = design, lag
         self.rejected = dict.fromkeys(design.measured, 0)
         self.stepper: Stepper | None = None

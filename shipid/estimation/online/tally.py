@@ -8,6 +8,7 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.records.consistency import FITTING, REJECTED_SHARE
 from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import percent
 
 #: So many samples of a sensor say something.
 _ENOUGH = 60
@@ -61,7 +62,7 @@ class Tally:
             if rejected > REJECTED_SHARE * shown:
                 said.append(
                     Notice(
-                        f"{rejected} of {shown} samples of {name} so far ({rejected / shown:.0%}) are beyond the gate: so many "
+                        f"{rejected} of {shown} samples of {name} so far ({percent(rejected / shown)}) are beyond the gate: so many "
                         "are rarely wrong, and the noise levels or the model do not fit. Give --measured and --noise, as "
                         "shipid filter TRIAL finds them from a record.",
                         "rejected",

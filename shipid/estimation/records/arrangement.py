@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from shipid.declaration.delays import shifted_rows
 from shipid.estimation.errors import NotMeasurableError, SensorRateError
 from shipid.estimation.records.clock import LONGEST_GAP, LONGEST_STEP, filter_time, steps
 from shipid.estimation.settings.inputs import filled_inputs, hold_last, input_table, names_of, never_known, ruled
@@ -238,6 +239,8 @@ def arrange(instruments: Instruments, record: FilterRecord, *, filled: bool = Fa
     full_z[at], full_there[at] = np.where(there, z, 0.0), there
     held = hold_last(whole)
     inputs = np.column_stack([np.interp(rows, t, c) for c in held.T]) if held.shape[1] else np.empty((rows.size, 0))
+    if instruments.delays:
+        inputs = shifted_rows(instruments.model, rows, inputs.T, instruments.delays)[0].T
     # Rows that bridge a gap belong to the sample that ends it.
     lost = ~np.isfinite(table)[np.searchsorted(t, rows)]
     holes = tuple(Hole(float(a), float(b), int(np.searchsorted(rows, b)), names) for a, b, names in ends)

@@ -11,6 +11,7 @@ import numpy as np
 
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.estimate import Estimate, estimate_of
+from shipid.estimation.named_quantities import RecordRun
 from shipid.estimation.records.arrangement import Arrangement
 from shipid.estimation.records.consistency import whiteness
 from shipid.estimation.records.derived import named, published, quantity_along
@@ -73,7 +74,7 @@ class Innovations(Result):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FilterRun(DrawnResult):
+class FilterRun(RecordRun, DrawnResult):
     """A record and the result of the filter; N samples.
 
     Attributes
@@ -111,30 +112,15 @@ class FilterRun(DrawnResult):
     withheld: str = field(default="", kw_only=True)
     smoothable: ClassVar[bool] = True
 
-    def rows(self, name: str) -> np.ndarray:
-        """Return a part of the step's outputs, at the samples of the record, shape (N, part).
-
-        Parameters
-        ----------
-        name : str
-            A key of `StepLayout.full`.
-        """
-        return np.asarray(self.out[self.arranged.shown][:, self.design.layout.full[name]])
+    @property
+    def places(self) -> Mapping[str, slice]:
+        """Where each part stands among the outputs of the step (`StepLayout.full`)."""
+        return self.design.layout.full
 
     @property
     def start(self) -> np.ndarray:
         """What it carried into the first row of all, shape (carried,)."""
         return self.starts[0]
-
-    @property
-    def t(self) -> np.ndarray:
-        """Times of the samples that are used in s, shape (N,)."""
-        return np.asarray(self.arranged.t[self.arranged.shown])
-
-    @property
-    def x(self) -> np.ndarray:
-        """Estimates of the states after each sample, SI, shape (N, states)."""
-        return self.rows("x")
 
     @property
     def std(self) -> np.ndarray:
@@ -145,20 +131,6 @@ class FilterRun(DrawnResult):
     def states(self) -> tuple[str, ...]:
         """Names along the estimates."""
         return self.design.model.states
-
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return the estimates of any quantity of the model along the record, SI, shape (N,)."""
-        return self.quantity(name)[0]
-
-    def std_of(self, name: str) -> np.ndarray:
-        """Return the standard deviations of a quantity along the record, SI, shape (N,).
-
-        Parameters
-        ----------
-        name : str
-            See `quantity`.
-        """
-        return self.quantity(name)[1]
 
     def quantity(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Return a quantity of the model and its standard deviation along the record, SI, shapes (N,).
@@ -186,11 +158,6 @@ class FilterRun(DrawnResult):
         """Covariance of the states after each sample, shape (N, states, states)."""
         n = self.design.layout.n
         return self.joint_covariance[:, :n, :n]
-
-    @property
-    def log_likelihood(self) -> float:
-        """Logarithm of the likelihood of the samples used, given the model and the noise levels."""
-        return float(self.out[:, self.design.layout.full["ll"]].sum())
 
     @functools.cached_property
     def innovations(self) -> dict[str, Innovations]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from shipid.declaration.vocabulary import shown_estimate
 from shipid.estimation.design import FilterDesign
+from shipid.estimation.named_quantities import NamedQuantities
 from shipid.estimation.records.derived import named
 from shipid.estimation.records.restart import kept_states
 from shipid.estimation.records.run import FilterRun
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Smoothed(DrawnResult):
+class Smoothed(NamedQuantities[np.ndarray], DrawnResult):
     """Smoothed estimates of a record.
 
     Attributes
@@ -60,19 +61,15 @@ class Smoothed(DrawnResult):
         """Standard deviations of the estimates, SI, shape (N, states)."""
         return deviations_of(self.packed, len(self.states))
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return the smoothed estimates of a state or an estimated parameter, SI, shape (N,)."""
-        return named(self.design, self.x, self.std, name)[0]
-
-    def std_of(self, name: str) -> np.ndarray:
-        """Return the standard deviations of a state or an estimated parameter, SI, shape (N,).
+    def quantity(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return a state or an estimated parameter and its standard deviation along the record, SI, shapes (N,).
 
         Parameters
         ----------
         name : str
             A state or an estimated parameter.
         """
-        return named(self.design, self.x, self.std, name)[1]
+        return named(self.design, self.x, self.std, name)
 
     @functools.cached_property
     def covariance(self) -> np.ndarray:

@@ -15,11 +15,28 @@ def unpacked(packed: np.ndarray, n: int) -> np.ndarray:
     n : int
         Size of the matrices.
     """
-    rows = np.concatenate([np.arange(j + 1) for j in range(n)]) if n else np.zeros(0, dtype=int)
-    columns = np.repeat(np.arange(n), np.arange(1, n + 1))
+    rows, columns = _places(n)
     full = np.empty((packed.shape[0], n, n))
     full[:, rows, columns] = full[:, columns, rows] = packed
     return full
+
+
+def packed_of(full: np.ndarray) -> np.ndarray:
+    """Return the packed upper triangles of symmetric matrices, shape (..., n (n + 1) / 2).
+
+    Parameters
+    ----------
+    full : ndarray, shape (..., n, n)
+        The matrices.
+    """
+    rows, columns = _places(full.shape[-1])
+    return np.asarray(full[..., rows, columns])
+
+
+def _places(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Rows and columns of the entries of a packed upper triangle."""
+    rows = np.concatenate([np.arange(j + 1) for j in range(n)]) if n else np.zeros(0, dtype=int)
+    return rows, np.repeat(np.arange(n), np.arange(1, n + 1))
 
 
 def diagonal_of(n: int) -> np.ndarray:

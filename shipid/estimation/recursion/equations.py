@@ -172,7 +172,7 @@ def make_equations(
     """
     system = generate(model)
     names = tuple(measured)
-    step = make_step(system, method, hold, substeps)
+    step = make_step(system, method, hold, substeps, delayed=True)
     n_u = system.u.shape[0]
     u0, u1 = ca.SX.sym("u0", n_u), ca.SX.sym("u1", n_u)
     shown = ca.densify(system.expression(names))

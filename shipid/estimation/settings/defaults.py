@@ -56,4 +56,4 @@ def parameters_to_estimate(model: Model) -> tuple[str, ...]:
     model : Model
         The model.
     """
-    return tuple(n for n in model.parameters if model[n].quantity.estimated)
+    return tuple(n for n in model.parameters if model[n].quantity.estimated and n not in model.delays.values())

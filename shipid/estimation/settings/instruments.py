@@ -40,6 +40,8 @@ class Instruments:
         Length and speed of the ship; the speed is used where a record has none.
     biases : mapping of str to float
         What is added to inputs that a record or a sample holds.
+    delays : mapping of str to float
+        How much later inputs act than a record holds them, in s.
     """
 
     model: Model
@@ -51,6 +53,7 @@ class Instruments:
     lost: Mapping[str, float] = field(default_factory=dict)
     scale: Scale = field(default_factory=lambda: Scale(None, None))
     biases: Mapping[str, float] = field(default_factory=dict)
+    delays: Mapping[str, float] = field(default_factory=dict)
 
     def quantity_of(self, sensor: str) -> str:
         """Return the quantity a sensor measures: its own name, or what its output is declared to measure.

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.component import Component, slug
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.records.arrangement import FilterRecord, columns_of

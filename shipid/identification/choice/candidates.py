@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ShipidError
+from shipid.identification.problem.dead_time import with_dead_time
 from shipid.parameters.catalogue import IN_WIND, find_model, in_wind, model_of
 from shipid.trials.measuring.rudder.steering import rate_of, steering_of
 from shipid.trials.signals.plates import plates, regular
@@ -22,8 +23,8 @@ BEHIND_A_LAG = "-lag"
 def completed(models: Sequence[Model | type[Component] | str], trials: Sequence[Trial]) -> tuple[Model, ...]:
     """Return the candidates with what the trials hold, each once.
 
-    A wind that was measured has turned the ship, and an actuator that only has orders lags whatever the hull is like: neither is a
-    property of a structure that the comparison could find.
+    A wind that was measured has turned the ship, an actuator that only has orders lags whatever the hull is like, and a rudder that
+    acts late in every trial does so: none is a property of a structure that the comparison could find.
 
     Parameters
     ----------
@@ -45,6 +46,7 @@ def completed(models: Sequence[Model | type[Component] | str], trials: Sequence[
             model = _behind_a_lag(model)
         if windy:
             model = in_wind(model)
+        model = with_dead_time(model, trials)
         found.setdefault(model.name, model)
     return tuple(found.values())
 

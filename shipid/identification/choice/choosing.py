@@ -12,8 +12,8 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
 from shipid.identification.choice.hard_turn import HardTurn
+from shipid.identification.evidence.explained import nothing_explained
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.explained import nothing_explained
 
 #: Factor of the smallest error within which models are tied; where a campaign is too poor to choose by, there is one of its own.
 TIED, TIED_IF_POOR = 1.25, 2.0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import percent
 from shipid.foundation.result import DrawnResult
 from shipid.identification.choice.choosing import (
     MAY_RUN_AWAY,
@@ -21,7 +22,7 @@ from shipid.identification.choice.choosing import (
     what_would_decide,
 )
 from shipid.identification.choice.scoring import MEASURES
-from shipid.identification.validation.explained import not_determined
+from shipid.identification.evidence.explained import not_determined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -103,7 +104,7 @@ class Ranking(DrawnResult):
                 why += f"; {', '.join(away)} can run away in a hard turn"
             sentences = [why + "."]
         else:
-            sentences = [f"{best} is taken: no other comes within a factor of {self._factor:g} of its error."]
+            sentences = [f"No other comes within a factor of {self._factor:g} of the error of {best}."]
         same = [fold for fold, other in others.items() if other == best]
         if others and len(same) == len(others):
             sentences.append(f"The choice is firm: it is the same without any one of the {len(others)} trials.")
@@ -134,7 +135,7 @@ class Ranking(DrawnResult):
         if best is not None and best.turn is not None and best.turn.runs_away > MAY_RUN_AWAY:
             found.append(
                 Notice(
-                    f"{best.model} can run away in a hard turn ({best.turn.runs_away:.0%} of what its coefficients may be): sail a turning "
+                    f"{best.model} can run away in a hard turn ({percent(best.turn.runs_away)} of what its coefficients may be): sail a turning "
                     "circle before it is used for one.",
                     "runs-away",
                 )
@@ -185,7 +186,7 @@ class Ranking(DrawnResult):
                 continue
             score = f"{r.score:.3f}" + ("" if r.std is None else f" ± {r.std:.3f}")
             lines.append(
-                f"  {r.model:<24s}{r.error:>7.3f}{score:>15s}{r.spread:>8.3f}{weights[r.model]:>8.0%}{_cells(r.measures)}"
+                f"  {r.model:<24s}{r.error:>7.3f}{score:>15s}{r.spread:>8.3f}{percent(weights[r.model]):>8s}{_cells(r.measures)}"
                 + (f"  {r.message}" if r.message else "")
             )
         shown = ", ".join(f"{_COLUMNS[n]} {w:g}" for n, (_, w, _) in MEASURES.items())

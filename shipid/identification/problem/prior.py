@@ -143,7 +143,15 @@ def structural_errors(signals: tuple[str, ...], data: TrialData, unit_time: floa
         "x": track,
         "y": track,
     }
-    return np.array([errors.get(s, 1.0) for s in signals])
+    # Of another state, such as a shaft speed: of its own size in the record, as that of the speed is of the speed.
+    errors |= {s: STRUCTURE_SPEED * _size(data, s) for s in signals if s not in errors}
+    return np.array([errors[s] for s in signals])
+
+
+def _size(data: TrialData, name: str) -> float:
+    """Root mean square of a signal of a record; one where the record does not show it."""
+    size = float(np.sqrt(np.nanmean(data.column(name) ** 2))) if data.shows(name) else 0.0
+    return size or 1.0
 
 
 def strength_of(data: TrialData, unit_time: float) -> float:

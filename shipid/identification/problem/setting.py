@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,8 +14,9 @@ from shipid.declaration.units import factor, to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
 from shipid.identification.problem.box import Box, box_of
+from shipid.identification.problem.dead_time import DEAD_TIME, usual_delay
 from shipid.identification.problem.ship_scale import scale_of, usual_speed
-from shipid.parameters.catalogue import model_of, ship_of
+from shipid.parameters.catalogue import delayed, model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.trials.speed import check_way
 from shipid.trials.trial import Trial
@@ -39,6 +40,8 @@ class Setting:
         Length and usual speed of the ship.
     notes : tuple of str
         Notes for the reader.
+    guesses : mapping of str to float
+        Where the search starts for coefficients of which the trials themselves give a first idea, SI: a dead time.
     """
 
     model: Model
@@ -47,6 +50,7 @@ class Setting:
     estimated: tuple[str, ...]
     scale: Scale
     notes: tuple[str, ...]
+    guesses: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def fixed(self) -> dict[str, float]:
@@ -100,6 +104,8 @@ def settle(
         For a model, a ship or a coefficient that does not exist.
     """
     whole, given = model_of(model), ship_of(ship)
+    if DEAD_TIME in {*(estimate or ()), *fixed}:
+        whole = delayed(whole)
     held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
     for name in held:
         if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
@@ -123,7 +129,8 @@ def settle(
     lacking = missing_values(whole, {**known, **dict.fromkeys(estimated, 0.0)}, f"ship {given.name}")
     if lacking:
         raise lacking
-    return Setting(whole, given, known, estimated, scale, tuple(notes))
+    guesses = {n: seconds for n in whole.delays.values() if (seconds := usual_delay(trials)) is not None}
+    return Setting(whole, given, known, estimated, scale, tuple(notes), guesses)
 
 
 def estimated_parameters(
@@ -178,7 +185,8 @@ def search_box(setting: Setting) -> Box:
     for name in setting.estimated:
         entry = setting.model[name]
         declared = setting.scale.start_of(entry)
-        starts[name] = setting.known.get(name, setting.scale.factor_of(entry) if declared is None else declared)
+        first = setting.scale.factor_of(entry) if declared is None else declared
+        starts[name] = setting.known.get(name, setting.guesses.get(name, first))
     stated = setting.stated
     spread = {}
     for name in starts:

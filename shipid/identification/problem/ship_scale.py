@@ -11,17 +11,6 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.trial import Trial
 
 
-def recorded_speeds(trials: Sequence[Trial]) -> list[float]:
-    """Return the medians in m/s of all recorded speeds, forward and over all.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The trials.
-    """
-    return [float(np.nanmedian(t[n])) for t in trials for n in ("u", "U") if t.has(n) and np.isfinite(t[n]).any()]
-
-
 def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
     """Return the usual speed of the trials in m/s, the ship's own where they record none, 1 where neither is known.
 
@@ -32,7 +21,7 @@ def usual_speed(ship: ParameterSet, trials: Sequence[Trial]) -> float:
     trials : sequence of Trial
         For the recorded one.
     """
-    recorded = recorded_speeds(trials)
+    recorded = [float(np.nanmedian(t[n])) for t in trials for n in ("u", "U") if t.has(n) and np.isfinite(t[n]).any()]
     speed = float(np.mean(recorded)) if recorded else ship.particular("speed", "m/s")
     return speed if speed and speed > 0 else 1.0
 

@@ -6,11 +6,11 @@ import functools
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown_estimate
+from shipid.declaration.model import Model
+from shipid.estimation.named_quantities import SampleEstimate
 from shipid.estimation.online.samples import SampleReader
 from shipid.estimation.online.saving import (
     check_clock,
@@ -25,18 +25,13 @@ from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.foundation.result import Result, table
-from shipid.foundation.statistics import plain
 from shipid.generation.loop import Stepper
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
-if TYPE_CHECKING:
-    import pandas as pd
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RecursiveEstimate(Result):
+class RecursiveEstimate(SampleEstimate):
     """The estimate after a sample.
 
     Attributes
@@ -74,46 +69,36 @@ class RecursiveEstimate(Result):
         own = {n: (float(self.theta[i]), float(std[i])) for i, n in enumerate(self.design.names)}
         return own | {n: (float(v[0]), float(s[0])) for n, (v, s) in also.items()}
 
-    def __getitem__(self, name: str) -> float:
-        """Return the estimate of a parameter, or of what follows from them, SI."""
-        if name not in self.names:
-            raise UnknownNameError("estimated parameter", name, self.names)
-        return self._values[name][0]
+    @property
+    def model(self) -> Model:
+        """The model whose parameters they are."""
+        return self.design.model
 
-    def std_of(self, name: str) -> float:
-        """Return a standard deviation, SI.
+    def quantity(self, name: str) -> tuple[float, float]:
+        """Return a parameter, or a published coefficient that follows from them, and its standard deviation, SI.
 
         Parameters
         ----------
         name : str
-            A parameter, or a published coefficient that follows from them.
+            One of `names`.
+
+        Raises
+        ------
+        UnknownNameError
+            If it is none of them.
         """
-        _ = self[name]
-        return self._values[name][1]
+        if name not in self.names:
+            raise UnknownNameError("estimated parameter", name, self.names)
+        return self._values[name]
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI, free of NaN."""
-        model = self.design.model
-        return {
-            "t": self.t,
-            "estimates": {
-                n: {"value": plain(v), "unit": model[n].unit, "std": plain(s)} for n, (v, s) in self._values.items()
-            },
-            "refused": self.refused,
-        }
+        return {"t": self.t, "estimates": self.estimates, "refused": self.refused}
 
-    def to_frame(self) -> pd.DataFrame:
-        """Return the estimates as a pandas table, SI."""
-        return table(({"name": n, **e} for n, e in self.to_dict()["estimates"].items()), "name")
-
-    def text(self) -> str:
-        """Return the estimate in lines of text."""
-        estimates = self.to_dict()["estimates"].items()
-        lines = [
-            f"estimate at {self.t:g} s",
-            *(f"  {n:<12s} {shown_estimate(e['value'], e['std'], n, e['unit'])}" for n, e in estimates),
-        ]
-        return "\n".join(lines + ([f"  refused: {self.refused}"] if self.refused else []))
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Why the sample was refused."""
+        return (f"refused: {self.refused}",) if self.refused else ()
 
 
 class OnlineIdentifier:

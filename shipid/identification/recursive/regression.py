@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from shipid.declaration.augment import augment
+from shipid.declaration.joining.augment import augment
 from shipid.declaration.model import Entry, Model
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError

@@ -18,6 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import percent
 from shipid.foundation.result import DrawnResult
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
@@ -171,7 +172,7 @@ class RecursiveIdentification(DrawnResult):
         if size > _LARGE and share > _UNEXPLAINED:
             return (
                 f"at the end the innovations are {size:.3g} times as large as expected, and their excess power is "
-                f"{share:.0%} of the motion's variance: the recursion has diverged. Start it closer to the true values, with "
+                f"{percent(share)} of the motion's variance: the recursion has diverged. Start it closer to the true values, with "
                 "another first standard deviation (start, initial), or with noise on the parameters (noise)."
             )
         return ""

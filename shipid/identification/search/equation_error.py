@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.foundation.numbers import percent
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.noise.autoregression import autoregression_of
@@ -153,7 +154,7 @@ def instrumental_variables(first: EquationErrorResult, box: Box) -> EquationErro
         moved = float(np.max(np.abs(result.theta - before) / (np.abs(result.theta) + np.abs(before) + 1e-12)))
         if moved < _SETTLED:
             break
-    settled = "settled" if moved < _SETTLED else f"still moved the coefficients by {moved:.1%}"
+    settled = "settled" if moved < _SETTLED else f"still moved the coefficients by {percent(moved, 1)}"
     message = f"regression of {_named(first.regression)}, instruments from a run of the model; they {settled}."
     return replace(result, converged=moved < 10 * _SETTLED, message=message)
 

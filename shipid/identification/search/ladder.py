@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from shipid.declaration.delays import refuse_delay, refuse_estimated_delay
 from shipid.identification.errors import NotRegressableError
 from shipid.identification.methods import Method
 from shipid.identification.problem.box import EMPTY, Box
@@ -89,6 +90,8 @@ def climb(problem: Problem, box: Box, method: Method | None, how: SearchSettings
     ------
     NotRegressableError
         If a method was requested that needs states which are not measured.
+    UsageError
+        If a method was requested that cannot carry, or estimate, a dead time of the model.
     """
     return _METHODS[method](problem, box, how)
 
@@ -136,6 +139,10 @@ def _rescued(
     before: Solution | None = None,
 ) -> tuple[Solution, tuple[Rung, ...]]:
     """Multiple shooting from the best start and the first one, finished by output error, where that succeeds."""
+    if problem.model.delays:
+        # A segment does not hold the inputs before it, which a dead time reads.
+        end = before or refine(problem, best, box, how.weigh, how.tell)
+        return end, (*rungs[:-1], replace(rungs[-1], used=True))
     starts = [best.q, thin.first_guess(box.start)]
     found = _shot(thin, starts[: 1 if np.allclose(starts[0], starts[1]) else 2], box, how)
     end = refine(problem, found, box, how.weigh, how.tell) if found.finite else found
@@ -152,6 +159,7 @@ def _rescued(
 
 
 def _by_multiple_shooting(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
+    refuse_delay(problem.model, "Multiple shooting")
     thin = thinned(problem, how.unit_time)
     starts = [thin.first_guess(s) for s in make_starts(box, how.starts, how.seed)]
     found = _shot(thin, starts, box, how)
@@ -249,6 +257,7 @@ def _by_regression(
 
 def _by_prediction_error(problem: Problem, box: Box, how: SearchSettings) -> tuple[Solution, tuple[Rung, ...]]:
     """Output error for a start, then the likelihood through the filter; initial states and biases by output error again."""
+    refuse_estimated_delay(problem.model, problem.estimated, "Prediction error")
     best = _from_starts(thinned(problem, how.unit_time), make_starts(box, how.starts, how.seed), box, how)
     start = refine(problem, best, box, how.weigh, how.tell)
     rungs = [_rung("output-error", best, f"a start: {start.message}", converged=start.converged)]

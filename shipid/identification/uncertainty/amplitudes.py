@@ -1,4 +1,4 @@
-"""The amplitudes that trials reach, and what is said of a record that goes beyond those of a ship's coefficients."""
+"""The speeds and the amplitudes that trials reach, and what is said of a record that goes beyond those of a ship's coefficients."""
 
 from __future__ import annotations
 
@@ -10,13 +10,59 @@ from shipid.declaration.model import Model
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond
-from shipid.trials.speed import speed_before_in
+from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.trial import Trial
 
 #: Share of the samples that an amplitude is not exceeded in: one wild sample is no amplitude that was reached.
 _REACHED = 0.995
-#: Samples of each of the two mean headings of which a rate of turn is made.
+#: Samples of a mean in which the noise of one does not count: of a speed, and of both headings of which a rate of turn is made.
 _MEAN = 7
+
+
+def recorded_speeds(trials: Sequence[Trial]) -> tuple[float, float] | None:
+    """Return the lowest and the highest forward speed in m/s that trials went through, from the approach to the slowest.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+
+    Returns
+    -------
+    tuple of float or None
+        With four digits, as they are written. None where no trial records a speed, or the ship goes astern.
+    """
+    found: list[float] = []
+    for trial in trials:
+        before, speed = _before(trial), recorded_speed(_columns(trial))
+        if before is None or speed is None:
+            continue
+        there = speed[np.isfinite(speed)]
+        means = np.convolve(there, np.full(_MEAN, 1 / _MEAN), "valid") if there.size > 4 * _MEAN else there
+        found += [before.value, *np.quantile(means, [1 - _REACHED, _REACHED])]
+    if not found or max(found) < 0:
+        return None
+    return _written(max(0.0, min(found))), _written(max(found))
+
+
+def speed_before_of(trials: Sequence[Trial]) -> float | None:
+    """Return the mean speed before the manoeuvre of trials in m/s, to which coefficients with a dimension belong.
+
+    A model with such coefficients does not know that the ship loses speed in the manoeuvre: they hold what she does on average in
+    manoeuvres that begin at this speed.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+
+    Returns
+    -------
+    float or None
+        With four digits, as it is written. None where no trial records a speed, or the ship goes astern.
+    """
+    found = [before.value for trial in trials if (before := _before(trial)) is not None]
+    return _written(float(np.mean(found))) if found and np.mean(found) > 0 else None
 
 
 def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
@@ -46,7 +92,19 @@ def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
             sizes = np.abs(column[np.isfinite(column)]) if column is not None else np.zeros(0)
             if sizes.size:
                 found[name] = max(found.get(name, 0.0), float(np.quantile(sizes, _REACHED)))
-    return {n: float(np.deg2rad(float(f"{np.rad2deg(v):.4g}"))) for n, v in found.items()}
+    return {n: float(np.deg2rad(_written(np.rad2deg(v)))) for n, v in found.items()}
+
+
+def _columns(trial: Trial) -> dict[str, np.ndarray]:
+    return {n: trial[n] for n in trial.table.columns}
+
+
+def _before(trial: Trial) -> SpeedBefore | None:
+    return speed_before_in(_columns(trial))
+
+
+def _written(value: float) -> float:
+    return float(f"{value:.4g}")
 
 
 def _slope_of_heading(trial: Trial) -> np.ndarray | None:
@@ -79,7 +137,7 @@ def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> l
     """
     if ship is None:
         return []
-    before = speed_before_in({n: trial[n] for n in trial.table.columns})
+    before = _before(trial)
     reached = largest_amplitudes([trial])
     return beyond(
         model,

@@ -20,7 +20,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import covariance_of
-from shipid.identification.uncertainty.remedies import SIGNAL_WORDS, Remedies, percent
+from shipid.identification.uncertainty.remedies import SIGNAL_WORDS, Remedies, share_words
 
 #: Relative standard deviation from which a direction is reported; beyond `_OPEN` no data determine it.
 WEAK, _OPEN, _LOOSE = 0.1, 30.0, 1e3
@@ -134,13 +134,15 @@ def _what(fitted: str, parts: dict[str, float], deviation: float | None) -> str:
         if deviation is None:
             return f"{lead} has no effect in {fitted}."
         how = "has hardly any effect in" if deviation > UNDETERMINED else "is only roughly known from"
-        return f"{lead} {how} {fitted}: ±{percent(deviation)}."
+        return f"{lead} {how} {fitted}: ±{share_words(deviation)}."
     named = others[:_NAMED]
     together = "; ".join(f"{n} by {abs(parts[n]):.2g} times as much {_side(parts[n], parts[lead])}" for n in named)
     together += f"; {_listed(others[_NAMED:])} by less" if others[_NAMED:] else ""
     roughly = deviation is not None and deviation <= UNDETERMINED
     how = "can be separated only roughly" if roughly else "cannot be separated"
-    far = "without limit" if deviation is None else f"by ±{percent(deviation)} (one standard deviation, of its size)"
+    far = (
+        "without limit" if deviation is None else f"by ±{share_words(deviation)} (one standard deviation, of its size)"
+    )
     return f"{_listed(names)} {how} from {fitted}: {lead} may move {far} as long as the others go with it: {together}."
 
 

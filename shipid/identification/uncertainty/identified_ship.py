@@ -9,8 +9,7 @@ import numpy as np
 
 from shipid.estimation.estimate import Estimate
 from shipid.identification.problem.setting import Setting
-from shipid.identification.problem.ship_scale import recorded_speeds
-from shipid.identification.uncertainty.amplitudes import largest_amplitudes
+from shipid.identification.uncertainty.amplitudes import largest_amplitudes, recorded_speeds, speed_before_of
 from shipid.identification.uncertainty.estimates import is_as_stated
 from shipid.parameters.correlation import Joint
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
@@ -72,7 +71,6 @@ def identified_ship(
         own = held.source if held is not None else "held during the identification"
         target = particulars if name == "L" else section
         target[name] = Value(name, value, model[name].unit, own)
-    speeds = recorded_speeds(trials)
     # As written, so that a set that is read again is the same. Rounding leaves a badly conditioned matrix slightly asymmetric.
     names = [n for n in setting.estimated if n in section]
     at = [setting.estimated.index(n) for n in names]
@@ -80,7 +78,6 @@ def identified_ship(
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    span = (min(speeds), max(speeds)) if speeds and min(speeds) >= 0 else None
-    joint = Joint(tuple(names), matrix, span, **largest_amplitudes(trials))
+    joint = Joint(tuple(names), matrix, recorded_speeds(trials), speed_before_of(trials), **largest_amplitudes(trials))
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})

@@ -18,11 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.simulator import Simulator, make_simulator
 from shipid.parts.manoeuvring_range import manoeuvring_range
-from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 
 #: Samples in L/U of the record that is differentiated; how often sensors sample is in the weights.
@@ -146,7 +146,7 @@ class Experiment:
         inputs = _approach(speed) | {"helm_schedule": schedule}
         given = {**known, **planned.constants, "L": self.length}
         run = steered(t, given, inputs, {"u": speed, "psi": 0.0}, where=_WHERE)
-        return None if run.departure is not None else run["delta"][::fine]
+        return None if run.departure is not None else run[recorded_rudder(steered.model)][::fine]
 
     def information(
         self, candidate: CandidateManoeuvre, durations: Sequence[float], known: Mapping[str, float], size: np.ndarray
@@ -204,8 +204,8 @@ def _approach(speed: float) -> dict[str, float | np.ndarray]:
 @functools.lru_cache(maxsize=64)
 def _steered(model: Model, helm: type[Component]) -> Simulator:
     """The closed loop of one helmsman: it shows the rudder, and whether the model sails the manoeuvre."""
-    whole = join(model.name, model, SteeringMachine, helm, *manoeuvring_range(model))
-    return make_simulator(whole, ("delta",), hold="zero")
+    whole = join(model.name, model, steering_machine_of(model), helm, *manoeuvring_range(model))
+    return make_simulator(whole, (recorded_rudder(whole),), hold="zero")
 
 
 def gather(slope: np.ndarray, ends: Sequence[int]) -> np.ndarray:

@@ -22,7 +22,7 @@ _MANOEUVRES = ("zigzag:5/5", "zigzag:10/10", "zigzag:20/20", "zigzag:30/20", "tu
 SIGNAL_WORDS = {"v": "the sway speed", "u": "the forward speed", "r": "the rate of turn", "psi": "the heading"}
 
 
-def percent(share: float) -> str:
+def share_words(share: float) -> str:
     """Return a share in per cent, with two figures below one.
 
     Parameters
@@ -76,14 +76,14 @@ class Remedies:
                     "a value that is known, or choose a model without it."
                 )
             return (
-                f"{self._candidates[best][0]} as well: that would bring it to {percent(ratios[best])} of this, more of it to "
+                f"{self._candidates[best][0]} as well: that would bring it to {share_words(ratios[best])} of this, more of it to "
                 "less."
             )
         # The least effort first: the same sensors, and the first of the manoeuvres that help about as much.
         best = min(helping, key=lambda k: ratios[k])
         easy = next(k for k in helping if ratios[k] <= 1.5 * ratios[best])
         left = ratios[easy] * before * float(np.abs(unit).max())
-        return f"{self._candidates[easy][0]} as well: that would bring it to about ±{percent(left)}."
+        return f"{self._candidates[easy][0]} as well: that would bring it to about ±{share_words(left)}."
 
     @functools.cached_property
     def _candidates(self) -> list[tuple[str, np.ndarray]]:

@@ -15,10 +15,12 @@ from itertools import pairwise
 import casadi as ca
 import numpy as np
 
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import generate
+from shipid.parts.rudder_delay import LateRudder, recorded_rudder
 from shipid.trials.filling import interpolated
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.executes import first_execute, leaves
@@ -141,12 +143,18 @@ class ZigzagSimulator:
         Inputs now and at the next sample, recorded rudder, interval, and whether the helmsman steers.
     loop : Loop
         Ship, rudder and helmsman over the whole clock.
+    order : ndarray of int, shape (inputs,)
+        Where each input of the loop stands among those of the model.
+    late : bool
+        Whether the rudder acts behind a dead time, which has states of its own.
     """
 
     helmsman: ZigzagHelmsman
     t: np.ndarray
     controls: np.ndarray
     loop: Loop
+    order: np.ndarray
+    late: bool = False
 
     def __call__(self, x0: np.ndarray, p: np.ndarray, bias: np.ndarray) -> Swings:
         """Return the overshoots and the times of the reversals.
@@ -170,8 +178,9 @@ class ZigzagSimulator:
         limits[:count] = signs * h.headings
         angles = np.full(MOST + 1, h.angles[-1])
         angles[: count + 1] = h.angles
-        given = np.concatenate([p, bias, limits, angles, [h.rate]])
-        z0 = np.concatenate([x0, [self.controls[0, -3], 0.0]])
+        given = np.concatenate([p, bias[self.order], limits, angles, [h.rate]])
+        rudder = self.controls[0, -3]
+        z0 = np.concatenate([x0, [rudder, 0.0, 0.0] if self.late else [], [rudder, 0.0]])
         psi, reversals, margin = self.loop(z0, self.controls, given)[1].T
         if not np.isfinite(psi).all() or not (margin >= 0).all():
             return Swings((None,) * count, ())
@@ -212,9 +221,13 @@ def zigzag_simulator(
     clock = np.arange(t[0], t[-1] + _BEYOND * trial.duration, step)
     rows = np.array([np.interp(clock, t, row) for row in inputs])
     recorded = rows[model.inputs.index("delta")]
+    late = "delta" in model.delays
+    whole = join(model.name, model, LateRudder) if late else model
+    order = np.array([model.inputs.index("delta" if n == recorded_rudder(whole) else n) for n in whole.inputs])
+    rows = rows[order]
     controls = np.vstack([rows, np.hstack([rows[:, 1:], rows[:, -1:]]), recorded, np.full(clock.size, step), clock])
     controls[-1] = clock >= helmsman.begin
-    return ZigzagSimulator(helmsman, clock, np.ascontiguousarray(controls.T), _steered(model))
+    return ZigzagSimulator(helmsman, clock, np.ascontiguousarray(controls.T), _steered(whole), order, late)
 
 
 @functools.lru_cache(maxsize=32)
@@ -231,7 +244,7 @@ def _steered(model: Model) -> Loop:
     held = sum(ca.if_else(reversals == k, angles[k], 0.0) for k in range(MOST + 1))
     limit = sum(ca.if_else(reversals == k, limits[k], 0.0) for k in range(MOST))
     limit = ca.if_else(reversals >= MOST, _NEVER, limit)
-    at = model.inputs.index("delta")
+    at = model.inputs.index(recorded_rudder(model))
     moved = rudder + ca.fmin(ca.fmax(held - rudder, -rate * interval), rate * interval)
     following = ca.if_else(engaged > 0, moved, then[at])
     first, second = now + 0, then + 0

@@ -8,6 +8,7 @@ from math import inf
 from typing import Literal
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import check_trial
@@ -46,7 +47,7 @@ class TrialFinding:
     def __str__(self) -> str:
         f = self.finding
         span = f"{f.seconds[0]:.5g} to {f.seconds[1]:.5g} s"
-        return f"{self.trial}: {f.kind} ({f.channel}, {f.confidence:.0%}, {span}): {f.message}"
+        return f"{self.trial}: {f.kind} ({f.channel}, {percent(f.confidence)}, {span}): {f.message}"
 
 
 def findings_of(
@@ -55,6 +56,7 @@ def findings_of(
     validation: Sequence[Comparison],
     inputs: Sequence[str] = (),
     method: str = "",
+    delayed: bool = False,
 ) -> tuple[TrialFinding, ...]:
     """Return what the doctor is sure of in the trials of a fit, what spoils an identification first.
 
@@ -68,6 +70,8 @@ def findings_of(
         What drives the model. A finding that concerns neither these nor a signal of the fit spoils nothing in it.
     method : str
         How the coefficients were found. Prediction error models the disturbances that an autopilot reacts to.
+    delayed : bool
+        Whether the model has a dead time of the rudder.
     """
     found = []
     roles: tuple[tuple[Literal["fitted", "validation"], Sequence[Comparison]], ...] = (
@@ -78,15 +82,19 @@ def findings_of(
         for c in comparisons:
             diagnosis = check_trial(c.trial, ship)
             found += [
-                TrialFinding(c.trial.name, role, _settled(f, method), f.touches({*c.samples, *inputs}, -inf, inf))
+                TrialFinding(
+                    c.trial.name, role, _settled(f, method, delayed), f.touches({*c.samples, *inputs}, -inf, inf)
+                )
                 for f in diagnosis.findings
                 if f.confidence >= SURE
             ]
     return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))
 
 
-def _settled(finding: Finding, method: str) -> Finding:
-    """A finding, no longer serious where the method settles it."""
+def _settled(finding: Finding, method: str, delayed: bool) -> Finding:
+    """A finding, no longer serious where the method or the model settles it."""
+    if finding.kind == "latency" and finding.fix is None and delayed:
+        return replace(finding, spoils=False, effect="The fit has a dead time for it.")
     if finding.kind == "closed-loop" and method == "prediction-error":
         return replace(finding, spoils=False)
     return finding

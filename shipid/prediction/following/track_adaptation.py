@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.quantity import given, output, state
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.online.online_filter import OnlineFilter

@@ -17,7 +17,7 @@ from shipid.autopilot.course_changes.weather import CALM
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, steered_ship
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError

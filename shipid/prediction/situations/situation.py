@@ -17,6 +17,38 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+@dataclass(frozen=True, eq=False)
+class PastErrors:
+    """By how much the bands of past predictions were too narrow, against the distance; made by `shipid.prediction.situations.past`.
+
+    Attributes
+    ----------
+    s_star : ndarray, shape (K,)
+        Distances in ship lengths.
+    track, heading : ndarray, shape (K,)
+        Factors of the standard deviations across the track and of the heading, 1 at least.
+    count : int
+        How many predictions they come from.
+    """
+
+    s_star: np.ndarray
+    track: np.ndarray
+    heading: np.ndarray
+    count: int
+
+    def at(self, s_star: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the factors of track and heading; beyond the farthest distance seen they are those there.
+
+        Parameters
+        ----------
+        s_star : ndarray
+            Distances in ship lengths.
+        """
+        if not self.s_star.size:
+            return np.ones_like(s_star), np.ones_like(s_star)
+        return np.interp(s_star, self.s_star, self.track), np.interp(s_star, self.s_star, self.heading)
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Situation(Result):
     """A ship at one moment; SI.
@@ -34,6 +66,8 @@ class Situation(Result):
         Density of the noise that drives a quantity while the ship sails on, per root second.
     t : float
         In s, on the clock of its source.
+    past : PastErrors or None
+        How far off earlier predictions of this ship were, which widens the band; None where nothing is known of that.
     """
 
     values: Mapping[str, float]
@@ -41,6 +75,7 @@ class Situation(Result):
     covariance: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     noise: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     t: float = 0.0
+    past: PastErrors | None = None
 
     def __post_init__(self) -> None:
         for name in ("psi", "u"):

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.estimation.by_record import filter_by_record
+from shipid.estimation.records.run import FilterRun
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
@@ -17,6 +19,7 @@ from shipid.parts.sensors import standard_noise
 from shipid.parts.wind import Wind
 from shipid.prediction.situations.filtered_situation import situation_of
 from shipid.prediction.situations.own_ship_filter import DISTURBANCES, own_ship_filter
+from shipid.prediction.situations.past import APART, Past
 from shipid.prediction.situations.situation import Situation
 from shipid.trials.trial import Trial
 
@@ -27,6 +30,8 @@ _MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
 _WIND = ("wind_speed", "wind_direction")
 #: The wind is averaged over the last so many L/U.
 _WIND_MEAN = 3.0
+#: Past instants from which the voyage since is predicted, at most.
+_MOST = 40
 
 
 def situation_in(
@@ -52,6 +57,45 @@ def situation_in(
     situation : Situation
     told : list of Notice
         What is not known.
+
+    See Also
+    --------
+    known_before : The same with what was known earlier.
+
+    Raises
+    ------
+    UsageError
+        If the record has too few samples before that time, or no heading.
+    """
+    found, told, _ = known_before(model, ship, trial, at, stated)
+    return found, told
+
+
+def known_before(
+    model: Model, ship: ParameterSet, trial: Trial, at: float | None = None, stated: Mapping[str, float] | None = None
+) -> tuple[Situation, list[Notice], Past]:
+    """Return what is known of a ship at an instant of a trial, and what was known at instants before it.
+
+    Parameters
+    ----------
+    model : Model
+        The ship.
+    ship : ParameterSet
+        Her coefficients and particulars.
+    trial : Trial
+        The record.
+    at : float, optional
+        Time in s on the clock of the record; its last sample by default.
+    stated : mapping of str to float, optional
+        Inputs that go before those of the record, SI.
+
+    Returns
+    -------
+    situation : Situation
+    told : list of Notice
+        What is not known.
+    past : Past
+        Instants apart by `APART`, and the voyage as it was estimated; none where the record has no rudder angle.
 
     Raises
     ------
@@ -88,11 +132,34 @@ def situation_in(
         kept.append("bias:delta")
     run, _ = filter_by_record(kalman, before, kept)
     told += run.warnings
-    found = situation_of(run)
-    values = {**found.values, **_mean_wind(before, whole, found.values, ship), **(stated or {})}
-    if "u" not in values:
-        values["u"] = _last(before, "u")
-    return Situation(values, found.uncertain, found.covariance, found.noise, found.t), told
+
+    def known(at: float) -> Situation:
+        found, seen = situation_of(run, at), before.window(None, at)
+        values = {**found.values, **_mean_wind(seen, whole, found.values, ship), **(stated or {})}
+        if "u" not in values:
+            values["u"] = _last(seen, "u")
+        return replace(found, values=values)
+
+    now = known(float(run.t[-1]))
+    return now, told, _past(run, before, now, ship, known)
+
+
+def _past(
+    run: FilterRun, trial: Trial, now: Situation, ship: ParameterSet, known: Callable[[float], Situation]
+) -> Past:
+    """What was known before, and the voyage since."""
+    length = ship.particular("L", "m")
+    columns = {n: np.asarray(run[n]) for n in ("x", "y", "psi")}
+    columns["u"] = np.asarray(run["u"]) if "u" in run.design.model else np.full(run.t.size, now.values["u"])
+    instants: list[float] = []
+    if trial.has("delta") and length is not None:
+        apart = APART * length / now.values["u"]
+        # The filter has had a step or two of them to begin.
+        instants = [now.t - k * apart for k in range(1, _MOST + 1) if now.t - k * apart > run.t[0] + 2 * apart]
+    there = np.isfinite(trial["delta"]) if trial.has("delta") else np.zeros(len(trial), dtype=bool)
+    delta = np.interp(run.t, trial["t"][there], trial["delta"][there]) if there.any() else np.zeros(run.t.size)
+    sailing = [t for t in instants if np.interp(t, run.t, columns["u"]) > 0 and there.any()]
+    return Past(tuple(known(t) for t in sailing), run.t, **columns, delta=delta)
 
 
 def _mean_wind(trial: Trial, model: Model, values: Mapping[str, float], ship: ParameterSet) -> dict[str, float]:

@@ -8,7 +8,8 @@ import numpy as np
 
 from shipid.foundation.errors import UsageError
 from shipid.generation.system import generate
-from shipid.prediction.tracks.distance_loop import NODE, SHOWN, make_distance_loop, unpacked_spread
+from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.distance_loop import NODE, SHOWN, DistanceLoop, make_distance_loop, unpacked_spread
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.start_of_track import spread_in
 from shipid.prediction.tracks.track_run import TrackRun
@@ -40,8 +41,23 @@ def linear_track(run: TrackRun, distance: float, points: int, substeps: int) -> 
         np.full((points + 1, 1), distance),
         loop.coefficients(run.p, run.inputs, run.least, noise),
     )
+    return tracked(run, loop, out)
+
+
+def tracked(run: TrackRun, loop: DistanceLoop, out: np.ndarray) -> PredictedTrack:
+    """Return the track and its band out of the rows of a loop that carries the covariance.
+
+    Parameters
+    ----------
+    run : TrackRun
+        What was ordered.
+    loop : DistanceLoop
+        The loop.
+    out : ndarray, shape (N, outputs)
+        Its rows.
+    """
     track = run.track(out)
-    return with_spread(track, unpacked_spread(out[: track.s.size, loop.shown :]))
+    return with_spread(track, unpacked_spread(out[: track.s.size, loop.shown :]), run.situation)
 
 
 def sampled_track(
@@ -91,7 +107,8 @@ def sampled_track(
     lost = samples - len(kept)
     if len(kept) < 2:
         return replace(track, ended=track.ended or "nearly all samples run away: no band")
-    shown = with_spread(track, np.matmul(kept.transpose(1, 2, 0), kept.transpose(1, 0, 2)) / len(kept))
+    spread = np.matmul(kept.transpose(1, 2, 0), kept.transpose(1, 0, 2)) / len(kept)
+    shown = with_spread(track, spread, run.situation)
     return replace(shown, ended=track.ended or f"{lost} of {samples} samples run away") if lost else shown
 
 
@@ -108,8 +125,8 @@ def _draw_into(table: np.ndarray, run: TrackRun, extra: tuple[str, ...], draws: 
         table[:, place] = np.clip(drawn, -np.inf if low is None else low, np.inf if high is None else high)
 
 
-def with_spread(track: PredictedTrack, spread: np.ndarray) -> PredictedTrack:
-    """Return a track with its spread.
+def with_spread(track: PredictedTrack, spread: np.ndarray, situation: Situation) -> PredictedTrack:
+    """Return a track with its spread, widened where earlier predictions of the ship were farther off than they should be.
 
     Parameters
     ----------
@@ -117,6 +134,13 @@ def with_spread(track: PredictedTrack, spread: np.ndarray) -> PredictedTrack:
         The track; N nodes.
     spread : ndarray, shape (N, 4, 4)
         Covariances of position, heading and time at equal distance.
+    situation : Situation
+        From which the track was predicted.
     """
     std = np.sqrt(np.maximum(np.einsum("nii->ni", spread), 0.0))
-    return replace(track, covariance=spread[:, :2, :2], std={"psi": std[:, 2], "t": std[:, 3]})
+    covariance = spread[:, :2, :2]
+    heading = std[:, 2]
+    if situation.past is not None:
+        wider, turned = situation.past.at(track.s_star)
+        covariance, heading = covariance * wider[:, None, None] ** 2, heading * turned
+    return replace(track, covariance=covariance, std={"psi": heading, "t": std[:, 3]})

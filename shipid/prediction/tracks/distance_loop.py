@@ -14,7 +14,7 @@ import casadi as ca
 import numpy as np
 
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.quantity import derived, given, state
 from shipid.foundation.aliases import Expression
@@ -68,7 +68,8 @@ class DistanceLoop:
     """A step over a distance, run over the nodes of a track; made by `make_distance_loop`.
 
     The coefficients of the loop are those of the model, its inputs, the least speed in m/s and, with a spread, the noise of each
-    uncertain quantity. The control of a node is the distance to the next in m and, with drawn noise, one number a driven state.
+    uncertain quantity. The control of a node is the distance to the next in m and, with drawn noise, one number a driven state, or the
+    rudder order in rad where that comes with each node.
 
     Attributes
     ----------
@@ -146,6 +147,7 @@ def make_distance_loop(
     spread: Spread = "none",
     substeps: int = 1,
     driven: tuple[int, ...] = (),
+    steered: bool = False,
 ) -> DistanceLoop:
     """Generate and compile the step over a distance.
 
@@ -161,6 +163,8 @@ def make_distance_loop(
         Integration steps between two nodes.
     driven : tuple of int
         With drawn noise: places of the states that it drives.
+    steered : bool
+        Whether the rudder order comes with each node, and not once for all; with a spread by covariance only.
 
     Returns
     -------
@@ -178,6 +182,11 @@ def make_distance_loop(
     interval = distance / ca.fmax(system.values["u"], least)
     x_next = ca.substitute(step.x_next, system.T, interval)
     out = system.expression((*NODE, *model.guards))
+    control = distance
+    if steered:
+        rudder = ca.SX.sym("rudder")
+        x_next, out = ca.substitute([x_next, out], [system.values["delta_order"]], [rudder])
+        control = ca.vertcat(distance, rudder)
     p = ca.vertcat(system.p, system.u, least)
     if spread == "none":
         return DistanceLoop(system, (), spread, _loop([system.x, distance, p], [x_next, out]))
@@ -202,7 +211,7 @@ def make_distance_loop(
     shown = out_by @ covariance @ out_by.T
     carried = ca.vertcat(system.x, _packed(lower))
     loop = _loop(
-        [carried, distance, p],
+        [carried, control, p],
         [ca.vertcat(x_next, _packed(ca.tril(following))), ca.vertcat(out, _packed(ca.tril(shown)))],
     )
     return DistanceLoop(system, extra, spread, loop)

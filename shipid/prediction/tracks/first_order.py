@@ -13,7 +13,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import coefficients_of, heading_frequency, linear_ship
 from shipid.autopilot.on_board.model_reference import first_order_equivalent
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.quantity import constant, derived, given, parameter, state
 from shipid.foundation.aliases import Expression
 from shipid.generation.linearisation import linearise

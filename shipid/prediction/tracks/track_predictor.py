@@ -13,18 +13,20 @@ from shipid.autopilot.course_changes.turn_order import TurnOrder
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, steered_ship
 from shipid.declaration.component import Component
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import missing_values
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
+from shipid.parts.wind import Wind
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.bands import linear_track, sampled_track
+from shipid.prediction.tracks.bands import linear_track, sampled_track, tracked
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
 from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_ship
 from shipid.prediction.tracks.order import Order, read_order
 from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.start_of_track import spread_in
 from shipid.prediction.tracks.track_run import cruise_of, kind_of, ordered_run
 
 #: Which model predicts.
@@ -206,6 +208,47 @@ class TrackPredictor:
         orders = [read_order(h, None, None, rudder_limit) for h in headings]
         return self._run(situation, orders, horizon, points, "none") if orders else []
 
+    def along(
+        self, situations: Sequence[Situation], rudders: np.ndarray, horizon: float = HORIZON
+    ) -> list[PredictedTrack]:
+        """Predict the tracks along which the rudder is laid as it is given, with their bands.
+
+        Parameters
+        ----------
+        situations : sequence of Situation
+            What is known of the ship at the beginning of each; the same quantities are uncertain in all.
+        rudders : ndarray, shape (situations, points)
+            Rudder orders in rad, one for each step.
+        horizon : float
+            Length of the tracks in ship lengths.
+
+        Returns
+        -------
+        list of PredictedTrack
+        """
+        order = read_order(None, 0.0, None, None)
+        model = self.model_of(order)
+        points, distance = rudders.shape[1], horizon * self.length / rudders.shape[1]
+        runs, starts = [], []
+        for situation in situations:
+            named = {*model.parameters, *model.constants}
+            known = self._known(model, "rudder", cruise_of(situation))
+            known = known | {n: v for n, v in situation.values.items() if n in named}
+            run = ordered_run(model, self.pilot, situation, order, known, self.condition, self._source)
+            runs.append(run)
+            starts.append(spread_in(model, situation, run.slopes))
+        substeps = self._substeps(distance, cruise_of(situations[0]))
+        loop = make_distance_loop(model, starts[0][0], "covariance", substeps, steered=True)
+        controls = np.full((len(runs), points + 1, 2), distance)
+        controls[:, :, 1] = np.concatenate([rudders, rudders[:, -1:]], axis=1)
+        table = loop.loop.side_by_side(
+            np.stack([loop.carried(r.x0, covariance) for r, (_, covariance, _) in zip(runs, starts)]),
+            controls,
+            np.stack([loop.coefficients(r.p, r.inputs, r.least, noise) for r, (_, _, noise) in zip(runs, starts)]),
+            threads=1,
+        )
+        return [tracked(run, loop, out) for run, out in zip(runs, table)]
+
     def _run(
         self,
         situation: Situation,
@@ -284,3 +327,19 @@ class TrackPredictor:
             finest = stiffest(self.pilot, loop, np.array([speed]))
             self._longest[speed] = min(finest, _LONGEST / self.pilot.pace(speed))
         return int(2 ** max(0, np.ceil(np.log2(distance / speed / self._longest[speed]))))
+
+
+def wind_parts(pilot: Autopilot, known: Situation, model: Predicting = "own") -> tuple[type[Component], ...]:
+    """Return the wind as a component to join, where there is some and the predicting model reads it.
+
+    Parameters
+    ----------
+    pilot : Autopilot
+        The autopilot with its ship.
+    known : Situation
+        What is known.
+    model : {"own", "first-order"}
+        What predicts; the first-order model reads the wind always.
+    """
+    reads = model != "own" or "r_disturbance" in pilot.model.inputs
+    return (Wind,) if reads and known.values.get("wind_speed") else ()

@@ -10,7 +10,20 @@ import numpy as np
 
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.runaway import good_samples
-from shipid.report.figures.svg import BLUE, GOLD, GREEN, MUTED, ORANGE, PURPLE, WIDTH, Drawing, legend, thin, with_gaps
+from shipid.report.figures.svg import (
+    BLUE,
+    GOLD,
+    GREEN,
+    MUTED,
+    ORANGE,
+    PURPLE,
+    WIDTH,
+    Drawing,
+    legend,
+    panel_title,
+    thin,
+    with_gaps,
+)
 from shipid.trials.filling import interpolated
 from shipid.trials.measuring.track import track
 from shipid.trials.trial import Trial
@@ -23,6 +36,8 @@ if TYPE_CHECKING:
 
 _COLOURS = (ORANGE, GREEN, PURPLE, GOLD)
 _DASHES = ("--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)))
+#: A ship that turns further than this, in rad, has her rudder below her heading.
+_FAR = np.deg2rad(120.0)
 #: Height of a track over its width, at most and at least.
 _TALLEST, _FLATTEST = 0.8, 0.5
 
@@ -42,22 +57,30 @@ def heading_drawing(comparisons: Mapping[str, Comparison]) -> Drawing | None:
     t, psi = trial["t"], trial["psi"]
     start = float(psi[np.isfinite(psi)][0])
 
+    # On one axis as in every zig-zag; below the heading where that turns so far that the rudder would be a flat line.
+    apart = bool(np.nanmax(np.abs(psi - start)) > _FAR)
+
     def draw(figure: Figure) -> None:
-        ax = figure.subplots()
+        axes = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1]) if apart else [figure.subplots()]
+        ax, below = axes[0], axes[-1]
         for name, label, style in (("delta_order", "rudder order", ":"), ("delta", "rudder", "-")):
             if trial.has(name):
-                _line(ax, t, np.degrees(trial[name]), label, color=MUTED, linewidth=1.0, linestyle=style)
+                _line(below, t, np.degrees(trial[name]), label, color=MUTED, linewidth=1.0, linestyle=style)
         _line(ax, t, np.degrees(psi - start), "measured", color=BLUE, linewidth=2.4, alpha=0.6)
         for k, (label, c) in enumerate(comparisons.items()):
             if "psi" in c.predicted:
                 n = good_samples(c)
                 look: dict[str, Plain] = {"color": _COLOURS[k % 4], "linestyle": _DASHES[k % 4], "linewidth": 1.4}
                 _line(ax, t[:n], np.degrees(c.predicted["psi"][:n] - start), label, **look)
-        ax.axhline(0, color=MUTED, linewidth=0.6)
-        ax.margins(x=0.01)
-        ax.set_title("heading from its start, and rudder, to starboard [deg]", loc="left", fontsize=9, pad=3)
-        ax.set_xlabel("time [s]")
-        legend(figure, [ax])
+        for one in axes:
+            one.axhline(0, color=MUTED, linewidth=0.6)
+            one.margins(x=0.01)
+        both = "heading from its start, to starboard" if apart else "heading from its start, and rudder, to starboard"
+        ax.set_title(panel_title(both, "deg"), loc="left", fontsize=9, pad=3)
+        if apart:
+            below.set_title(panel_title("rudder, to starboard", "deg"), loc="left", fontsize=9, pad=3)
+        below.set_xlabel("time [s]")
+        legend(figure, axes)
 
     words = f"Heading measured and predicted by {', '.join(comparisons)}" if len(comparisons) > 1 else "Heading"
     return Drawing(draw, (WIDTH, 3.1), f"{words}, with the rudder, trial {trial.name}")

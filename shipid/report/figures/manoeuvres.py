@@ -10,7 +10,7 @@ from markupsafe import Markup
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.report.figures.hull import outline
-from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, WIDTH, legend, svg, thin, with_gaps
+from shipid.report.figures.svg import BLUE, GREEN, MUTED, ORANGE, PAPER, WIDTH, legend, svg, thin, with_gaps
 from shipid.trials.measuring.pull_out import PullOut
 from shipid.trials.measuring.results.measures import Measures
 from shipid.trials.measuring.results.turning_circle import TurningCircle
@@ -153,7 +153,8 @@ def _dimensions(ax: Axes, circle: TurningCircle, side: float, off: float) -> Non
     """Advance, transfer and tactical diameter over the ground as dimension lines."""
     arrow = {"arrowstyle": "<->", "color": _MARK, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0}
     thin_line: dict[str, Plain] = {"color": _MARK, "linewidth": 0.6, "linestyle": (0, (3, 2))}
-    words: dict[str, Plain] = {"color": _MARK, "fontsize": _TEXT}
+    behind = {"facecolor": PAPER, "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+    words: dict[str, Plain] = {"color": _MARK, "fontsize": _TEXT, "bbox": behind, "zorder": 3}
     advance, transfer, diameter = circle.advance, circle.transfer, circle.tactical_diameter
     if advance is not None and transfer is not None:
         x = -side * 2 * off

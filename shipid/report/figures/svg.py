@@ -30,6 +30,8 @@ WIDTH = 4.7
 BLUE, ORANGE, GREEN, PURPLE, GOLD, RED = "#2f7fc4", "#d9700a", "#2e9e6b", "#a9589f", "#b8860b", "#c0392b"
 #: Of what is less important.
 MUTED = "#7d8590"
+#: Behind a label that lies over lines: the paper.
+PAPER = "#fefefe"
 _PROPERTIES = {
     BLUE: "--blue",
     ORANGE: "--orange",
@@ -38,11 +40,12 @@ _PROPERTIES = {
     GOLD: "--gold",
     RED: "--red",
     MUTED: "--muted",
+    PAPER: "--paper",
 }
 #: Characters that a row of a legend holds, and its height in inches.
 _LEGEND, _ROW = 66, 0.17
 #: Margins of a figure and the gap between its panels, in inches.
-_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.1, 0.5, 0.45, 0.27
+_LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.2, 0.5, 0.45, 0.27
 _SETTINGS = {
     "svg.fonttype": "none",
     "svg.hashsalt": "shipid",

@@ -14,7 +14,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
 from shipid.trials.doctor.examinations.motion import course, heading, over_ground, track
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
-from shipid.trials.doctor.examinations.record import clock, frozen, missing, outliers, rows, sampling
+from shipid.trials.doctor.examinations.record import clock, frozen, missing, names, outliers, rows, sampling
 from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import LEAST, Diagnosis, Finding, Stretch
@@ -131,6 +131,7 @@ def examine(
         raise EmptyFileError(f"{log.record.where} holds no samples in this window. Choose another one.")
     copy = WorkingCopy(log.record, *_particulars(ship))
     _assumed_units(copy, log.assumed)
+    names.examine_names(copy, log.names)
     rows.examine_marks(copy, log.marks)
     rows.examine_rows(copy)
     with np.errstate(all="ignore"), warnings.catch_warnings():

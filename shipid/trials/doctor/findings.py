@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
-from shipid.foundation.numbers import quantity
+from shipid.foundation.numbers import percent, quantity
 from shipid.foundation.result import DrawnResult, table
 
 if TYPE_CHECKING:
@@ -146,7 +146,7 @@ class Finding:
 
     def __str__(self) -> str:
         state = ", put right by the format file" if self.handled else ""
-        head = f"{self.kind} ({self.channel}, {self.confidence:.0%}{state})"
+        head = f"{self.kind} ({self.channel}, {percent(self.confidence)}{state})"
         where = f"rows {self.rows[0]}-{self.rows[1]}, {self.seconds[0]:.6g} to {self.seconds[1]:.6g} s"
         return f"{head}: {self.message} [{where}]\n    effect: {self.effect}\n    repair: {self.repair}"
 
@@ -310,7 +310,8 @@ class Diagnosis(DrawnResult):
             lines += [f"  {f}" for f in told[:shown]]
             if told[shown:]:
                 lines.append(
-                    "    also: " + "; ".join(f"{f.channel} ({f.confidence:.0%}): {f.message}" for f in told[shown:])
+                    "    also: "
+                    + "; ".join(f"{f.channel} ({percent(f.confidence)}): {f.message}" for f in told[shown:])
                 )
         lines.append(f"  rows: {self.rows} read, {self.kept} kept" + "".join(f"; {part}" for part in self.left_out))
         if self.manoeuvres:

@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.conversion import in_si, put_right
+from shipid.trials.logs.drafting.names import meaning_of
 from shipid.trials.logs.missing import marked_samples
 from shipid.trials.logs.record import LenientRecord, inside
 from shipid.trials.trial import Trial
@@ -47,11 +48,14 @@ class GuessedRecord:
         Columns that say no unit that fits, for which the usual one was assumed.
     marks : Mapping of str to Mapping of int to float
         By column and row the numbers, as printed, that stand for a missing sample; NaN in the record.
+    names : Mapping of str to str
+        Headers by the name that was guessed from them.
     """
 
     record: LenientRecord
     assumed: tuple[str, ...] = ()
     marks: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
+    names: Mapping[str, str] = field(default_factory=dict)
 
 
 def from_trial(trial: Trial) -> GuessedRecord:
@@ -103,7 +107,11 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         If the only column that can be says no unit.
     """
     fmt = record.format
-    record = _with_names(record) if fmt is None else _with_clock(record)
+    names: dict[str, str] = {}
+    if fmt is None:
+        record, names = _with_names(record)
+    else:
+        record = _with_clock(record)
     if "t" not in record.values:
         raise next(fault for fault in record.faults if isinstance(fault, UnknownColumnError | NoUnitError))
     record, assumed = _with_units(record)
@@ -122,7 +130,7 @@ def guessed(record: LenientRecord, *, treated: bool) -> GuessedRecord:
         record = record.keep(within)
         marks = {c: {place[k]: v for k, v in cells.items() if k in place} for c, cells in marks.items()}
     # What is done about a log stands in the findings, not in the notes.
-    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed, marks)
+    return GuessedRecord(replace(record, notes=notes, faults=faults), assumed, marks, names)
 
 
 def _without_marks(record: LenientRecord) -> tuple[LenientRecord, dict[str, dict[int, float]]]:
@@ -137,17 +145,24 @@ def _without_marks(record: LenientRecord) -> tuple[LenientRecord, dict[str, dict
     return replace(record, values=values), marks
 
 
-def _with_names(record: LenientRecord) -> LenientRecord:
-    """Take columns for those of the vocabulary by their usual names; leave out what says neither name nor unit."""
+def _with_names(record: LenientRecord) -> tuple[LenientRecord, dict[str, str]]:
+    """Take columns for those of the vocabulary by their usual names; leave out what says neither name nor unit.
+
+    Returns
+    -------
+    record : LenientRecord
+    names : dict of str to str
+        Headers by the name that was guessed from them.
+    """
     known = {alias: name for name, aliases in _ALIASES.items() for alias in aliases}
     values: dict[str, np.ndarray] = {}
     stated: dict[str, str] = {}
     words = dict(record.words)
-    guesses = []
+    guesses: dict[str, str] = {}
     for header, column in record.values.items():
         name = header
         if name not in FIELDS or (name == "n" and "N" in record.values):
-            alias = known.get(name.lower())
+            alias = known.get(name.lower()) or _usual(header, record.stated)
             name = alias if alias and alias not in record.values else name
         if name in values or (name not in FIELDS and header not in record.stated):
             continue
@@ -157,9 +172,17 @@ def _with_names(record: LenientRecord) -> LenientRecord:
         if header in record.stated:
             stated[name] = record.stated[header]
         if name != header:
-            guesses.append(f"{name} is '{header}'")
-    notes = (f"Columns guessed from their headers: {', '.join(guesses)}.",) if guesses else ()
-    return replace(record, values=values, stated=stated, words=words, notes=(*record.notes, *notes))
+            guesses[name] = header
+    return replace(record, values=values, stated=stated, words=words), guesses
+
+
+def _usual(header: str, stated: Mapping[str, str]) -> str | None:
+    """The field of the vocabulary that a header in use means without doubt, and whose unit its own does not contradict."""
+    meaning = meaning_of(header)
+    if meaning.doubtful or not meaning.fields or meaning.fields[0] not in FIELDS:
+        return None
+    name = meaning.fields[0]
+    return name if header not in stated or _fits(name, {name: stated[header]}) else None
 
 
 def _with_clock(record: LenientRecord) -> LenientRecord:

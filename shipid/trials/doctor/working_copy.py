@@ -98,7 +98,7 @@ class WorkingCopy:
     @property
     def sampling(self) -> float:
         """Median sampling interval of the clock [s]."""
-        return float(np.median(np.diff(self.t))) if len(self) > 1 else 1.0
+        return _usual_interval(self.t) or 1.0
 
     @property
     def rudder(self) -> str | None:
@@ -152,8 +152,7 @@ class WorkingCopy:
         name : str
             The column.
         """
-        times = self.t[self.own(name)]
-        return float(np.median(np.diff(times))) if len(times) > 1 else self.sampling
+        return _usual_interval(self.t[self.own(name)]) or self.sampling
 
     def noise(self, name: str) -> float:
         """Return the standard deviation of the white noise of a channel, on its own clock.
@@ -339,3 +338,12 @@ class WorkingCopy:
         first, last = rows[np.r_[0, breaks + 1]], rows[np.r_[breaks, len(rows) - 1]]
         ends = [sorted((self._when(int(a)), self._when(int(b)))) for a, b in zip(first, last)]
         return tuple((a, b) for a, b in ends)
+
+
+def _usual_interval(times: np.ndarray) -> float:
+    """Median interval; that of the steps forward where a clock jumps and repeats, and zero where there are none [s]."""
+    steps = np.diff(times)
+    forward = steps[steps > 0]
+    if not forward.size:
+        return 0.0
+    return max(float(np.median(steps)), 0.0) or float(np.median(forward))

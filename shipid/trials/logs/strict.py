@@ -11,14 +11,11 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import checks, columns
 from shipid.trials.filling import usual_interval
 from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_trailing
-from shipid.trials.logs.drafting.names import meaning_of
+from shipid.trials.logs.drafting.names import open_columns, unread_columns
 from shipid.trials.logs.following import with_following
 from shipid.trials.logs.missing import with_missing
 from shipid.trials.logs.record import LenientRecord
 from shipid.trials.source import Source
-
-#: Fields without which most commands have nothing to do.
-_WANTED = ("psi", "r", "u", "delta", "delta_order", "x", "y")
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,15 +98,18 @@ def _remarks(table: pd.DataFrame) -> list[str]:
 
 def _unread(table: pd.DataFrame) -> list[str]:
     """What columns look like fields of the vocabulary that the log does not hold under their names."""
-    found: dict[str, str] = {}
-    for header in table.columns:
-        meaning = meaning_of(str(header))
-        if header not in FIELDS and not meaning.doubtful and meaning.fields[:1] and meaning.fields[0] in _WANTED:
-            found.setdefault(meaning.fields[0], str(header))
-    lacking = {field: header for field, header in found.items() if field not in table}
-    if not lacking:
+    headers = [str(header) for header in table.columns]
+    lacking, unclear = unread_columns(headers, table.columns), open_columns(headers, table.columns)
+    if not lacking and not unclear:
         return []
+    told = (
+        [f"{' and '.join(lacking.values())} look{'s' if len(lacking) == 1 else ''} like {' and '.join(lacking)}"]
+        if lacking
+        else []
+    )
+    told += [f"{header} can be {' or '.join(fields)}" for header, fields in unclear.items()]
     return [
-        f"WARNING: {' and '.join(lacking.values())} look{'s' if len(lacking) == 1 else ''} like {' and '.join(lacking)}, and nothing "
-        "reads them under these names. Rename them, or write a format file: shipid format FILE drafts it."
+        f"WARNING: {', '.join(told)}, and nothing reads {'it' if len(lacking) + len(unclear) == 1 else 'them'} under "
+        f"{'this name' if len(lacking) + len(unclear) == 1 else 'these names'}. Rename the columns, or write a format file: shipid format "
+        "FILE drafts it."
     ]

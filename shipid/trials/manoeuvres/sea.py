@@ -21,6 +21,21 @@ def froude_share(length: float) -> float:
     return float(np.sqrt(min(length, FULL_LENGTH) / FULL_LENGTH))
 
 
+def wave_intensity(frequency: float, heading: float, damping: float = DAMPING) -> float:
+    """Return the intensity of the white noise that drives `shipid.parts.waves.Waves`, in rad^2/s^3.
+
+    Parameters
+    ----------
+    frequency : float
+        Of the waves in rad/s.
+    heading : float
+        Root mean square of the heading by waves, the ship at rest, in rad.
+    damping : float
+        Damping ratio of the filter.
+    """
+    return 4 * damping * frequency**3 * heading**2
+
+
 def wave_noise(
     count: int, interval: np.ndarray, seed: int, *, frequency: float, heading: float, damping: float = DAMPING
 ) -> np.ndarray:
@@ -43,6 +58,6 @@ def wave_noise(
     damping : float
         Damping ratio of the filter.
     """
-    intensity = 4 * damping * frequency**3 * heading**2
+    intensity = wave_intensity(frequency, heading, damping)
     draws = np.random.default_rng([seed, 7]).standard_normal((count, interval.size))
     return np.asarray(draws * np.sqrt(intensity / interval))

@@ -10,7 +10,7 @@ import numpy as np
 import shipid
 from shipid.declaration.component import Component
 from shipid.declaration.guard import NOT_SAILED
-from shipid.declaration.join import join
+from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
@@ -23,7 +23,7 @@ from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
-from shipid.parts.steering_machine import SteeringMachine
+from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
 from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
@@ -158,19 +158,19 @@ def simulate(
     if planned.schedule:
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
-    simulator = make_simulator(
-        whole, [n for n in (*RECORDED, *_WAVED.values()) if n in whole], hold="zero", compiled=False
-    )
+    logged = recorded_rudder(whole)
+    shown = [logged if n == "delta" else n for n in (*RECORDED, *_WAVED.values()) if n in whole]
+    simulator = make_simulator(whole, shown, hold="zero", compiled=False)
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
-        steered = {n: run[n] for n in ("delta",) if n in run.columns}
+        steered = {"delta": run[logged]}
         raise NotSailedError(
             f"{manoeuvre} of ship {ship.name} at {u0:.3g} m/s is {NOT_SAILED} ({model.name}): {run.departure.reason}, "
             f"{run.departure.time:.4g} s after the start. Less rudder, or a shorter duration, keeps it within its range."
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
-    columns = {n: c for n, c in run.columns.items() if n in RECORDED}
+    columns = {"delta" if n == logged else n: c for n, c in run.columns.items() if n in (logged, *RECORDED)}
     if waves is not None:
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
@@ -187,7 +187,7 @@ def simulate(
         f"{u0:.4g} m/s{changed}, noise {noises}, seed {seed}{met}"
     )
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
-    notes = beyond_in_run(model, ship, u0, run.columns, known=True)
+    notes = beyond_in_run(model, ship, u0, columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
     return Trial(
         name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
@@ -238,7 +238,7 @@ def usual_interval_of(unit_time: float) -> float:
 def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bool, waves: bool) -> Model:
     if "delta" not in model.inputs:
         raise UsageError(f"model {model.name} reads no rudder angle 'delta', so there is nothing to steer.")
-    rudder = SteeringMachine if steering else DirectRudder
+    rudder = steering_machine_of(model) if steering else DirectRudder
     extra = (*((Wind,) if wind else ()), *((Waves,) if waves else ()))
     return join(model.name, model, rudder, helm, *extra, *manoeuvring_range(model))
 

@@ -192,7 +192,7 @@ def test_a_log_that_is_off_shifts_the_schedule(judgement, uncertain_pilot):
     seen, kd = system.function(["speed_seen", "gain_Kd"])(x, u, p).full().ravel()
     assert seen == pytest.approx(1.1 * 9.5) and kd == pytest.approx(uncertain_pilot.gains(10.45).Kd)
     variants = judgement.robust[0].variants
-    high, low = variants["log reads 10% too high"], variants["log reads 10% too low"]
+    high, low = variants["log reads 10 % too high"], variants["log reads 10 % too low"]
     # The gains of a higher speed damp less, those of a lower speed more.
     assert low["overshoot_deg"] < variants["as designed"]["overshoot_deg"] < high["overshoot_deg"]
     for shown, found in ((1.1, high), (0.9, low)):

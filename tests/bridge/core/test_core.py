@@ -351,6 +351,20 @@ def test_a_model_that_runs_away_is_a_message(make_core, monkeypatch):
     assert trial["x"] == [] and trial["beyond"] and "nothing can be predicted" in trial["message"]
 
 
+def test_a_track_that_begins_far_behind_the_ship_is_not_shown(make_core, pilot):
+    core = make_core()
+    sail(core, 10)
+    assert shown(core)["tracks"]["executed"]["x"]
+    # The answers stop: two ship lengths take her 48 s.
+    until = core.t + 2.2 * pilot.length / 9.5
+    while core.t < until:
+        core.step(core.t + 0.4)
+    track = shown(core)["tracks"]["executed"]
+    assert track["x"] == [] and "the predictor is 5" in track["message"] and "late" in track["message"]
+    core.take_answer(core.forecaster.answer(core.question()))
+    assert shown(core)["tracks"]["executed"]["x"]
+
+
 def test_without_the_predictor_nothing_of_it_is_shown(make_core):
     core = make_core(predicts=False)
     core.command({"command": "trial", "heading": 1.0})

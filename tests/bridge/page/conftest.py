@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import importlib.util
-import shutil
 import sys
 from pathlib import Path
 
@@ -16,20 +15,6 @@ def _fake():
     sys.modules["fake_bridge"] = module
     spec.loader.exec_module(module)
     return module
-
-
-# Of a module: while Playwright runs, its event loop is that of the process, and other tests need one of their own.
-@pytest.fixture(scope="module")
-def browser():
-    """Debian's Chromium, driven by Playwright; where one of them is not installed there is nothing to test with."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
-    program = shutil.which("chromium") or shutil.which("chromium-browser")
-    if program is None:
-        pytest.skip("no Chromium on this machine")
-    with playwright.sync_playwright() as driver:
-        running = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        yield running
-        running.close()
 
 
 @pytest.fixture

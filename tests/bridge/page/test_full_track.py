@@ -38,9 +38,21 @@ LOOK = """() => {
 
 
 @pytest.fixture
-def served():
+def served(request):
     """The real bridge on track T1 with the track predictor, and its address."""
-    command = [sys.executable, "-m", "shipid", "bridge", "--scenario", "T1", "--condition", "C", "--port", "0"]
+    command = [
+        sys.executable,
+        "-m",
+        "shipid",
+        "bridge",
+        "--scenario",
+        "T1",
+        "--condition",
+        "C",
+        "--port",
+        "0",
+        *request.param,
+    ]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as running:
         said = ""
         while not (found := re.search(r"http://127\.0\.0\.1:\d+/", said)):
@@ -91,16 +103,10 @@ def execute(page) -> None:
     page.keyboard.press("Enter")
 
 
-@pytest.mark.skipif(
-    "SHIPID_SAIL" not in os.environ,
-    reason="SHIPID_SAIL=1 sails it: two minutes of real time, on a machine that does nothing else",
-)
-def test_a_navigator_sails_a_track_of_the_experiment(served, open_page):
-    running, address = served
-    page = open_page(address)
+def sail(page, count: float = math.inf) -> list[float]:
+    """Sail until the experiment is finished or so many turns are sailed; return the headings that were executed at the wheel-over."""
     page.get_by_role("button", name="Details").click()
     page.wait_for_selector("#legend .executed:visible")  # the predictor is ready
-    choose(page, f"×{FACTOR}")
     base = float(re.search(r"heading ([\d.]+)", page.evaluate(LOOK)["executed"])[1])
     turns, state, ends, again = [], "leg", time.monotonic() + 150, 0.0
     while "finished" not in (seen := page.evaluate(LOOK))["experiment"]:
@@ -127,18 +133,51 @@ def test_a_navigator_sails_a_track_of_the_experiment(served, open_page):
             turns.append(base)
             state = "turn"
         elif state == "turn" and wheel > BUSY and abs(per_minute(seen["rate"])) < STEADY:
+            if len(turns) >= count:
+                return turns
             state = "leg"
         elif state == "leg" and time.monotonic() > again:
             again = time.monotonic() + LOOKS / FACTOR
             steer(page, base - math.degrees(math.atan(metres(seen["off"]) / AIM)))
             execute(page)
         page.wait_for_timeout(15)
+    return turns
+
+
+def between(turn: float, course: float) -> float:
+    """The angle between two directions in degrees."""
+    return abs((turn - course + 180) % 360 - 180)
+
+
+@pytest.mark.parametrize("served", [("--clock-factor", "64")], indirect=True)
+def test_a_navigator_sails_the_first_turn_of_the_experiment(served, open_page):
+    """The page shows when and to what heading the wheel goes over; the ship that executes it there comes out on the next leg."""
+    _, address = served
+    page = open_page(address)
+    (turn,) = sail(page, 1)
+    assert between(turn, COURSES[0]) < DRIFT
+    pause(page, True)
+    seen = page.evaluate(LOOK)
+    assert abs(metres(seen["off"])) < OFF
+    assert between(float(re.search(r"heading ([\d.]+)", seen["executed"])[1]), turn) < 0.1
+    page.close()
+
+
+@pytest.mark.skipif(
+    "SHIPID_SAIL" not in os.environ,
+    reason="SHIPID_SAIL=1 sails it: two minutes of real time, on a machine that does nothing else",
+)
+@pytest.mark.parametrize("served", [("--clock-factor", f"{FACTOR}")], indirect=True)
+def test_a_navigator_sails_a_track_of_the_experiment(served, open_page):
+    running, address = served
+    page = open_page(address)
+    turns = sail(page)
     page.close()
     running.terminate()
     said = running.stdout.read()
     # Five changes of course, each within the drift angle of the leg that follows.
     assert len(turns) == len(COURSES)
-    assert max(abs((turn - course + 180) % 360 - 180) for turn, course in zip(turns, COURSES)) < DRIFT
+    assert max(between(turn, course) for turn, course in zip(turns, COURSES)) < DRIFT
     score = re.search(r"experiment T1, condition C: the whole track\s+RMS distance .*? ([\d.]+) m", said)
     assert score, said
     assert float(score[1]) < OFF

@@ -72,6 +72,15 @@ def test_the_readouts_show_the_ship(bridge, open_page, until):
     )
 
 
+def test_a_current_that_may_be_none_and_a_calm_have_no_direction(bridge, open_page, until):
+    page = open_page(bridge.address)
+    bridge.state["flow"]["current"].update(speed=0.3, sd=0.16)
+    bridge.state["flow"]["wind"].update(speed=0.0)
+    until(page, "document.querySelector('#voyage').textContent.includes('0.6 ± 0.3 kn, direction not known')")
+    voyage = page.locator("#voyage").inner_text()
+    assert "0.0 m/s" in voyage and "m/s from" not in voyage
+
+
 def test_a_value_of_a_lost_sensor_is_struck_with_its_age_and_an_estimated_one_is_marked(bridge, open_page, until):
     page = open_page(bridge.address)
     heading, course = (page.get_by_role("group", name=name) for name in ("heading", "course over ground"))

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
+from shipid.bridge.core.console import SteeringOrder
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.radar_targets import target_of
@@ -338,6 +339,27 @@ def test_a_source_that_is_none_is_refused(pilot, text):
 def test_the_currents_of_a_simulation_belong_to_one(pilot):
     with pytest.raises(UsageError, match="belong to a simulation"):
         source_of(BridgeSettings(source="signalk:ws://pi/", wind=(1.0, 1.0)), pilot)
+
+
+def test_a_wind_that_would_not_act_is_refused():
+    """Without coefficients of the wind the page would show a wind that does nothing."""
+    bare = shipid.design_autopilot("de-keizer", "zeefakkel")
+    with pytest.raises(UsageError, match="leave --wind out"):
+        source_of(BridgeSettings(wind=(10.0, 0.0)), bare)
+
+
+def test_the_instruments_show_the_waves(pilot):
+    waves = (math.radians(0.5), math.radians(90))
+    source, calm = (SimulatedSource(pilot, seed=3, noise=False, waves=w) for w in (waves, None))
+    rows = [(source.take(0.4 * k).values, source.now, calm.take(0.4 * k).values) for k in range(1, 4000)]
+    shown = np.array([s["psi"] - now["psi"] for s, now, _ in rows])
+    # 1600 s of a narrow band in beam seas: some 70 independent samples.
+    assert np.std(shown) == pytest.approx(waves[0], rel=0.25)
+    assert np.std([s["r"] - now["r"] for s, now, _ in rows]) == pytest.approx(0.6 * waves[0], rel=0.25)
+    # The autopilot sees them, and works the rudder.
+    assert np.std([now["delta"] for _, now, _ in rows]) > math.radians(0.1) > np.std([c["delta"] for _, _, c in rows])
+    source.steer(SteeringOrder("rudder", 0.0, math.radians(20), 0.01, math.radians(5)))
+    assert abs(source.take(1600.0).values["psi"] - source.now["psi"]) > 0
 
 
 def test_the_sensors_have_the_noise_that_the_filter_expects(pilot):

@@ -19,6 +19,7 @@ from shipid.foundation.errors import MissingExtraError, MissingFileError
 from shipid.trials.errors import (
     DamagedFileError,
     EmptyFileError,
+    ForeignFileError,
     FormatFileError,
     NonFiniteError,
     NoUnitError,
@@ -91,10 +92,35 @@ def test_degrees_and_the_truth(tmp_path):
     assert result.plots.origin == pytest.approx((lat[0], lon[0]))
 
 
+def test_metres_and_degrees_do_not_lie_in_one_frame(tmp_path):
+    """Taken for each other, degrees would put every ship within a metre of the origin."""
+    lat, lon = 50 + np.rad2deg(NORTH / 6_390_000), 1 + np.rad2deg(EAST / 6_378_137 / math.cos(math.radians(50)))
+    degrees = table(tmp_path / "d.csv", "t [s],lat [deg],lon [deg]", T, lat, lon)
+    metres = table(tmp_path / "m.csv", "t [s],x [m],y [m]", T, NORTH, EAST)
+    both = table(tmp_path / "b.csv", "t [s],x [m],y [m],lat [deg],lon [deg]", T, NORTH + 500, EAST, lat, lon)
+    with pytest.raises(EncounterRequestError, match=r"true tracks in .* latitude and longitude, .* not known"):
+        read_detections(metres, truth=degrees)
+    with pytest.raises(EncounterRequestError, match=r"true tracks in .* origin of their own"):
+        read_detections(degrees, truth=metres)
+    with pytest.raises(EncounterRequestError, match=r"positions of own ship in .* origin of their own"):
+        read_detections(degrees, own=metres)
+    # Where the truth has both, that of the plots is taken.
+    (gull,) = read_detections(degrees, truth=both).truth
+    assert (gull.x[0], gull.y[0]) == pytest.approx((0.0, 0.0), abs=1e-6)
+    (gull,) = read_detections(metres, truth=both).truth
+    assert (gull.x[0], gull.y[0]) == pytest.approx((NORTH[0] + 500, EAST[0]))
+
+
 def test_a_column_that_is_not_asked_for_needs_no_unit(tmp_path):
     is_the_target(read_detections(table(tmp_path / "p.csv", "t [s],x [m],y [m],level", T, NORTH, EAST, T)))
     with pytest.raises(NoUnitError, match="'x'"):
         read_detections(table(tmp_path / "q.csv", "t [s],x,y [m]", T, NORTH, EAST))
+
+
+def test_json_asks_for_a_format(tmp_path):
+    (tmp_path / "d.json").write_text('[{"time": 1.0, "position": [1.0, 2.0]}]')
+    with pytest.raises(ForeignFileError, match="Describe them in a format file"):
+        read_detections(tmp_path / "d.json")
 
 
 def test_json_as_a_format_file_describes(tmp_path):
@@ -145,12 +171,17 @@ def test_matlab_as_a_format_file_describes(tmp_path):
     a = tmp_path / "a.mat"
     found = read_detections(tmp_path / "d.mat", format=tmp_path / "f.toml", own=a, truth=a)
     assert [p.name for p in found.truth] == ["GULL"] and found.own.name == "OWN"
-    result = track(found)
+    # Own ship is one of the true tracks, so that naming the truth is enough.
+    alone = read_detections(tmp_path / "d.mat", format=tmp_path / "f.toml", truth=a)
+    assert [p.name for p in alone.truth] == ["GULL"] and alone.own.name == "OWN" and not alone.relative
+    result = track(alone)
     assert result.score.ships[0].rmse[0] < 12.0  # the sphere of this test is not the ellipsoid
     with pytest.raises(FormatFileError, match="no ship called"):
         text = (tmp_path / "f.toml").read_text().replace("'OWN'", "'GONE'")
         (tmp_path / "g.toml").write_text(text)
         read_detections(tmp_path / "d.mat", format=tmp_path / "g.toml", own=a)
+    with pytest.raises(EncounterRequestError, match=r"true tracks in .* latitude and longitude, .* not known"):
+        read_detections(tmp_path / "d.mat", format=tmp_path / "g.toml", truth=a)
 
 
 def sentence(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -165,3 +167,39 @@ def test_motions_that_cannot_be_meant(make: object, words: str) -> None:
 def test_an_unknown_tracker() -> None:
     with pytest.raises(UnknownNameError, match="tracker 'vs-imm'"):
         motion_of("vs-imm")
+
+
+def grid(mu: list[float], turn: list[float]) -> list[float]:
+    """Turns of the adaptive grid after a scan, in shares of the sharpest one."""
+    motion = motion_of("agimm")
+    most = motion.modes[2].high
+    filters = replace(begun(motion), mu=np.array([mu]), turn=most * np.array([turn]))
+    return (filters.adapted().turn[0] / most).tolist()
+
+
+def test_the_grid_closes_in_and_moves_out() -> None:
+    """Modes port, straight, starboard; between half the sharpest turn and the whole of it apart."""
+    assert grid([0.02, 0.96, 0.02], [-0.8, 0.0, 0.8]) == pytest.approx([-0.5, 0.0, 0.5])
+    assert grid([0.1, 0.8, 0.1], [-0.8, 0.0, 0.8]) == pytest.approx([-0.8, 0.0, 0.8])
+    # A sure turn to starboard: the centre goes there, and what lies beyond the sharpest turn is cut off.
+    assert grid([0.01, 0.04, 0.95], [-0.6, 0.0, 0.6]) == pytest.approx([-0.036, 0.564, 1.0])
+
+
+def test_a_displacement_goes_into_the_turn_within_its_bounds() -> None:
+    motion = motion_of("vs-aimm")
+    filters = begun(motion)
+    x = filters.x.copy()
+    x[0, :, 4] = [1.0, 1e-3, -1.0]
+    adapted = replace(filters, x=x).adapted()
+    assert adapted.turn[0] == pytest.approx([motion.modes[0].high, 0.0, motion.modes[2].low])
+    assert adapted.x[0, :, 4].tolist() == [0.0, 0.0, 0.0]
+    fixed = begun(motion_of("fs-aimm"))
+    assert fixed.adapted() is fixed
+
+
+@pytest.mark.parametrize("name", ["imm", "vs-aimm"])
+def test_no_target_is_none_after_a_scan(name: str) -> None:
+    filters, none = TargetFilters.none(motion_of(name)).predict(2.0), np.zeros(1)
+    filters = filters.update(filters.expect(np.array([[1.0, 2.0]]), R, none), none, np.zeros((0, 2)))
+    x, P = filters.adapted().combined()
+    assert x.shape == (0, 4) and P.shape == (0, 4, 4) and filters.turn_rates().shape == (0,)

@@ -79,7 +79,7 @@ def test_where_nothing_is_explained_nothing_is_taken():
     ranking = Ranking((rank("one", 2, (0.9,), unexplained=0.97), rank("two", 3, (0.8,), unexplained=0.93)), ("a",))
     assert ranking.best is None and ranking.words == ()
     (said,) = ranking.warnings
-    assert said.serious and said.kind == "not-determined" and "93% of the rate of turn itself" in said
+    assert said.serious and said.kind == "not-determined" and "93 % of the rate of turn itself" in said
     assert "to take" not in ranking.text()
 
 

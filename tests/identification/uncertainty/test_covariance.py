@@ -73,11 +73,12 @@ def test_verdicts():
     cases = {
         (1.0, np.inf, 1.0, 0.0, 10.0, ""): ("not determined", "no information"),
         (0.0, 0.01, 1.0, 0.0, 10.0, ""): ("not determined", "bound"),
-        (1.0, 0.9, 1.0, -10.0, 10.0, ""): ("not determined", "90% of its value"),
+        (1.0, 0.9, 1.0, -10.0, 10.0, ""): ("not determined", "90 % of its value"),
         (1.0, 0.9, 1.0, -10.0, 10.0, "b (+0.99)"): ("not determined", "trades off with b (+0.99)"),
         (0.0, 0.1, 1.0, -10.0, 10.0, ""): ("not distinguishable from zero", "-0.2 to 0.2, holds zero"),
-        (0.1, 0.09, 1.0, 0.01, 10.0, ""): ("not determined", "90% of its value"),  # it must be positive
-        (1.0, 0.095, 1.0, 0.0, 10.0, "", 0.1): ("not determined", "95% of the one it started with"),
+        (1.0, 4.3, 1.0, -10.0, 10.0, ""): ("not determined", "4.3 times its value: the data leave its size open"),
+        (0.1, 0.09, 1.0, 0.01, 10.0, ""): ("not determined", "90 % of its value"),  # it must be positive
+        (1.0, 0.095, 1.0, 0.0, 10.0, "", 0.1): ("not determined", "95 % of the one it started with"),
     }
     for case, (standing, words) in cases.items():
         found, why = verdict(*case)

@@ -65,7 +65,7 @@ def test_a_kind_found_many_times_takes_one_line():
     many = [finding(trial, "missing", channel) for trial in ("a", "b") for channel in ("r", "psi")]
     lines = lines_of([many[0], finding("a", "hole", "u"), *many[1:]])
     assert lines == [
-        "a: missing (r, 90%, 0 to 9 s): 3 samples; and 3 more of this kind in 2 trials (psi, r)",
-        "a: hole (u, 90%, 0 to 9 s): 3 samples",
+        "a: missing (r, 90 %, 0 to 9 s): 3 samples; and 3 more of this kind in 2 trials (psi, r)",
+        "a: hole (u, 90 %, 0 to 9 s): 3 samples",
     ]
     assert lines_of(many[:2]) == [str(f) for f in many[:2]]

@@ -6,20 +6,23 @@ import pytest
 from shipid.foundation.errors import UsageError
 from shipid.prediction.following.wheel_over import TrackLeg, heading_on, wheel_over
 from shipid.prediction.situations.situation import Situation
+from shipid.prediction.tracks.track_predictor import HORIZON
 
 
 @pytest.mark.parametrize("course", [np.deg2rad(40), np.deg2rad(-95)])
 @pytest.mark.parametrize("current", [(0.0, 0.0), (0.9, -0.7)])
-def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(predictor, course, current):
+# An integral in the autopilot takes its time: the last eighth of a degree of a heading goes with seven ship lengths.
+@pytest.mark.parametrize(("steering", "horizon"), [("predictor", 40.0), ("placed", HORIZON)])
+def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(request, steering, horizon, course, current):
+    predictor = request.getfixturevalue(steering)
     leg = TrackLeg(4000.0, 300.0, course)
     # A ship that keeps a course over the ground to the north.
     psi = heading_on(TrackLeg(0.0, 0.0, 0.0), current, 9.5)
     values = {"x": 0.0, "y": 0.0, "psi": psi, "u": 9.5, "current_north": current[0], "current_east": current[1]}
-    found = wheel_over(predictor, Situation(values), leg, rudder_limit="10 deg")
+    found = wheel_over(predictor, Situation(values), leg, rudder_limit="10 deg", horizon=horizon)
     assert not found.due and not found.warning
-    track = predictor.predict(
-        Situation({**values, "x": found.x, "y": found.y}), heading=found.heading, rudder_limit="10 deg", band="none"
-    )
+    there = Situation({**values, "x": found.x, "y": found.y})
+    track = predictor.predict(there, heading=found.heading, rudder_limit="10 deg", horizon=horizon, band="none")
     end = slice(-50, None)
     np.testing.assert_allclose(leg.across(track.x[end], track.y[end]), 0, atol=1.0)
     assert np.sin(track.course[-1] - course) == pytest.approx(0, abs=1e-3)

@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.identification.problem.prior import STRUCTURE_ANGLE
+from shipid.identification.problem.prior import STRUCTURE_ANGLE, STRUCTURE_SPEED
 from shipid.parameters.correlation import Joint
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import Value
 from shipid.parameters.validity import range_of
+from shipid.prediction.predict_track import predict_track
 from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.own_ship_filter import own_ship_model
-from shipid.prediction.situations.ship_spread import with_coefficients
+from shipid.prediction.situations.ship_spread import structural_noise, with_coefficients
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.situations.trial_situation import situation_in
 
@@ -75,11 +76,31 @@ def test_a_model_that_is_extended_is_still_the_ship_that_was_fitted(fitted):
 
 
 def test_an_identified_model_is_not_the_ship(pilot, fitted):
-    """Its heading is off as by its structure; a ship whose set states no spread gets nothing of that."""
+    """Its turning and its drift are off as by its structure; a ship whose set states no spread gets nothing of that."""
     known = Situation({"psi": 0.0, "u": 0.35}, noise={"psi": 1e-3})
     found = with_coefficients(known, pilot)
     assert set(COEFFICIENTS) == set(found.uncertain)
-    assert found.noise["psi"] == pytest.approx(np.hypot(1e-3, STRUCTURE_ANGLE * np.sqrt(3 * 0.35 / 3.0)), rel=1e-3)
+    lasts = np.sqrt(3 * 3.0 / 0.35)
+    assert found.noise["psi"] == pytest.approx(np.hypot(1e-3, STRUCTURE_ANGLE * 0.35 / 3.0 * lasts), rel=1e-3)
+    assert found.noise["x"] == found.noise["y"] == pytest.approx(STRUCTURE_ANGLE * 0.35 * lasts)
+    assert found.noise["track_t"] == pytest.approx(STRUCTURE_SPEED * lasts)
     assured = shipid.design_autopilot("de-keizer", "soesterberg")
     same = Situation({"psi": 0.0, "u": 9.5})
     assert with_coefficients(same, assured) is same
+
+
+def test_a_filter_that_estimates_all_coefficients_does_not_make_the_model_the_ship(pilot):
+    known = Situation({"psi": 0.0, "u": 0.35, **COEFFICIENTS}, ("a",), np.array([[0.01]]))
+    found = with_coefficients(known, pilot)
+    assert found.uncertain == ("a",) and found.covariance.tolist() == [[0.01]]
+    assert found.noise == pytest.approx(structural_noise(0.35, 3.0))
+
+
+def test_the_band_of_a_straight_track_is_that_of_the_structure(pilot):
+    """With the rudder amidships the error of the turning is integrated twice, and that of the drift once."""
+    track = predict_track(pilot, {"psi": 0.0, "u": 0.35, "r_residual": 0.0}, rudder=0.0, horizon=4).track
+    turning, drift = STRUCTURE_ANGLE * 0.35 / 3.0, STRUCTURE_ANGLE * 0.35
+    lasts, t = 3 * 3.0 / 0.35, track.t[1:]
+    expected = 1.96 * np.sqrt(lasts * (turning**2 * 0.35**2 * t**3 / 3 + drift**2 * t))
+    assert track.half_width[1:] == pytest.approx(expected, rel=0.02)
+    assert track.std["t"][-1] == pytest.approx(STRUCTURE_SPEED * np.sqrt(lasts * t[-1]), rel=0.01)

@@ -88,10 +88,9 @@ def test_a_rate_of_turn_is_held_and_ends_at_a_heading(predictor):
 
 
 def test_a_current_moves_the_track_by_its_time(predictor):
-    still = predictor.predict(STILL, heading="60 deg")
-    moved = predictor.predict(
-        Situation({"psi": 0.0, "u": 9.5, "current_north": 1.0, "current_east": -0.4}), heading="60 deg"
-    )
+    in_current = Situation({"psi": 0.0, "u": 9.5, "current_north": 1.0, "current_east": -0.4})
+    still = predictor.predict(STILL, heading="60 deg", horizon=40)
+    moved = predictor.predict(in_current, heading="60 deg", horizon=40)
     np.testing.assert_allclose(moved.x - still.x, moved.t, atol=1e-6)
     np.testing.assert_allclose(moved.y - still.y, -0.4 * moved.t, atol=1e-6)
     assert moved.course[-1] == pytest.approx(np.arctan2(9.5 * np.sin(np.pi / 3) - 0.4, 9.5 * 0.5 + 1.0), abs=1e-3)

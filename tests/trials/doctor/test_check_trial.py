@@ -47,7 +47,8 @@ def test_text_with_digits_is_a_number_nobody_knows(tmp_path):
 def test_header_without_units_is_explained(tmp_path):
     diagnosis = check_trial(write(tmp_path, rows(header="time,heading,rot,rudder")))
     assert {f.channel for f in diagnosis.findings if f.kind == "unit"} >= {"t", "psi", "r", "delta"}
-    assert any("guessed" in note for note in diagnosis.notes)
+    [names] = [f for f in diagnosis.findings if f.kind == "name"]
+    assert "psi is 'heading', r is 'rot', delta is 'rudder'" in names.message and names.serious
 
 
 def test_row_too_long_names_its_line(tmp_path):

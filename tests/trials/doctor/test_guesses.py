@@ -43,10 +43,8 @@ def test_headers_of_a_parquet_file_are_guessed(simulated, tmp_path):
     frame.columns = ["time", "heading [deg]", "rot [deg/s]", "rudder [deg]"]
     frame.to_parquet(tmp_path / "log.parquet")
     diagnosis = check_trial(tmp_path / "log.parquet")
-    assert [(f.kind, f.channel) for f in diagnosis.findings if f.serious] == [("unit", "t")]
-    assert diagnosis.notes == (
-        "Columns guessed from their headers: t is 'time', psi is 'heading', r is 'rot', delta is 'rudder'.",
-    )
+    assert [(f.kind, f.channel) for f in diagnosis.findings if f.serious] == [("name", "t,psi,r,delta"), ("unit", "t")]
+    assert diagnosis.findings[0].message.endswith("t is 'time', psi is 'heading', r is 'rot', delta is 'rudder'")
     assert [m.kind for m in diagnosis.manoeuvres if m.kind == "zigzag"] == ["zigzag"]
 
 
@@ -60,3 +58,26 @@ def test_text_in_a_parquet_file_is_named(simulated, tmp_path):
     found = next(f for f in check_trial(tmp_path / "log.parquet").findings if f.kind == "text")
     assert found.channel == "r" and found.rows == (40, 40)
     assert "'broken'" in found.message and np.isclose(found.confidence, 0.99)
+
+
+def test_foreign_headers_are_examined_and_named(simulated, tmp_path):
+    """The log of a German bridge: its rudder counts to port, and its course can be two things."""
+    frame = simulated("zigzag:20/20", "none").to_frame()[["t [s]", "psi [deg]", "r [deg/s]", "delta [deg]"]]
+    frame["delta [deg]"] *= -1
+    frame.columns = ["t [s]", "Kurs [Grad]", "Drehgeschwindigkeit [Grad/s]", "Ruderlage [Grad]"]
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    diagnosis = check_trial(tmp_path / "log.csv")
+    found = {(f.kind, f.channel) for f in diagnosis.serious}
+    assert {("name", "r,delta"), ("name", "Kurs"), ("rudder-sign", "delta")} <= found
+
+
+def test_a_record_without_motion_is_no_sound_record(tmp_path):
+    (tmp_path / "log.csv").write_text("t [s],oil [bar]\n" + "".join(f"{k},{5 + k % 3}\n" for k in range(60)))
+    assert "no-motion" in [f.kind for f in check_trial(tmp_path / "log.csv").serious]
+
+
+def test_a_course_beside_a_heading_is_nothing_to_ask(simulated, tmp_path):
+    frame = simulated("zigzag:20/20", "none").to_frame()[["t [s]", "psi [deg]", "delta [deg]"]]
+    frame["Kurs [deg]"] = frame["psi [deg]"]
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    assert "name" not in check_trial(tmp_path / "log.csv").kinds

@@ -7,13 +7,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from shipid.encounter.tracking.filters.alpha_beta import FuzzySettings, advance, chosen_memory, gains, rule_shares
-from shipid.encounter.tracking.filters.target_filters import Expected, expected_of
+from shipid.encounter.tracking.filters.target_filters import Expected, expected_of, first_spread
 from shipid.foundation.aliases import Plain
 
 #: Density of the acceleration noise that widens the gate between two scans, m/s^1.5: the filters themselves know none.
 _MANOEUVRE = 0.3
 #: The shortest interval between two updates, s: plots of one instant say nothing of a velocity.
 _SHORTEST = 0.05
+#: What has one row a target.
+_ROWS = ("bank", "spread", "count", "since", "usual", "mode_shares")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +89,7 @@ class AlphaBetaFilters:
         rows : ndarray
             Indices, or True and False.
         """
-        names = ("bank", "spread", "count", "since", "usual", "mode_shares")
-        return replace(self, **{name: getattr(self, name)[rows] for name in names})
+        return replace(self, **{n: getattr(self, n)[rows] for n in _ROWS})
 
     def begin(self, z: np.ndarray, R: np.ndarray, delay: np.ndarray, speed: float) -> AlphaBetaFilters:
         """Return the banks with new targets, each from one plot.
@@ -101,17 +102,10 @@ class AlphaBetaFilters:
         k, m = len(z), self.settings.memories.size
         bank = np.zeros((k, m, 4))
         bank[..., :2] = z[:, None]
-        eye = np.eye(2)
-        spread = np.zeros((k, 4, 4))
-        spread[:, :2, :2] = R + (delay * speed)[:, None, None] ** 2 * eye
-        spread[:, 2:, 2:] = speed**2 * eye
-        spread[:, :2, 2:] = spread[:, 2:, :2] = delay[:, None, None] * speed**2 * eye
         shares = np.zeros((k, m))
         shares[:, -1] = 1.0
-        new = (bank, spread, np.zeros(k, int), np.zeros(k), np.zeros(k), shares)
-        old = (self.bank, self.spread, self.count, self.since, self.usual, self.mode_shares)
-        names = ("bank", "spread", "count", "since", "usual", "mode_shares")
-        both: dict[str, Plain] = {name: np.concatenate(pair) for name, *pair in zip(names, old, new)}
+        new = (bank, first_spread(R, delay, speed), np.zeros(k, int), np.zeros(k), np.zeros(k), shares)
+        both: dict[str, Plain] = {n: np.concatenate([getattr(self, n), value]) for n, value in zip(_ROWS, new)}
         return replace(self, **both)
 
     def predict(self, interval: float) -> AlphaBetaFilters:
@@ -167,9 +161,7 @@ class AlphaBetaFilters:
         fired = rule_shares(residual, np.sqrt(0.5 * np.trace(R, axis1=1, axis2=2)), self.settings)
         usual = self.usual[found] + (tau - self.usual[found]) / np.minimum(count, self.settings.longest)
         memory = np.minimum(np.rint(chosen_memory(fired, self.settings)), count)
-        made = replace(
-            self, **{n: getattr(self, n).copy() for n in ("bank", "spread", "count", "since", "usual", "mode_shares")}
-        )
+        made = self.select(np.arange(len(self)))
         made.bank[found], made.count[found], made.usual[found] = bank, count, usual
         made.since[found], made.mode_shares[found] = 0.0, fired
         made.spread[found] = _line_spread(R, memory, usual)

@@ -6,19 +6,14 @@ import functools
 import itertools
 from dataclasses import dataclass
 
-import casadi as ca
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.encounter.errors import EncounterRequestError
-from shipid.estimation.recursion import covariance_form
-from shipid.estimation.recursion.equations import make_equations
-from shipid.estimation.settings.noise import NoiseSource
+from shipid.encounter.tracking.filters.generated import STATES, predicted
+from shipid.estimation.multiple.cycle.moves import DisplacedMoves, GridMoves
+from shipid.estimation.multiple.structures import AdaptiveGrid
 from shipid.foundation.result import Result
-from shipid.generation.loop import Loop, make_loop
-
-#: The states that the association reads, in their order; further states follow.
-STATES = ("x", "y", "vx", "vy", "more")
 
 
 @dataclass(frozen=True)
@@ -144,57 +139,31 @@ class Motion(Result):
         x, P : ndarray
             After the interval.
         """
-        n, modes, size = x.shape
-        if not n:
+        if not len(x):
             return x, P
-        i, j = _triangle(size)
-        level = np.tile([m.acceleration for m in self.modes], (n, 1))
-        rows = np.concatenate(
-            [x, P[:, :, i, j], turn[..., None], level[..., None], np.full((n, modes, 1), interval)], axis=2
+        level = np.tile([m.acceleration for m in self.modes], (len(x), 1))
+        return predicted(self.model, x, P, turn, level, interval)
+
+
+@functools.lru_cache(maxsize=16)
+def moves_of(motion: Motion) -> DisplacedMoves | GridMoves | None:
+    """Return how the turns of the modes move after each scan; None where they stay.
+
+    The same object comes back for equal motions, so that its function is generated once.
+
+    Parameters
+    ----------
+    motion : Motion
+        The modes.
+    """
+    modes, parameter = motion.modes, motion.model.inputs[0]
+    if motion.structure == "variable":
+        low, high = (np.array([getattr(m, end) for m in modes]) for end in ("low", "high"))
+        return DisplacedMoves(parameter, (0,) * len(modes), low, high, True)
+    if motion.structure == "grid":
+        lower, middle, upper = np.argsort([m.turn for m in modes]).tolist()
+        most = modes[upper].high
+        return GridMoves(
+            parameter, (upper, middle, lower), 0.5 * most, most, most, AdaptiveGrid.improbable, AdaptiveGrid.dominant
         )
-        _, out = _generated(self.model)(np.zeros(1), rows.reshape(n * modes, -1), np.zeros(0))
-        out = out.reshape(n, modes, -1)
-        P_next = np.empty_like(P)
-        P_next[:, :, i, j] = P_next[:, :, j, i] = out[:, :, size:]
-        return out[:, :, :size], P_next
-
-
-def _triangle(size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of the packed upper triangle, in the order of `covariance_form.pack`."""
-    pairs = np.array([(i, j) for j in range(size) for i in range(j + 1)])
-    return pairs[:, 0], pairs[:, 1]
-
-
-@functools.lru_cache(maxsize=8)
-def _generated(model: Model) -> Loop:
-    """The prediction of one target in one mode as a step without memory: a record is a list of targets."""
-    sources = tuple(NoiseSource(name, 1.0, "state", True) for name in ("vx", "vy"))
-    equations = make_equations(model, ("x", "y"), sources, "rk4", "zero", 3)
-    order = [equations.system.states.index(name) for name in STATES]
-    size = len(STATES)
-    row = ca.SX.sym("row", size + covariance_form.size(size) + 3)
-    x, packed = row[:size], row[size:-3]
-    own, cov = ca.SX(size, 1), covariance_form.unpack(packed, size)
-    reordered = ca.SX(size, size)
-    for a, i in enumerate(order):
-        own[i] = x[a]
-        for b, j in enumerate(order):
-            reordered[i, j] = cov[a, b]
-    ahead, spread = ca.substitute(
-        [equations.advanced, covariance_form.predicted(equations, reordered)],
-        [equations.joint, equations.u0, equations.u1, equations.T, equations.p, equations.levels, equations.scale],
-        [
-            own,
-            row[-3],
-            row[-3],
-            row[-1],
-            ca.SX(equations.p.shape[0], 1),
-            ca.vertcat(row[-2], row[-2]),
-            ca.SX.ones(2, 1),
-        ],
-    )
-    out = ca.vertcat(ahead[order], covariance_form.pack(spread[order, order]))
-    memory = ca.SX.sym("memory", 1)
-    out = ca.cse([ca.densify(out)])[0]
-    step = ca.Function("predict_targets", [memory, row, ca.SX.sym("none", 0)], [memory, out])
-    return make_loop(step)
+    return None

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.encounter.tracking.filters.motion import STATES, Motion
+from shipid.encounter.tracking.filters.generated import STATES, mixed, moved
+from shipid.encounter.tracking.filters.motion import Motion, moves_of
 
 _SIZE = len(STATES)
 #: A mode is never held impossible: it could not come back.
@@ -114,10 +115,7 @@ class TargetFilters:
         x = np.zeros((k, len(modes), _SIZE))
         x[:, :, :2], x[:, :, 2] = z[:, None], _HARDLY
         P = np.zeros((k, len(modes), _SIZE, _SIZE))
-        eye = np.eye(2)
-        P[:, :, :2, :2] = (R + (delay * speed)[:, None, None] ** 2 * eye)[:, None]
-        P[:, :, 2:4, 2:4] = speed**2 * eye
-        P[:, :, :2, 2:4] = P[:, :, 2:4, :2] = (delay[:, None, None] * speed**2 * eye)[:, None]
+        P[:, :, :4, :4] = first_spread(R, delay, speed)[:, None]
         P[:, :, 4, 4] = np.array([m.more**2 for m in modes])
         new = (x, P, np.tile(self.motion.first_probabilities, (k, 1)), np.tile([m.turn for m in modes], (k, 1)))
         old = (self.x, self.P, self.mu, self.turn)
@@ -133,15 +131,15 @@ class TargetFilters:
         """
         if interval <= 0 or not len(self):
             return self
-        mixed = self
+        before = self
         if len(self.motion.modes) > 1:
             switching = self.motion.switching(interval)
             mu = self.mu @ switching
             weights = self.mu[:, :, None] * switching / np.maximum(mu, _LEAST)[:, None, :]
-            x, P = _moments(weights, self.x, self.P)
-            mixed = replace(self, x=x, P=P, mu=np.maximum(mu, _LEAST))
-        x, P = self.motion.predict(mixed.x, mixed.P, mixed.turn, interval)
-        return replace(mixed, x=x, P=P)
+            x, P = mixed(weights, self.x, self.P)
+            before = replace(self, x=x, P=P, mu=np.maximum(mu, _LEAST))
+        x, P = self.motion.predict(before.x, before.P, before.turn, interval)
+        return replace(before, x=x, P=P)
 
     def expect(self, z: np.ndarray, R: np.ndarray, delay: np.ndarray) -> Expected:
         """Return what plots are expected to show: a position as it was some time ago.
@@ -204,17 +202,12 @@ class TargetFilters:
 
     def adapted(self) -> TargetFilters:
         """Return the filters with their turns adjusted, where the structure says so."""
-        modes = self.motion.modes
-        low, high = (np.array([getattr(m, end) for m in modes]) for end in ("low", "high"))
-        if self.motion.structure == "variable":
-            # The displacement goes into the parameter of the mode, which stays within its bounds.
-            x = self.x.copy()
-            turn = np.clip(self.turn + x[:, :, 4], low, high)
-            x[:, :, 4] = 0.0
-            return replace(self, x=x, turn=turn)
-        if self.motion.structure == "grid":
-            return replace(self, turn=_grid(self.turn, self.mu, low, high))
-        return self
+        moves = moves_of(self.motion)
+        if moves is None or not len(self):
+            return self
+        x = self.x.copy()
+        turn, x[:, :, 4] = moved(moves, self.turn, self.mu, x[:, :, 4])
+        return replace(self, x=x, turn=turn)
 
     def combined(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the estimates over all modes.
@@ -226,7 +219,7 @@ class TargetFilters:
         P : ndarray, shape (n, 4, 4)
             Covariance, with the spread of the modes.
         """
-        x, P = _moments(self.mu[:, :, None], self.x, self.P)
+        x, P = mixed(self.mu[:, :, None], self.x, self.P)
         return x[:, 0, :4], P[:, 0, :4, :4]
 
     def turn_rates(self) -> np.ndarray:
@@ -235,6 +228,22 @@ class TargetFilters:
         if self.motion.model.states and "curvature" in self.motion.model.inputs:
             turn = turn * np.hypot(self.x[:, :, 2], self.x[:, :, 3])
         return np.asarray((self.mu * turn).sum(axis=1))
+
+
+def first_spread(R: np.ndarray, delay: np.ndarray, speed: float) -> np.ndarray:
+    """Return the covariance of position and velocity after one plot, shape (k, 4, 4).
+
+    Parameters
+    ----------
+    R, delay, speed
+        As for `TargetFilters.begin`.
+    """
+    eye = np.eye(2)
+    P = np.zeros((len(R), 4, 4))
+    P[:, :2, :2] = R + (delay * speed)[:, None, None] ** 2 * eye
+    P[:, 2:, 2:] = speed**2 * eye
+    P[:, :2, 2:] = P[:, 2:, :2] = delay[:, None, None] * speed**2 * eye
+    return P
 
 
 def expected_of(x: np.ndarray, P: np.ndarray, z: np.ndarray, R: np.ndarray, delay: np.ndarray) -> Expected:
@@ -264,36 +273,3 @@ def _cross(P: np.ndarray, delay: np.ndarray) -> np.ndarray:
     """Covariance of the states with the position of each plot, shape (n, modes, plots, states, 2)."""
     P = P[:, :, None]
     return np.asarray(P[..., :2] - delay[:, None, None] * P[..., 2:4])
-
-
-def _moments(weights: np.ndarray, x: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and covariance of mixtures over the modes; weights have the shape (n, modes, mixtures)."""
-    mean = np.einsum("nij,nis->njs", weights, x)
-    off = x[:, :, None] - mean[:, None]
-    P_mean = np.einsum("nij,nist->njst", weights, P) + np.einsum("nij,nijs,nijt->njst", weights, off, off)
-    return mean, P_mean
-
-
-#: Below the first a mode of the grid is pulled in, above the second the grid is recentred (Li and Jilkov's adaptive grid).
-_UNLIKELY, _LIKELY = 0.05, 0.92
-
-
-def _grid(turn: np.ndarray, mu: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The next grid of three modes left, centre, right (Semerdjiev, Mihaylova and Li, 2000, adaptive grid).
-
-    The centre is the mean turn. While the centre is the most likely, an unlikely side comes half as close; a side that is nearly
-    sure goes twice as far. Neighbours stay between half the sharpest turn and the whole of it apart.
-    """
-    left, centre, right = 0, 1, 2
-    mean = np.clip((mu * turn).sum(axis=1), low[left], high[right])
-    most = high[right]
-    most_likely = mu.argmax(axis=1)
-    near = {side: np.abs(turn[:, side] - turn[:, centre]) for side in (left, right)}
-    found = turn.copy()
-    for side, sign in ((left, -1.0), (right, 1.0)):
-        quiet = (most_likely == centre) & (mu[:, side] < _UNLIKELY)
-        away = np.where(quiet, 0.5 * near[side], near[side])
-        away = np.where((most_likely == side) & (mu[:, side] > _LIKELY), 2.0 * near[side], away)
-        found[:, side] = mean + sign * np.clip(away, 0.5 * most, most)
-    found[:, centre] = mean
-    return np.asarray(np.clip(found, low[left], high[right]))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import shipid
 from shipid.campaign.fleet_result import FleetResult
 from shipid.declaration.units import pretty
 from shipid.foundation.numbers import number, uncertain
 from shipid.foundation.statistics import plain
 from shipid.report.page import Page, Row, Section
+from shipid.report.views.campaign.fleet_figure import fleet_figure
 from shipid.report.views.campaign.page import provenance_rows
 from shipid.report.views.words import count, sentence
 
@@ -27,7 +30,6 @@ def fleet_page(found: FleetResult) -> Page:
         ("Outcome", "outcome", "keep"),
         *((f"{n} [{units[n]}]" if units[n] != "1" else n, n, "keep") for n in names),
     ]
-    columns.append(("Doctor", "doctor", "wide"))
     rows = [_row(found, k) for k in range(total)]
     return Page(
         f"{found.model} identified from {count(total, 'trial')}",
@@ -35,13 +37,17 @@ def fleet_page(found: FleetResult) -> Page:
             (
                 "",
                 [
-                    f"{sentence(count(good, 'trial'))} of {total} identified{f' with ship {found.ship}' if found.ship else ''}."
+                    f"{'Each was' if good == total else f'{good} of {total} were'} identified{f' with ship {found.ship}' if found.ship else ''}."
                 ],
             )
         ],
         [
             Section("Trials", "campaign/trials.html", {"columns": columns, "rows": rows}),
-            Section("Over the trials", "campaign/scatter.html", {"rows": _scatter(found)}),
+            Section(
+                "Over the trials",
+                "campaign/scatter.html",
+                {"rows": _scatter(found), "figure": fleet_figure(found, "fleet")},
+            ),
             Section("Provenance", "campaign/provenance.html", {"rows": provenance_rows(found.provenance)}),
         ],
         warnings=[sentence(w) for w in found.warnings if w.serious],
@@ -55,14 +61,21 @@ def _row(found: FleetResult, k: int) -> Row:
     row: dict[str, object] = {
         "what": str(rows["trial"][k]),
         "outcome": str(rows["outcome"][k]),
-        "doctor": str(rows["doctor"][k]) or "nothing serious",
-        "remark": str(rows["message"][k]),
+        "remark": " ".join(_remarks(str(rows["message"][k]), str(rows["doctor"][k]))),
     }
     for name in found.coefficients:
         value, std = (plain(float(rows[c][k])) for c in (name, f"{name}_std"))
         text = "–" if value is None else uncertain(value, std)
         row[name] = text if value is None or rows[f"{name}_determined"][k] == 1 else f"{text}, not determined"
     return row
+
+
+def _remarks(message: str, doctor: str) -> Iterator[str]:
+    """Why a trial was not identified, and what the check of it found serious."""
+    if message:
+        yield message
+    if doctor:
+        yield f"Check: {doctor}."
 
 
 def _scatter(found: FleetResult) -> list[Row]:

@@ -9,6 +9,7 @@ import shipid
 from shipid.campaign.moments import Statistic
 from shipid.campaign.result import CampaignResult, summary
 from shipid.declaration.units import pretty
+from shipid.declaration.vocabulary import display_factor, display_unit
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import number
 from shipid.report.figures.charts import Axes, Line, chart
@@ -35,14 +36,15 @@ def campaign_page(found: CampaignResult) -> Page:
     courses = [s for s in numbers if s.course is not None]
     sections = []
     if numbers:
-        sections.append(
-            Section("Measures", "campaign/measures.html", {"columns": _COLUMNS, "rows": [_row(s) for s in numbers]})
-        )
+        rows = [_row(s) for s in numbers]
+        # A column in which no measure has anything to say is left out.
+        columns = [c for c in _COLUMNS if any(row[c[1]] for row in rows)]
+        sections.append(Section("Measures", "campaign/measures.html", {"columns": columns, "rows": rows}))
     if courses:
         sections.append(Section("Over the run", "campaign/course.html", {"figure": _courses(courses)}))
     if texts:
-        rows = [{"what": s.name, "counts": sentence(summary(s))} for s in texts]
-        sections.append(Section("Outcomes", "campaign/texts.html", {"rows": rows}))
+        outcomes = [{"what": s.name, "counts": sentence(summary(s))} for s in texts]
+        sections.append(Section("Outcomes", "campaign/texts.html", {"rows": outcomes}))
     sections.append(Section("Provenance", "campaign/provenance.html", {"rows": provenance_rows(found.provenance)}))
     return Page(
         f"Campaign {found.name}",
@@ -68,24 +70,24 @@ def provenance_rows(provenance: Plain) -> list[Row]:
 
 
 def _row(s: Statistic) -> Row:
-    error = s.measure.kind == "error"
+    error, factor = s.measure.kind == "error", display_factor("", s.measure.unit)
     return {
-        "what": s.name,
-        "mean": number(s.mean),
-        "interval": _interval(s.mean_interval),
-        "rmse": number(s.rmse) if error else "",
-        "rmse_interval": _interval(s.rmse_interval) if error else "",
-        "std": number(s.std),
-        "low": number(s.low),
-        "high": number(s.high),
-        "unit": pretty(s.measure.unit),
+        "what": sentence(s.measure.meaning) or s.name,
+        "mean": _number(s.mean, factor),
+        "interval": _interval(s.mean_interval, factor),
+        "rmse": _number(s.rmse, factor) if error else "",
+        "rmse_interval": _interval(s.rmse_interval, factor) if error else "",
+        "std": _number(s.std, factor),
+        "low": _number(s.low, factor),
+        "high": _number(s.high, factor),
+        "unit": pretty(display_unit("", s.measure.unit)),
         "missing": str(s.missing) if s.missing else "",
         "remark": _remark(s),
     }
 
 
 def _remark(s: Statistic) -> str:
-    words = [sentence(s.measure.meaning) + "."] if s.measure.meaning else []
+    words = [f"`{s.name}`."] if s.measure.meaning else []
     if s.measure.kind == "nees":
         words.append(f"A normalised squared error of {s.measure.degrees} degrees of freedom")
         band = (
@@ -97,8 +99,14 @@ def _remark(s: Statistic) -> str:
     return " ".join(words)
 
 
-def _interval(ends: tuple[float, float] | None) -> str:
-    return "" if ends is None or not np.isfinite(ends).all() else f"{number(ends[0])} to {number(ends[1])}"
+def _number(value: float | None, factor: float) -> str:
+    return number(None if value is None else value * factor, 3)
+
+
+def _interval(ends: tuple[float, float] | None, factor: float = 1.0) -> str:
+    if ends is None or not np.isfinite(ends).all():
+        return ""
+    return f"{_number(ends[0], factor)} to {_number(ends[1], factor)}"
 
 
 def _courses(courses: list[Statistic]) -> Markup:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from shipid.criteria.criteria import NOT_COVERED, Criteria, CriterionSide
+from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import fixed, number
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence, versions_now
@@ -20,7 +24,9 @@ def criteria_page(found: Criteria) -> Page:
     return Page(
         f"Manoeuvring criteria of {found.ship} with model {found.model}",
         [("", _answer(found))],
-        [_told(found)],
+        [_told(found, [n for n in found.notes if not isinstance(n, Notice)])],
+        warnings=[sentence(n) for n in found.notes if isinstance(n, Notice) and n.serious],
+        cautions=[sentence(n) for n in found.notes if isinstance(n, Notice) and not n.serious],
         footer=versions_now(),
     )
 
@@ -47,15 +53,17 @@ def criteria_section(found: Criteria | str | None) -> Section | None:
         return None
     if isinstance(found, str):
         return _section({"refused": found})
-    return _told(found)
+    return _told(found, found.notes)
 
 
-def _told(found: Criteria) -> Section:
+def _told(found: Criteria, notes: Sequence[str]) -> Section:
     length, speed = found.length, found.speed
     head = (
         f"L {number(length)} m, V {number(speed, 3)} m/s, L/V {number(length / speed, 3)} s; turning circle with "
-        f"{angle(found.rudder, 2)} of rudder. Each number is followed by its 95 % band."
+        f"{angle(found.rudder, 2)} of rudder."
     )
+    if any(side.band95 for row in found.rows for side in (row.starboard, row.port)):
+        head += " Each number is followed by its 95 % band."
     rows: list[Row] = [
         {
             "meaning": sentence(row.meaning),
@@ -66,7 +74,12 @@ def _told(found: Criteria) -> Section:
             "starboard": _value(row.starboard, row.unit),
             "port": _value(row.port, row.unit),
             "limit": row.limit_text or "none",
-            "remark": " ".join(_why(side) for side in (row.starboard, row.port) if side.value is None),
+            # Of both sides once; what the model does not sail at all is told in a note.
+            "remark": " ".join(
+                dict.fromkeys(
+                    _why(s) for s in (row.starboard, row.port) if s.value is None and NOT_SAILED not in s.words
+                )
+            ),
         }
         for row in found.rows
     ]
@@ -75,7 +88,7 @@ def _told(found: Criteria) -> Section:
         "head": head,
         "rows": rows,
         "spiral": _spiral(found),
-        "notes": [*found.notes, *(f"Not covered: {what}." for what in NOT_COVERED)],
+        "notes": [*notes, *(f"Not covered: {what}." for what in NOT_COVERED)],
     }
     return _section(view)
 
@@ -92,7 +105,8 @@ def _value(side: CriterionSide, unit: str) -> str:
 
 
 def _why(side: CriterionSide) -> str:
-    return sentence(side.words.partition(":")[2].strip())
+    why = sentence(side.words.partition(":")[2].strip())
+    return f"{why}." if why and not why.endswith(".") else why
 
 
 def _band(band: tuple[float, float] | None) -> str:

@@ -55,7 +55,7 @@ def filter_page(run: FilterRun, seen: Observability | None = None) -> Page:
         What the record shows of the state, where that was worked out.
     """
     return Page(
-        f"{run.design.base.name} on {run.record}",
+        f"Trial {run.record} filtered with model {run.design.base.name}",
         [("", _answer(run))],
         [s for section in SECTIONS if (s := section(run)) is not None],
         () if seen is None else seen.messages,
@@ -101,7 +101,10 @@ def _signals(run: FilterRun) -> Section:
     rows = []
     for name in (n for n in run.states if n not in run.design.parameters.values()):
         how = shown(run.design.model, name)
-        value = uncertain(float(run[name][-1]) * how.factor, float(run.std_of(name)[-1]) * how.factor)
+        last = float(run[name][-1]) * how.factor
+        # A heading is read on a compass, from 0 to 360.
+        last = last % 360 if name == "psi" else last
+        value = uncertain(last, float(run.std_of(name)[-1]) * how.factor)
         rows.append(
             {"name": name, "value": value, "unit": how.unit, "meaning": run.design.model[name].quantity.meaning}
         )

@@ -43,7 +43,7 @@ def recursive_page(run: RecursiveIdentification) -> Page:
             f"The innovations are not white (p {probability(white)}): the model does not explain part of them."
         )
     return Page(
-        f"{design.model.name} on {run.record}, by {design.method.name}",
+        f"Trial {run.record} identified with model {design.model.name}, by {design.method.name}",
         [("", answer)],
         [s for section in SECTIONS if (s := section(run)) is not None],
         [f"Not reliable: {run.why_diverged}"] if run.diverged else [],

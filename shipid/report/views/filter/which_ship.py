@@ -21,7 +21,7 @@ def which_ship_page(found: WhichShip) -> Page:
     """
     run = found.run
     return Page(
-        f"{run.design.first.base.name} on {run.record}: which ship sails",
+        f"Trial {run.record}: which ship sails, with model {run.design.first.base.name}",
         [("", [found.answer])],
         [_probabilities(found), _noise(found), equations_section(run.design.first.base)],
         [str(n) for n in found.warnings if n.serious],

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
-import numpy as np
-
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
-from shipid.identification.fit_text import percent
+from shipid.identification.fit_text import fit_words
+from shipid.identification.problem.prior_shares import MOSTLY, held_words
 from shipid.identification.validation.comparison import Comparison
+from shipid.parameters.validity import range_words
 from shipid.report.figures.runaway import runaway
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
@@ -39,6 +39,7 @@ def _rows(fit: Fit) -> Iterator[Row]:
     )
     yield _trials(fit)
     yield _determined(fit)
+    yield from _held(fit)
     yield _near("Does it reproduce the fitted trials?", fit, fit.fitted)
     if fit.validation:
         yield _near("Does it predict trials that were not fitted?", fit, fit.validation)
@@ -79,6 +80,22 @@ def _determined(fit: Fit) -> Row:
     )
 
 
+def _held(fit: Fit) -> Iterator[Row]:
+    """How much of the coefficients comes from the priors that the model declares."""
+    shares = fit.prior_shares
+    if not shares:
+        return
+    held = held_words(shares)
+    words = f"{held}: that much of the information is the prior that the model declares." if held else ""
+    count = sum(share > MOSTLY for share in shares.values())
+    yield _row(
+        "Or do priors hold them?",
+        f"{count} of {len(fit.estimated)}" if held else "no",
+        words or "Of each coefficient with a prior, the trials say more than the prior.",
+        "undecided" if held else "",
+    )
+
+
 def _near(question: str, fit: Fit, comparisons: Sequence[Comparison]) -> Row:
     """How near the model comes, in each signal."""
     lost = [c.trial.name for c in comparisons if runaway(c) is not None]
@@ -103,7 +120,7 @@ def _near(question: str, fit: Fit, comparisons: Sequence[Comparison]) -> Row:
 
 
 def _percent(value: float) -> str:
-    return percent(value).replace("-", "−")
+    return fit_words(value).replace("-", "−")
 
 
 def _between(values: Sequence[str]) -> str:
@@ -128,7 +145,7 @@ def _bands(fit: Fit) -> Iterator[Row]:
     if total:
         words = (
             f"{inside} of {total} measured overshoots of trials that were not fitted lie in the 95 % band of their prediction. The "
-            "bands hold what the uncertainty of the coefficients allows, not the errors of the model itself."
+            "bands hold the uncertainty of the coefficients, and what the structure of such a model is usually wrong by."
         )
         yield _row("Do the bands hold?", f"{inside} of {total}", words, "" if inside >= 0.8 * total else "undecided")
 
@@ -154,23 +171,13 @@ def _white(fit: Fit) -> Iterator[Row]:
 
 def _range(fit: Fit) -> Row:
     """The range that the fitted trials cover."""
-    parts = []
-    for name in ("delta", "r"):
-        sizes = [float(np.nanmax(np.abs(c.trial[name]), initial=0.0)) for c in fit.fitted if c.trial.has(name)]
-        if sizes:
-            how = shown(fit.model, name)
-            parts.append(f"{how.label.lower()} up to {how.number(max(sizes))} {how.unit}")
-    for name in ("u", "U"):
-        there = [c.trial[name][np.isfinite(c.trial[name])] for c in fit.fitted if c.trial.has(name)]
-        there = [t for t in there if t.size]
-        if there:
-            how = shown(fit.model, name)
-            low, high = min(float(t.min()) for t in there), max(float(t.max()) for t in there)
-            parts.append(f"speed {how.number(low)} to {how.number(high)} {how.unit}")
-            break
-    words = f"The fitted trials hold {listed(parts)}. " if parts else ""
+    known = fit.ship.joint.get(fit.model.name)
+    words = {} if known is None else range_words(known)
+    parts = [f"speeds {words[n]}" if n == "u" else words[n] for n in words]
+    said = f"The fitted trials hold {listed(parts)}. " if parts else ""
+    verdict = words.get("delta", words.get("u", "not known"))
     return _row(
         "Up to where?",
-        parts[0].removeprefix("rudder angle ") if parts else "not known",
-        f"{words}Beyond what was sailed the model extrapolates, and no band contains that error.",
+        verdict.removeprefix("rudder angles "),
+        f"{said}Beyond what was sailed the model extrapolates, and no band contains that error.",
     )

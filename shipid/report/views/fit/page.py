@@ -130,7 +130,8 @@ def _warnings(fit: Fit) -> list[str]:
     found = [f"{sentence(str(n)).rstrip('.')}." for n in fit.warnings if n.serious]
     for c in (*fit.fitted, *fit.validation):
         t = runaway(c)
-        if t is not None:
+        # What the model does not sail is told already, with its reason.
+        if t is not None and c.departure is None:
             found.append(
                 f"The prediction of {c.trial.name} runs away at t = {number(t)} s; its curves stop there, and it has no rms error."
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shipid.foundation.numbers import number
 from shipid.identification.fit import Fit
-from shipid.identification.fit_text import percent
+from shipid.identification.fit_text import fit_words
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.comparisons import heading_drawing, track_drawing
 from shipid.report.figures.runaway import runaway
@@ -50,7 +50,9 @@ def error_rows(fit: Fit, comparison: Comparison) -> list[Row]:
                 "label": how.label,
                 "unit": how.unit,
                 "rms": "ran away" if lost is not None else f"{how.number(value)} {how.unit}",
-                "fit": "" if lost is not None or name not in explained else percent(explained[name]).replace("-", "−"),
+                "fit": ""
+                if lost is not None or name not in explained
+                else fit_words(explained[name]).replace("-", "−"),
                 "refitted": ""
                 if again is None
                 else "ran away"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from shipid.foundation.numbers import given, number, uncertain
 from shipid.planning.leg import Leg
 from shipid.planning.plan import Forecast, Plan
+from shipid.planning.timetable import SeaRoom, clock
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import named, shown_field
 from shipid.report.views.equations import equations_section
@@ -22,23 +23,10 @@ def plan_page(plan: Plan) -> Page:
     return Page(
         f"Trials to sail for {plan.model.name} of {plan.ship}",
         [("", _answer(plan))],
-        [_legs(plan), _forecasts(plan), _grounds(plan), equations_section(plan.model)],
+        [_legs(plan), *_timetable(plan), _forecasts(plan), _grounds(plan), equations_section(plan.model)],
         cautions=[sentence(str(w)) for w in plan.warnings],
         footer=versions_now(),
     )
-
-
-def clock(seconds: float) -> str:
-    """Return ``12:05``, or ``1:12:05`` for an hour and more.
-
-    Parameters
-    ----------
-    seconds : float
-        A time in s.
-    """
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}" if hours else f"{minutes}:{rest:02d}"
 
 
 def _answer(plan: Plan) -> list[str]:
@@ -58,6 +46,26 @@ def _answer(plan: Plan) -> list[str]:
 def _legs(plan: Plan) -> Section:
     view = {"legs": [_leg(leg) for leg in plan.legs], "standard": [_leg(leg) for leg in plan.standard]}
     return Section("What to sail", "plan/legs.html", view, short="Manoeuvres")
+
+
+def _timetable(plan: Plan) -> list[Section]:
+    """The orders in their sequence, and the sea room; nothing where the trials could not be simulated."""
+    table = plan.timetable
+    if table is None:
+        return []
+    orders: list[Row] = [
+        {"time": clock(o.time), "leg": str(o.leg), "action": o.action, "when": o.when} for o in table.orders
+    ]
+    several = len(table.rooms) > 1
+    rooms = [_room(str(k), room) for k, room in enumerate(table.rooms, start=1) if several]
+    rooms += [] if table.room is None else [_room("all" if several else "1", table.room)]
+    view = {"weather": table.weather, "orders": orders, "rooms": rooms}
+    return [Section("Orders to the helm", "plan/timetable.html", view, short="Timetable")]
+
+
+def _room(which: str, room: SeaRoom) -> Row:
+    sides = ("ahead", "astern", "port", "starboard")
+    return {"which": which} | {side: f"{getattr(room, side):.0f} m" for side in sides}
 
 
 def _leg(leg: Leg) -> Row:

@@ -22,6 +22,8 @@ _UNITS = {
     "x": "m", "y": "m", "psi": "rad", "r": "rad/s", "u": "m/s", "v": "m/s", "delta": "rad", "current_north": "m/s",
     "current_east": "m/s", "wind_speed": "m/s", "wind_direction": "rad",
 }  # fmt: skip
+#: A value is rounded to so many decimals first: of a current to the east, the sine leaves a rest to the north.
+_DECIMALS = 9
 #: The columns of the stages.
 _COLUMNS = [
     ("Time [s]", "t", "n"), ("Ahead [m]", "ahead", "n"), ("Aside [m]", "aside", "n"), ("Heading [deg]", "heading", "n"),
@@ -100,8 +102,8 @@ def _along(found: Prediction) -> Markup:
     for name, unit in _ALONG:
         values = to_display(getattr(track, name), name, unit)
         if name == "psi":
-            # Compass degrees, continued where the ship turns through north.
-            values = values - 360 * np.floor(values[0] / 360)
+            # Continued where the ship turns through north, so that she ends in compass degrees: what was ordered is read there.
+            values = values - 360 * np.floor(values[-1] / 360)
         panels.append(Axes(label(name), pretty(display_unit(name, unit)), [Line("", track.t, values)]))
     return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")
 
@@ -117,7 +119,7 @@ def _situation(found: Prediction) -> list[Row]:
         rows.append(
             {
                 "what": label(name),
-                "value": number(float(to_display(value, name, unit)), 4),
+                "value": number(round(float(to_display(value, name, unit)), _DECIMALS), 4),
                 "std": number(float(to_display(std, name, unit)), 2) if std else "taken as known",
                 "unit": pretty(display_unit(name, unit)),
             }

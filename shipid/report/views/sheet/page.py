@@ -9,7 +9,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.criteria.measured.sheet import QUARTERS, SheetManoeuvre, TrialSheet, rudder_of
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import to_display
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import fixed, number
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
@@ -99,6 +99,7 @@ def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object
     return {
         "title": sailed.title,
         "trial": measures.trial,
+        "simulated": sailed.record.source.simulated,
         "read_from": measures.read_from,
         "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
         "columns": _NUMBERS,
@@ -191,4 +192,4 @@ def _quarter(name: str, value: float | None) -> str:
     if name == "times":
         minutes, seconds = divmod(round(value), 60)
         return f"{minutes}:{seconds:02d}"
-    return given(round(float(to_display(value, "U")), 2))
+    return fixed(float(to_display(value, "U")), 2)

@@ -14,7 +14,7 @@ from shipid.foundation.numbers import fixed
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.targets import targets_figure
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.words import sentence
+from shipid.report.views.words import count, sentence
 
 _TARGETS = [
     ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
@@ -27,6 +27,8 @@ _JUDGED = [
 ]  # fmt: skip
 #: Tracks whose speeds are drawn: the ones that were held longest.
 _MOST = 4
+#: Below this speed a course says nothing, m/s.
+_STILL = 0.5
 
 
 def tracking_page(found: Tracking) -> Page:
@@ -41,15 +43,9 @@ def tracking_page(found: Tracking) -> Page:
     held = [one for one in found.tracks if one.status == "held"]
     answer = [
         f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
-        f"{len(found.tracks)} confirmed tracks; {len(held)} are held at the end.",
+        f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
-    nearest = min((o for o in held if o.approach is not None), key=lambda o: _nearest(o), default=None)
-    if nearest is not None and nearest.approach is not None:
-        answer.append(
-            f"Track {nearest.number} comes nearest to own ship: {fixed(nearest.approach.nearest, 0)} m within the next hour."
-        )
-    else:
-        answer.append("The closest approach is not known.")
+    answer.append(_closest([o for o in held if o.approach is not None]))
     sections = [
         Section(
             "Plan",
@@ -80,8 +76,17 @@ def tracking_page(found: Tracking) -> Page:
     )
 
 
-def _nearest(one: TargetTrack) -> float:
-    return one.approach.nearest if one.approach is not None else np.inf
+def _closest(held: list[TargetTrack]) -> str:
+    """Which track comes nearest to own ship, or lies nearest where none comes nearer."""
+    near = [(o.number, o.approach) for o in held if o.approach is not None]
+    closing = [(n, a) for n, a in near if a.motion == "closing"]
+    if closing:
+        number, first = min(closing, key=lambda pair: pair[1].nearest)
+        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour."
+    if near:
+        number, first = min(near, key=lambda pair: pair[1].range)
+        return f"No track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m."
+    return "The closest approach is not known."
 
 
 def _row(one: TargetTrack) -> Row:
@@ -108,9 +113,23 @@ def _motion(shown: list[TargetTrack]) -> Markup:
 
     panels = [
         Axes("Speed over ground", "m/s", lines([o.speed for o in shown])),
-        Axes("Course over ground", "deg", lines([np.rad2deg(np.unwrap(o.course)) for o in shown])),
+        Axes("Course over ground", "deg", lines([course_shown(o) for o in shown])),
     ]
     return chart(panels, "Time since the first plot [s]", "motion", "Speed and course")
+
+
+def course_shown(one: TargetTrack) -> np.ndarray:
+    """Return the course without jumps at north, in deg, its median between 0 and 360; NaN where the target hardly moves.
+
+    Parameters
+    ----------
+    one : TargetTrack
+        The track.
+    """
+    moving = one.speed > _STILL
+    course = np.full(one.t.size, np.nan)
+    course[moving] = np.rad2deg(np.unwrap(one.course[moving]))
+    return course - 360.0 * np.floor(np.median(course[moving]) / 360.0) if moving.any() else course
 
 
 def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
@@ -134,8 +153,14 @@ def _judged(score: TrackingScore) -> dict[str, object]:
         rows.append(
             {"name": ship.name, "visible": ship.visible, "held": fixed(100 * ship.held, 0), "nees": nees, **errors}
         )
+    false = score.false_tracks
+    moving = (
+        f"{count(false, 'confirmed track')} {'moves' if false == 1 else 'move'}"
+        if false
+        else "No confirmed track moves"
+    )
     words = (
-        f"{score.false_tracks} confirmed tracks move where no ship is within 250 m{rate}. A track within "
-        f"{fixed(score.near, 0)} m is a ship's. A covariance is honest where the NEES is 2."
+        f"{moving} where no ship is within 250 m{rate if false else ''}. A track within "
+        f"{fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; far above it, the error is larger than stated."
     )
     return {"words": words, "columns": _JUDGED, "rows": rows}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from shipid.declaration.vocabulary import FIELDS
@@ -57,6 +58,10 @@ _UNITS = {
 _SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
 
 
+#: Fields without which most commands have nothing to do.
+WANTED = ("psi", "r", "u", "delta", "delta_order", "x", "y")
+
+
 @dataclass(frozen=True)
 class Meaning:
     """What a header can mean.
@@ -102,6 +107,43 @@ def meaning_of(header: str) -> Meaning:
         if text in _FIELDS:
             return Meaning((_FIELDS[text],), f"'{name}' is a usual name{side}", unit or _unit_of(text))
     return Meaning(())
+
+
+def unread_columns(headers: Iterable[str], known: Collection[str]) -> dict[str, str]:
+    """Return columns that are wanted fields under other names, by the field.
+
+    Parameters
+    ----------
+    headers : iterable of str
+        As they stand in the log.
+    known : collection of str
+        Fields that the log holds.
+    """
+    found: dict[str, str] = {}
+    for header in headers:
+        meaning = meaning_of(header)
+        field = meaning.fields[0] if meaning.fields and not meaning.doubtful else ""
+        if header not in FIELDS and field in WANTED and field not in known:
+            found.setdefault(field, header)
+    return found
+
+
+def open_columns(headers: Iterable[str], known: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return the fields that a column can be, by its header, where one of them is wanted and the log holds none of them.
+
+    Parameters
+    ----------
+    headers : iterable of str
+        As they stand in the log.
+    known : collection of str
+        Fields that the log holds.
+    """
+    meanings = {header: meaning_of(header) for header in headers if header not in FIELDS}
+    return {
+        header: meaning.fields
+        for header, meaning in meanings.items()
+        if len(meaning.fields) > 1 and set(meaning.fields) & set(WANTED) and not set(meaning.fields) & set(known)
+    }
 
 
 def _unit_of(text: str) -> str | None:

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 import shipid
+from shipid.foundation.numbers import percent
 
 
 def log(trial, late=0.0, factor=1.0, noise=0.0):
@@ -56,4 +57,4 @@ def test_without_positions_a_course_is_late_beyond_any_drift(simulated):
 def test_a_log_that_is_off_is_named_without_a_heading(simulated, factor):
     finding = told(log(simulated("turn:35", "none", "norrbin", "zeefakkel"), factor=factor))["speed-scale"]
     assert finding.serious and not finding.repaired
-    assert f"reads {abs(1 - factor):.0%} {'low' if factor < 1 else 'high'}" in finding.message
+    assert f"reads {percent(abs(1 - factor))} {'low' if factor < 1 else 'high'}" in finding.message

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor.check_trial import check_trial
 
 
@@ -25,7 +26,7 @@ def test_a_slower_sensor_whose_samples_are_held(simulated, tmp_path, beat):
     found = next(f for f in with_column(trial, tmp_path / "log.csv", "r", held).findings if f.kind == "resampled")
     assert found.channel == "r" and found.confidence >= 0.5
     # One sample in `beat` was measured.
-    assert f"{1 - 1 / beat:.0%} of the samples" in found.message
+    assert f"{percent(1 - 1 / beat)} of the samples" in found.message
 
 
 def test_digits_far_finer_than_the_record_are_no_finding(simulated, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import shipid
@@ -237,3 +238,14 @@ def test_what_read_trial_would_refuse_is_not_written(simulated, tmp_path):
     with pytest.raises(ShipidError):
         fix_trial(tmp_path / "log.csv", tmp_path / "fixed.csv")
     assert not (tmp_path / "fixed.csv").exists()
+
+
+@pytest.mark.parametrize("factor", [1e-170, 1e-310, 1e150])
+@pytest.mark.parametrize("name", ["r", "delta", "u", "psi", "x"])
+def test_a_channel_whose_squares_vanish_or_overflow_is_examined(simulated, name, factor):
+    trial = simulated()
+    log = {c: trial[c] * (factor if c == name else 1.0) for c in ("t", "x", "y", "psi", "u", "r", "delta")}
+    units = {"t": "s", "x": "m", "y": "m", "psi": "rad", "u": "m/s", "r": "rad/s", "delta": "rad"}
+    record = shipid.Trial.from_frame(pd.DataFrame(log), units=units)
+    with np.errstate(all="ignore"):
+        assert check_trial(record).findings is not None

@@ -41,3 +41,16 @@ def test_a_clock_that_stopped_is_told_and_breaks_nothing(tmp_path, monkeypatch, 
     assert repeats.count == np.sum(np.diff(t) == 0)
     assert "clock-quantised" not in [f.kind for f in found.findings]
     assert repeats.fix is None, "no clock is made up for rows whose time nobody knows"
+
+
+def test_a_clock_that_starts_again_and_stops_leaves_one_row_and_breaks_nothing(tmp_path):
+    found = check_trial(written(tmp_path, np.r_[np.arange(6.0), np.full(175, 1e-300)]))
+    assert {"clock-unsorted", "clock-repeats", "short"} <= set(found.kinds)
+
+
+def test_a_channel_on_a_clock_that_jumps_has_the_interval_of_its_steps_forward(tmp_path):
+    """The median of its steps is zero, and a hole is longer than any number of times nothing."""
+    path = tmp_path / "log.csv"
+    rows = [f"{t},{10 + k * 1.7 % 3},{'' if k == 0 else k % 2}" for k, t in enumerate([2, 3, 8, 6, 5, 7, 7])]
+    path.write_text("\n".join(["t [s],psi [deg],delta [deg]", *rows]) + "\n")
+    assert "short" in check_trial(path).kinds

@@ -139,6 +139,16 @@ def test_utc_of_the_sentences(log, stamped, basic):
     assert "t = 0 is 2026-05-04 09:00:00.000." in trial.source.notes
 
 
+@pytest.mark.parametrize("day", ["00", "99", "9" * 30])
+def test_a_day_that_no_month_has_is_no_date(log, stamped, basic, day):
+    def dated(t):
+        return f"GPZDA,{at(t):%H%M%S.%f},{day},05,2026,00,00"
+
+    trial = read_trial(log(stamped((dated, 1), *basic, stamp=lambda s: "")), format="nmea")
+    assert any("UTC of GPZDA" in n for n in trial.source.notes)
+    assert not any("2026" in n for n in trial.source.notes)
+
+
 @pytest.mark.parametrize("dated", [True, False])
 def test_utc_passes_midnight(log, stamped, basic, dated):
     def fix(t):

@@ -6,12 +6,15 @@ import { direction, distance, known, knots, perMinute, plain, KNOT } from "../fi
 function current(flow) {
   if (!flow || !known(flow.speed)) return null;
   const spread = known(flow.sd) ? ` ± ${plain(flow.sd / KNOT, 1)}` : "";
-  return `${knots(flow.speed)}${spread} kn to ${direction(flow.direction_to)}`;
+  // A current that may as well be none has no direction.
+  const to = flow.speed < 2 * (flow.sd ?? 0) ? ", direction not known" : ` to ${direction(flow.direction_to)}`;
+  return `${knots(flow.speed)}${spread} kn${to}`;
 }
 
 function wind(flow) {
   if (!flow || !known(flow.speed)) return null;
-  return `${plain(flow.speed, 1)} m/s from ${direction(flow.direction_from)}`;
+  const speed = `${plain(flow.speed, 1)} m/s`;
+  return flow.speed < 0.05 ? speed : `${speed} from ${direction(flow.direction_from)}`;
 }
 
 function leg(route) {

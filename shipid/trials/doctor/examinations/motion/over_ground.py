@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -153,7 +154,7 @@ def _speed_without_heading(p: WorkingCopy, heading: np.ndarray) -> None:
         p.add(
             "speed-scale", "u", min(robust.confidence_of(abs(scale - 1) / limit, 0.8, 1.8), 0.89),
             f"the track is {scale:.3g} times as long as u says, a current of {abs(fit.flow):.2g} m/s taken off: the log reads "
-            f"{abs(1 - 1 / scale):.0%} {word}",
+            f"{percent(abs(1 - 1 / scale))} {word}",
             "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its square.",
             f"Multiply u by {scale:.4g}, in a format file: scale = {scale:.4g}, where other records of the ship say the same.",
             fix={"action": "scale", "column": "u", "factor": float(scale)},

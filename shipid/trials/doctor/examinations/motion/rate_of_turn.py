@@ -7,6 +7,7 @@ from math import log, pi
 import numpy as np
 
 from shipid.declaration.vocabulary import shown
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -94,8 +95,8 @@ def examine_label(p: WorkingCopy) -> None:
         has = "r" in rated
         p.add(
             "mislabelled", "r", robust.confidence_of(others[best][1] - mine, 0.3, 0.6),
-            f"the column called {best} is the slope of the heading ({others[best][1]:.1%} of it explained)"
-            + (f", the one called r is not ({mine:.1%})" if has else "; there is no r"),
+            f"the column called {best} is the slope of the heading ({percent(others[best][1], 1)} of it explained)"
+            + (f", the one called r is not ({percent(mine, 1)})" if has else "; there is no r"),
             "A fit to that r has nothing to do with the rudder: gain and damping are noise.",
             f"Exchange the names {best} and r." if has else f"Rename {best} to r.",
             fix={"action": "relabel", "from": best, "to": "r"},

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
+from shipid.foundation.numbers import percent
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -218,6 +219,8 @@ def _usual(p: WorkingCopy) -> tuple[float, float]:
 
 def _gaps(p: WorkingCopy) -> None:
     d = np.diff(p.t)
+    if not d.size:
+        return
     dt, limit = _usual(p)
     found = np.flatnonzero(d > limit)
     if not found.size:
@@ -230,7 +233,7 @@ def _gaps(p: WorkingCopy) -> None:
     )
     share = lost / (lost + len(p))
     meanwhile = (
-        f"; the motion bends meanwhile, and a line across misses about {missed:.0%} of its range"
+        f"; the motion bends meanwhile, and a line across misses about {percent(missed)} of its range"
         if missed > 0.05
         else ""
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.filling import GAP
@@ -44,7 +45,7 @@ def examine_missing(p: WorkingCopy) -> None:
     others = [c for c in others if _share(p, c) > _MANY]
     if others:
         p.add(
-            "missing", ",".join(others[:10]), 0.9, f"more than {_MANY:.0%} of the samples of {len(others)} other columns are missing",
+            "missing", ",".join(others[:10]), 0.9, f"more than {percent(_MANY)} of the samples of {len(others)} other columns are missing",
             "What is not measured cannot be compared.", "None needed where they are not used.", spoils=False,
         )  # fmt: skip
 
@@ -65,7 +66,7 @@ def _missing(p: WorkingCopy, name: str) -> None:
         if share > 0.002:
             p.add(
                 "missing", name, robust.confidence_of(share, 0.0, 0.004),
-                f"{share:.1%} of the samples of {name} are missing, never more than {lengths.max():.4g} s on end",
+                f"{percent(share, 1)} of the samples of {name} are missing, never more than {lengths.max():.4g} s on end",
                 "There are fewer residuals, and none at these samples: nothing is biased by it.",
                 "None needed: a missing sample stays missing.", at=np.flatnonzero(p.missing[name]),
                 spoils=share > 1 - _MANY,
@@ -77,12 +78,14 @@ def _missing(p: WorkingCopy, name: str) -> None:
     reach = float(np.ptp(p.measured(name)))
     serious = missed > _TOLERABLE or share > _MANY
     over = (
-        f"; it turns meanwhile, and a line across misses about {missed:.0%} of its range" if missed > _TOLERABLE else ""
+        f"; it turns meanwhile, and a line across misses about {percent(missed)} of its range"
+        if missed > _TOLERABLE
+        else ""
     )
     p.add(
         "hole", name, robust.confidence_of(float(lengths[k]) / (GAP * usual), 0.8, 1.6),
         f"{name} is silent {len(holes)} time{'s' * (len(holes) > 1)}, the longest from {times[k]:.6g} to {times[k + 1]:.6g} s"
-        f" ({lengths[k]:.4g} s, usually {usual:.4g} s); {share:.1%} of its samples are missing{over}"
+        f" ({lengths[k]:.4g} s, usually {usual:.4g} s); {percent(share, 1)} of its samples are missing{over}"
         + ("" if reach > 0 else "; it never changes"),
         "What it did meanwhile is unknown: an extreme there is not measured"
         + (", and a simulation cannot be run through it." if name in ("delta", "delta_order") else "."),

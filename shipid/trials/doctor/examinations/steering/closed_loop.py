@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.delay import answer_to
 from shipid.trials.doctor.examinations.steering.filtered import Signals, filtered, regular_signals, settled, squares
@@ -48,7 +49,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     p.add(
         "closed-loop", name, robust.confidence_of(share, 0.35, 0.65),
         f"the rudder follows the heading (about {stiffness:.2g} deg a degree off course and {damping:.2g} deg per deg/s): an autopilot "
-        f"steers, and the rudder explains {'only ' if disturbed else ''}{max(answer.explained, 0):.0%} of the turning; the rest is "
+        f"steers, and the rudder explains {'only ' if disturbed else ''}{percent(max(answer.explained, 0))} of the turning; the rest is "
         "disturbance that the rudder reacts to, or what a simple model of the ship leaves out",
         "Output error is biased: rudder and disturbance are correlated, the gain comes out far too small or with the wrong sign, "
         "and its interval does not say so."
@@ -60,7 +61,7 @@ def examine_closed_loop(p: WorkingCopy) -> None:
     if disturbed and kept > _KEPT and _swing(signals) < _CHANGED:
         p.add(
             "course-keeping", name, robust.confidence_of(kept, 0.85, 0.95),
-            f"heading and rate of turn alone explain {kept:.0%} of the rudder angle: the course is kept, and nothing but disturbances moves "
+            f"heading and rate of turn alone explain {percent(kept)} of the rudder angle: the course is kept, and nothing but disturbances moves "
             "the rudder",
             "Rudder and disturbance are one signal: no method tells the answer to the rudder from the disturbance, and intervals hold only "
             "if the disturbance is exactly what the method takes it for.",

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares
 from shipid.trials.doctor.examinations.steering.rudder import executes
@@ -80,7 +81,9 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     delta, rate, _ = filtered(signals, signals.delta, constant)
     rest = [r, drag, cubic, np.ones_like(r)]
     target = slope[use]
-    if float(np.ptp(target)) == 0:
+    # Accelerations below 1e-160 differ, but their squares do not.
+    total = float(np.sum((target - target.mean()) ** 2))
+    if total == 0:
         return None
 
     def misfit(*columns: np.ndarray) -> float:
@@ -91,7 +94,6 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     left = np.array([misfit(np.interp(signals.t - shift, signals.t, delta)) for shift in shifts])
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
-    total = float(np.sum((target - target.mean()) ** 2))
     return Answer(
         usual,
         len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
@@ -141,8 +143,8 @@ def examine_delay(p: WorkingCopy) -> None:
         f"the rudder is logged about {answer.delay:.3g} s before it acts (the ship's answer is explained {answer.gain:.3g} times "
         "as well with it that much later): the rudder is early, it is an order, or heading and rate are late",
         "The delay is taken for a slower ship: the time constant comes out too long by about as much, the gain with it.",
-        f"Identify with a delay of {answer.delay:.3g} s or a steering machine, or find the clock of the rudder; shift "
-        f"delta by {answer.delay:+.3g} s if it is the rudder that is early.",
+        f"Identify with a dead time (-delay after the name of the model, about {answer.delay:.3g} s) or a lag (-lag), or find the "
+        f"clock of the rudder; shift delta by {answer.delay:+.3g} s if it is the rudder that is early.",
         spoils=not ordered and share > 0.02,
     )  # fmt: skip
 
@@ -177,7 +179,7 @@ def _unanswered(p: WorkingCopy, name: str, answer: Answer) -> None:
     if own <= float(np.quantile(chance, 0.9)):
         p.add(
             "no-response", name, 0.9,
-            f"the rate of turn does not answer the rudder: they explain {max(own, 0):.1%} of the turning acceleration, and no less "
+            f"the rate of turn does not answer the rudder: they explain {percent(max(own, 0), 1)} of the turning acceleration, and no less "
             "where one is shifted at random",
             "Nothing can be identified: any gain explains the record as well as any other.",
             "Use a record of a manoeuvre, or find the columns that hold rudder and rate of turn.",

@@ -54,7 +54,7 @@ def _utc(f: Fields, k: int, valid: bool = True) -> float:
 def _day_number(year: int, month: int, day: int) -> float:
     try:
         return float(date(year, month, day).toordinal() - _EPOCH_DAY)
-    except ValueError:
+    except (ValueError, OverflowError):  # numbers of any length
         return NAN
 
 

@@ -12,7 +12,7 @@ import pytest
 import shipid
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
-from shipid.identification.validation.explained import least_unexplained, nothing_explained
+from shipid.identification.evidence.explained import least_unexplained, nothing_explained
 
 UNIT = 45 / 4.95
 

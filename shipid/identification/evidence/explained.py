@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import percent
 from shipid.identification.validation.comparison import Comparison
 
 #: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
@@ -56,7 +57,7 @@ def not_determined(who: str, least: float) -> Notice:
         Error of the best, in shares of the motion.
     """
     return Notice(
-        f"Not determined: {who} (the error of the best is {least:.0%} of the rate of turn itself). No coefficient is to be used; "
+        f"Not determined: {who} (the error of the best is {percent(least)} of the rate of turn itself). No coefficient is to be used; "
         "sail a zig-zag.",
         NOT_DETERMINED,
         serious=True,

@@ -7,9 +7,9 @@ from inspect import getattr_static
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL, Component, declared_equations, declared_quantities
+from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity
-from shipid.declaration.unit_check import check_units
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnitError
 
@@ -36,7 +36,8 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
     Raises
     ------
     DeclarationError
-        If a name is stated twice, an equation is missing, or derived quantities define each other in a circle.
+        If a name is stated twice, an equation is missing, derived quantities define each other in a circle, or a dead time delays
+        what is no input.
     UnitError
         If a unit is not SI, two components disagree about one, or an equation's terms do not match.
     """
@@ -65,6 +66,8 @@ def join(name: str, *parts: type[Component] | Model) -> Model:
 
     for wanted, readers in given.items():
         _check_connection(name, wanted, readers, stated.get(wanted))
+    for entry in stated.values():
+        _check_delay(name, entry, stated, given)
     entries = {n: stated.get(n) or _input(given[n]) for n in order}
     model = Model(name, entries, tuple(components), tuple(dict.fromkeys(n for n in extended if n != name)))
     check_units(model)
@@ -147,6 +150,23 @@ def _check_connection(model: str, name: str, readers: list[Entry], source: Entry
     if name == SAMPLING_INTERVAL and source is not None:
         raise DeclarationError(
             f"model {model}: '{SAMPLING_INTERVAL}' is the sampling interval, and {_where(source)} states it."
+        )
+
+
+def _check_delay(model: str, entry: Entry, stated: dict[str, Entry], given: dict[str, list[Entry]]) -> None:
+    """Refuse a dead time of what is no input, unless the component that states it reads the dead time as well."""
+    late = entry.quantity.delays
+    if late is None:
+        return
+    if not units.same_dimension(entry.unit, "s"):
+        raise UnitError(f"model {model}: the dead time '{entry.name}' is in {units.pretty(entry.unit)}, and not in s.")
+    source = stated.get(late)
+    if source is None and late not in given:
+        raise DeclarationError(f"model {model}: '{entry.name}' delays '{late}', which no component reads.")
+    if source is not None and entry.name not in declared_quantities(source.owner):
+        raise DeclarationError(
+            f"model {model}: '{entry.name}' delays the input '{late}', and {_where(source)} states '{late}' without it: "
+            "a dead time is carried where that is a record, and by LateSteeringMachine. Choose the model without it."
         )
 
 

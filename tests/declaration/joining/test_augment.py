@@ -5,8 +5,8 @@ from math import exp, log
 import pytest
 
 from shipid import Component, augment, find_model, given, join, parameter, state
+from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Evaluation
-from shipid.declaration.unit_check import check_units
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 from shipid.parameters.parameter_set import resolve
 

@@ -1,0 +1,1 @@
+"""How components become one model: joined by name, augmented, and checked for units."""

@@ -1,0 +1,1 @@
+"""Linear derivatives of a hull from its particulars, by a published regression."""

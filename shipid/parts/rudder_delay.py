@@ -1,0 +1,132 @@
+"""The dead time of a rudder: along a record, and in a closed loop, where there is no record of the rudder before.
+
+A dead time of a steering gear and one of the logger's clock look the same in a trial, and one number holds both. Along a record it
+is a shift of the rudder (`shipid.declaration.delays`); in a closed loop it is approximated by a Padé approximant.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shipid.declaration.component import Component
+from shipid.declaration.model import Model
+from shipid.declaration.quantity import derived, given, parameter, state
+from shipid.foundation.aliases import Expression
+from shipid.parts.steering_machine import SteeringMachine
+
+_DEAD_TIME = "time by which the rudder acts later than it is recorded"
+
+
+class RudderDelay(Component):
+    """A rudder that acts later than it is recorded: the dead time of a steering gear, or a clock of the logger."""
+
+    delta = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
+    # In ship lengths sailed, like the responses it has to be told from. Negative where the rudder is logged late.
+    delay = parameter("s", _DEAD_TIME, start=0.0, low=-0.5, high=1.0, prime=True, latex=r"\tau_0", delays="delta")
+
+
+class DeadTime(Component):
+    """An angle behind a dead time, by the Padé approximant of order 2/3 of exp(-s tau).
+
+    ``(1 - 2/5 s tau + (s tau)^2/20) / (1 + 3/5 s tau + 3/20 (s tau)^2 + (s tau)^3/60)``, in controllable form. It is strictly proper:
+    a step shows only after a while.
+    """
+
+    delay = given("s", _DEAD_TIME, latex=r"\tau_0")
+    T_s = given("s", "sampling interval")
+    behind = state("rad", "first state of an angle behind a dead time", nominal="10 deg", latex=r"\xi_1")
+    behind_rate = state("rad/s", "second state of an angle behind a dead time", nominal="1 deg/s", latex=r"\xi_2")
+    behind_bend = state("rad/s^2", "third state of an angle behind a dead time", nominal="1 deg/s^2", latex=r"\xi_3")
+
+    def before(self) -> Expression:
+        """Return the angle before the dead time, in rad.
+
+        Raises
+        ------
+        NotImplementedError
+            In a component that does not say which angle it is.
+        """
+        raise NotImplementedError
+
+    def late(self) -> Expression:
+        """Return the dead time in s, of two samples at least: the bound keeps steps stable, and nothing acts before it is ordered."""
+        return np.maximum(self.delay, 2 * self.T_s)
+
+    def after(self) -> Expression:
+        """Return the angle behind the dead time, in rad."""
+        late = self.late()
+        return self.behind - 2 / 5 * late * self.behind_rate + late**2 / 20 * self.behind_bend
+
+    @behind.rate
+    def moves(self):
+        """Padé (1892), approximant of order 2/3."""
+        return self.behind_rate
+
+    @behind_rate.rate
+    def turns(self):
+        """Padé (1892), approximant of order 2/3."""
+        return self.behind_bend
+
+    @behind_bend.rate
+    def bends(self):
+        """Padé (1892), approximant of order 2/3."""
+        late = self.late()
+        wanted = 60 / late**3 * (self.before() - self.behind)
+        return wanted - 36 / late**2 * self.behind_rate - 9 / late * self.behind_bend
+
+
+class LateRudder(DeadTime):
+    """A rudder that is moved in a closed loop and acts behind a dead time."""
+
+    delta_recorded = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
+    delta = derived("rad", "rudder angle that acts, positive turns to starboard", latex=r"\delta_0")
+
+    def before(self) -> Expression:
+        """Return the angle that is recorded, in rad."""
+        return self.delta_recorded
+
+    @delta.equals
+    def acts(self):
+        """The angle behind the dead time."""
+        return self.after()
+
+
+class LateSteeringMachine(LateRudder, SteeringMachine):
+    """A steering machine whose rudder acts behind a dead time."""
+
+    delta_recorded = state(
+        "rad", "rudder angle as it is recorded, positive turns to starboard", nominal="10 deg", latex=r"\delta"
+    )
+    delta = derived("rad", "rudder angle that acts, positive turns to starboard", latex=r"\delta_0")
+
+    @delta_recorded.rate
+    def servo(self):
+        """Passenier (1989), fig. 2.9, of the rudder that is recorded."""
+        return self.towards_order(self.delta_recorded)
+
+    @delta.equals
+    def acts(self):
+        """The angle behind the dead time."""
+        return self.after()
+
+
+def steering_machine_of(model: Model) -> type[Component]:
+    """Return the steering machine that a model is joined with: one of a rudder that acts late where it has a dead time.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model that reads the rudder angle.
+    """
+    return LateSteeringMachine if "delta" in model.delays else SteeringMachine
+
+
+def recorded_rudder(model: Model) -> str:
+    """Return the name of the rudder angle that a log of a model in closed loop holds: not the one that acts behind a dead time.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model, joined with its steering machine or not.
+    """
+    return "delta_recorded" if "delta_recorded" in model else "delta"

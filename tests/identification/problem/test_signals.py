@@ -1,0 +1,46 @@
+"""A state of one's own that a log shows is fitted, with a weight that belongs to its size."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from shipid import Component, Trial, find_model, given, join, parameter, state
+from shipid.identification.problem.prior import STRUCTURE_SPEED, structural_errors
+from shipid.identification.problem.signals import fitted_signals
+from shipid.identification.problem.trial_data import prepare
+from shipid.models import Nomoto, PlanarMotion
+
+
+class Engine(Component):
+    """Shaft speed behind a governor."""
+
+    n = state("1/s", "shaft speed, revolutions per second")
+    n_order = given("1/s", "ordered shaft speed, revolutions per second")
+    T_n = parameter("s", "time constant of the engine", start=5.0, low=0.5, high=60)
+
+    @n.rate
+    def follow(self):
+        """A notebook (2001), page 3."""
+        return (self.n_order - self.n) / self.T_n
+
+
+@pytest.fixture(scope="module")
+def trial():
+    units = {"t": "s", "psi": "rad", "r": "rad/s", "u": "m/s", "delta": "rad", "n": "rps", "n_order": "rps"}
+    t = np.arange(0.0, 60.0)
+    values = {"psi": 0.01 * t, "r": 0.01, "u": 5.0, "delta": 0.1, "n": 2.0, "n_order": 2.0}
+    return Trial.from_frame(pd.DataFrame({"t": t} | values), name="engine", units=units)
+
+
+def test_a_measured_state_of_the_model_is_fitted(trial):
+    model = join("with an engine", Nomoto, PlanarMotion, Engine)
+    assert fitted_signals(model, [trial]) == ("psi", "r", "n")
+    assert fitted_signals(find_model("nomoto"), [trial]) == ("psi", "r")
+
+
+def test_its_weight_goes_by_its_size(trial):
+    model = join("with an engine", Nomoto, PlanarMotion, Engine)
+    data = prepare(model, trial, ("psi", "r", "n"), 5.0, 10.0, trial)
+    assert structural_errors(("psi", "n"), data, 10.0)[1] == pytest.approx(2.0 * STRUCTURE_SPEED)
