@@ -37,6 +37,8 @@ class Estimate:
         dimension; None where L or U is unknown.
     prime_unit : str
         Unit of `prime`.
+    withheld : bool
+        Whether its value is left out because the data hold nothing of it, and not because it is infinite.
     """
 
     name: str
@@ -50,11 +52,19 @@ class Estimate:
     follows: bool = False
     prime: float | None = None
     prime_unit: str = ""
+    withheld: bool = False
 
     @property
     def identifiable(self) -> bool:
         """Whether the data determine it."""
         return self.standing == DETERMINED
+
+    @property
+    def lacks(self) -> str:
+        """In words, why there is no value; empty where there is one."""
+        if self.value is not None:
+            return ""
+        return "no value" if self.withheld else "runs to infinity"
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""

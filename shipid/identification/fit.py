@@ -20,6 +20,12 @@ from shipid.foundation.statistics import plain
 from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.explained import (
+    NOT_DETERMINED,
+    least_unexplained,
+    not_determined,
+    nothing_explained,
+)
 from shipid.identification.fit_text import (
     band_lines,
     bias_lines,
@@ -345,6 +351,9 @@ class Fit(DrawnResult):
         found = []
         if not self.converged:
             found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
+        least = least_unexplained(self.fitted, self.identified.scale.unit_time)
+        if least is not None and nothing_explained(least):
+            found.append(not_determined("the model explains nothing of how the ship turned in these trials", least))
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -369,6 +378,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
+                *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
                 *coefficient_lines(self.parameters),
                 *dead_time_lines(self.model),
                 *prior_lines(self.prior_shares),

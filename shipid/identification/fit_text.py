@@ -244,7 +244,7 @@ def _angle(value: float | None) -> str:
 def _value_text(e: Estimate) -> str:
     """A value with its standard deviation and its unit."""
     if e.value is None:
-        return "runs to infinity"
+        return e.lacks
     return uncertain_text(e.value, e.std) + ("" if pretty(e.unit) == "1" else f" {pretty(e.unit)}")
 
 

@@ -18,6 +18,7 @@ from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
 from shipid.identification.evidence.bias_spread import BiasSpread
+from shipid.identification.evidence.explained import least_unexplained, nothing_explained
 from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
@@ -37,7 +38,7 @@ from shipid.identification.search.prediction_weights import independent_samples
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution, residual_levels
 from shipid.identification.uncertainty.covariance import correlation_of, covariance_of
-from shipid.identification.uncertainty.estimates import estimates_of, unseen_words
+from shipid.identification.uncertainty.estimates import estimates_of, unseen_words, without_values
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
 from shipid.parameters.parameter_set import ParameterSet
@@ -239,6 +240,11 @@ def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_giv
     degrees = None if solution.levels is None else solution.levels.degrees
     parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
+    fitted = fitted_comparisons(problem, solution.q, records, setting.known.get("L", setting.ship.particular("L", "m")))
+    if nothing_explained(least_unexplained(fitted, setting.scale.unit_time)):
+        parameters = without_values(parameters, "the model explains nothing of how the ship moved in these trials.")
+        unseen = list(problem.estimated)
+        block, correlation = np.diag(np.full(shared, np.inf)), np.eye(shared)
     trials = [data.trial for data in problem.trials]
     names = ", ".join(t.name for t in trials)
     source = f"identified by {used.method.replace('-', ' ')} from {names} (shipid {shipid.__version__})"
@@ -255,7 +261,7 @@ def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_giv
         correlation=correlation,
         condition_number=plain(covariance.condition_number),
         noise=dict(zip(problem.signals, noise.tolist())),
-        fitted=fitted_comparisons(problem, solution.q, records, ship.particular("L", "m")),
+        fitted=fitted,
         validation=(),
         chi_square=_chi_square(solution, noise),
         evaluations=solution.evaluations,

@@ -12,6 +12,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
 from shipid.identification.choice.hard_turn import HardTurn
+from shipid.identification.evidence.explained import nothing_explained
 from shipid.identification.validation.comparison import Comparison
 
 #: Factor of the smallest error within which models are tied; where a campaign is too poor to choose by, there is one of its own.
@@ -20,8 +21,6 @@ TIED, TIED_IF_POOR = 1.25, 2.0
 MAY_RUN_AWAY = 0.05
 #: A weight is the error to this power: what averages well is close to what predicts best.
 _POWER = -4.0
-#: Error of the rate of turn, in shares of its size, from which a prediction explains nothing.
-NOTHING_EXPLAINED = 0.8
 #: Ratio of the steady rates in a hard turn from which that turn tells models apart.
 _APART = 1.1
 
@@ -161,7 +160,7 @@ def determined(ranks: Sequence[Rank]) -> bool:
         The candidates.
     """
     known = [r.unexplained for r in ranks if r.score is not None and r.unexplained is not None]
-    return not known or min(known) < NOTHING_EXPLAINED
+    return not nothing_explained(min(known, default=None))
 
 
 def weights_of(ranks: Sequence[Rank]) -> dict[str, float]:

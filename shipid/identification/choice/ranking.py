@@ -22,6 +22,7 @@ from shipid.identification.choice.choosing import (
     what_would_decide,
 )
 from shipid.identification.choice.scoring import MEASURES
+from shipid.identification.evidence.explained import not_determined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +39,7 @@ _COLUMNS = {
     "heading": "as it is",
 }
 #: Kinds of the notices.
-NOT_DETERMINED, TOO_POOR = "not-determined", "too-poor-to-choose"
+TOO_POOR = "too-poor-to-choose"
 
 
 @dataclass(frozen=True, repr=False)
@@ -122,12 +123,7 @@ class Ranking(DrawnResult):
         if not determined(self.ranks):
             least = min(r.unexplained for r in self.ranks if r.unexplained is not None)
             found.append(
-                Notice(
-                    f"Not determined: no candidate explains how the ship turned in a trial that it was not fitted to (the error of the best is "
-                    f"{percent(least)} of the rate of turn itself). No coefficient of these fits is to be used; sail a zig-zag.",
-                    NOT_DETERMINED,
-                    serious=True,
-                )
+                not_determined("no candidate explains how the ship turned in a trial that it was not fitted to", least)
             )
         elif self.lacking:
             found.append(

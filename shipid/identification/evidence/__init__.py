@@ -1,1 +1,1 @@
-"""Rudder biases as random effects: how far the biases of trials are spread, estimated with the coefficients."""
+"""The evidence of trials: how far their rudder biases are spread, estimated with the coefficients, and whether they show anything at all."""

@@ -74,6 +74,22 @@ def estimates_of(
     return result | _published(problem, q, covariance, scale)
 
 
+def without_values(parameters: Mapping[str, Estimate], why: str) -> dict[str, Estimate]:
+    """Return estimates of which none is determined, without a number that could be taken for one.
+
+    Parameters
+    ----------
+    parameters : mapping of str to Estimate
+        The estimates.
+    why : str
+        Why none is determined, a sentence.
+    """
+    return {
+        n: replace(e, value=None, std=None, ci95=None, prime=None, standing=UNKNOWN, why=why, withheld=True)
+        for n, e in parameters.items()
+    }
+
+
 def published_names(model: Model) -> list[str]:
     """Return the coefficients of the literature that follow from the declared ones of a model.
 

@@ -57,7 +57,7 @@ def identified_ship(
     for name, e in parameters.items():
         if name in unseen and name not in stated:
             continue
-        if name in unseen and e.value is not None and is_as_stated(e.value, stated[name][0]):
+        if name in unseen and (e.value is None or is_as_stated(e.value, stated[name][0])):
             held = given.find(model, name)
             section[name] = held or Value(name, stated[name][0], e.unit, _BEFORE, std=stated[name][1])
         elif not e.follows and e.value is not None:

@@ -110,6 +110,8 @@ def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:
         raise UsageError(f"a profile needs the maximum of a likelihood, and this fit is by {identified.method}.")
     estimate = identified.parameters[name]
     if estimate.value is None:
+        if estimate.withheld:
+            raise UsageError(f"'{name}' has no value in this fit: {estimate.why}")
         raise UsageError(f"'{name}' runs to infinity in this fit; profile the coefficients it follows from.")
     gone = name if name in problem.estimated else _partner(problem, name)
     at = problem.estimated.index(gone)

@@ -85,7 +85,7 @@ def _coefficient(fit: Fit, e: Estimate) -> Row:
     return {
         "named": named(fit.model, e.name),
         "meaning": e.meaning,
-        "value": "runs to infinity" if e.value is None else uncertain(e.value, e.std),
+        "value": e.lacks or uncertain(e.value, e.std),
         "interval": interval(e.ci95, e.std),
         "unit": pretty(e.unit),
         "other": other,

@@ -1,0 +1,99 @@
+"""Whether a model explains anything of how a ship moved: where it does not, no coefficient of its fit is determined."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import percent
+from shipid.identification.validation.comparison import Comparison
+
+#: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
+NOTHING_EXPLAINED = 0.8
+#: Kind of the notice.
+NOT_DETERMINED = "not-determined"
+#: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
+_MOTIONS = ("r", "u", "v")
+
+
+def least_unexplained(comparisons: Sequence[Comparison], unit_time: float) -> float | None:
+    """Return the error of the motion that is explained best, in shares of its size; None where none was fitted.
+
+    The rate of turn counts sample by sample and as its mean over L/U, in which waves and sensor noise average out. Where only the
+    heading is recorded, its change over L/U stands for it.
+
+    Parameters
+    ----------
+    comparisons : sequence of Comparison
+        Trials beside what a model makes of them.
+    unit_time : float
+        L/U in s.
+    """
+    shares = [s for c in comparisons for s in _shares(c, unit_time)]
+    return min(shares, default=None)
+
+
+def nothing_explained(least: float | None) -> bool:
+    """Return whether a model explains nothing.
+
+    Parameters
+    ----------
+    least : float or None
+        Error of the motion that is explained best, in shares of its size; None where none is known.
+    """
+    return least is not None and least >= NOTHING_EXPLAINED
+
+
+def not_determined(who: str, least: float) -> Notice:
+    """Return the notice that no coefficient is determined.
+
+    Parameters
+    ----------
+    who : str
+        Who explains nothing of what, as in "no candidate explains how the ship turned".
+    least : float
+        Error of the best, in shares of the motion.
+    """
+    return Notice(
+        f"Not determined: {who} (the error of the best is {percent(least)} of the rate of turn itself). No coefficient is to be used; "
+        "sail a zig-zag.",
+        NOT_DETERMINED,
+        serious=True,
+    )
+
+
+def _shares(c: Comparison, unit_time: float) -> list[float]:
+    """Error over size of each motion of one trial."""
+    found = [_share(c.trial[n], c.predicted[n]) for n in _MOTIONS if n in c.rmse]
+    turning = next((n for n in ("r", "psi") if n in c.rmse), None)
+    if turning is not None:
+        there, t = np.isfinite(c.trial[turning]), c.trial["t"]
+        pair = (
+            _turned(t[there], series[there], turning, unit_time) for series in (c.trial[turning], c.predicted[turning])
+        )
+        found.append(_share(*pair))
+    return [s for s in found if s is not None]
+
+
+def _turned(t: np.ndarray, values: np.ndarray, name: str, over: float) -> np.ndarray:
+    """By how much the ship turned in each stretch of so many seconds, from each sample on."""
+    if not t.size:
+        return values
+    with np.errstate(over="ignore", invalid="ignore"):
+        if name == "r":
+            values = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(t) * (values[1:] + values[:-1]))])
+        begins = t[t + over <= t[-1]]
+        return np.asarray(np.interp(begins + over, t, values) - np.interp(begins, t, values))
+
+
+def _share(measured: np.ndarray, predicted: np.ndarray) -> float | None:
+    """Root-mean-square error over standard deviation; None for a motion that does not change."""
+    there = np.isfinite(measured)
+    size = float(np.std(measured[there])) if there.sum() > 1 else 0.0
+    if size <= 0:
+        return None
+    with np.errstate(over="ignore", invalid="ignore"):
+        error = float(np.sqrt(np.mean((predicted - measured)[there] ** 2)))
+    return error / size if np.isfinite(error) else float("inf")
