@@ -53,8 +53,8 @@ drawn = {word: fit.plot(word) for word in ("heading", "track")}
 rows.append(Row("fit.plot(...)", "figures with axes", ", ".join(drawn), all(f.axes for f in drawn.values())))
 
 # %% The ship for python-control: Bode's plot from the rudder to the rate of turn
-plant = fit.to_control(inputs=["delta"], outputs=["r"])
-length, speed = 226.0, fit.to_dict()["seen"]["speeds"]["value"][0]
+length, speed = 226.0, 9.0
+plant = fit.to_control(f"{speed} m/s", inputs=["delta"], outputs=["r"])
 K, tau = table["value"]["K"] * speed / length, table["value"]["tau"] * length / speed
 omega = np.geomspace(1e-3, 1.0, 50)
 answer = control.frequency_response(plant, omega)

@@ -20,7 +20,7 @@ from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.least_squares import Progress, minimise_robustly
 from shipid.identification.search.prediction_weights import lasting_errors, weigh_again
-from shipid.identification.search.solution import Another, Solution
+from shipid.identification.search.solution import Solution, SolutionAtSpread
 from shipid.identification.uncertainty.covariance import covariance_of
 
 #: The input whose bias is a random effect.
@@ -118,7 +118,7 @@ def conclude(found: Solution, problem: Problem, box: Box, weighing: Weighing) ->
         return end, None
     moved = [_moved(s, at, end) for s in tried]
     counted = np.where(share > _NEGLIGIBLE, share, 0.0)
-    others = (Another(float(c), m.problem, m.q) for c, m in zip(counted / counted.sum(), moved) if c)
+    others = (SolutionAtSpread(float(c), m.problem, m.q) for c, m in zip(counted / counted.sum(), moved) if c)
     end = replace(end, others=tuple(others))
     structural = bool((lasting_errors(end, weighing.independent) > _STRUCTURAL * weighing.least).any())
     return end, _spread(middle, share, moved[-1], structural)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from shipid.identification.search.noise_levels import NoiseLevels
 
 
 @dataclass(frozen=True, eq=False)
-class Another:
+class SolutionAtSpread:
     """A solution of the same trials at another spread of the rudder biases.
 
     Attributes
@@ -26,8 +26,8 @@ class Another:
     """
 
     probability: float
-    problem: Problem
-    q: np.ndarray
+    problem: Problem = field(repr=False)
+    q: np.ndarray = field(repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class Solution:
     levels : NoiseLevels or None
         Noise that drives the states and noise of the sensors, where the likelihood through the filter found them
         (`shipid.identification.search.prediction_error`).
-    others : tuple of Another
+    others : tuple of SolutionAtSpread
         Solutions at other spreads of the biases, where their spread is estimated: the covariance is the mean over them
         (`shipid.identification.evidence.marginal_likelihood`). Their probabilities sum to 1.
     """
@@ -69,7 +69,7 @@ class Solution:
     evaluations: int
     covariance: np.ndarray | None = None
     levels: NoiseLevels | None = None
-    others: tuple[Another, ...] = ()
+    others: tuple[SolutionAtSpread, ...] = ()
 
     @property
     def finite(self) -> bool:

@@ -31,9 +31,9 @@ class PastErrors:
         How many predictions they come from.
     """
 
-    s_star: np.ndarray
-    track: np.ndarray
-    heading: np.ndarray
+    s_star: np.ndarray = field(repr=False)
+    track: np.ndarray = field(repr=False)
+    heading: np.ndarray = field(repr=False)
     count: int
 
     def at(self, s_star: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
