@@ -66,7 +66,7 @@ def test_manoeuvre(refused, manoeuvre, words):
         (2, ["--set", "Q=1 s"], ("'Q'",)),
         (2, ["--current", "3 kn 30 deg"], ("3 kn to 30 deg",)),
         (2, ["--current", "3 kn to 30"], ("bare number 30",)),
-        (3, ["--wind", "10 m/s from 30 deg"], ("zeefakkel", "--fix")),
+        (3, ["--wind", "10 m/s from 30 deg"], ("zeefakkel", "--set")),
     ],
 )
 def test_simulate(refused, code, options, words):
