@@ -17,6 +17,8 @@ from shipid.identification.validation.comparison import Comparison
 
 #: Factor of the smallest error within which models are tied; where a campaign is too poor to choose by, there is one of its own.
 TIED, TIED_IF_POOR = 1.25, 2.0
+#: Factor within which a model that holds in a hard turn is taken instead of one that can run away there.
+HOLDING = 2.0
 #: Share of the draws that may run away in a hard turn.
 MAY_RUN_AWAY = 0.05
 #: A weight is the error to this power: what averages well is close to what predicts best.
@@ -55,7 +57,7 @@ class Rank(Result):
         What went wrong on the way.
     spread : float
         Standard deviation of the rate of turn over draws of the coefficients, in shares of its size: on the trials kept apart
-        (their rudder alone is used), or on the left-out ones and a hard turn.
+        (their rudder alone is used), or on the left-out ones and a hard turn in which the model does not run away.
     unexplained : float or None
         Error of the rate of turn of the left-out trials in shares of its size.
     turn : HardTurn or None
@@ -133,7 +135,8 @@ def tied_models(ranks: Sequence[Rank], factor: float = TIED, without: int | None
 def chosen(ranks: Sequence[Rank], factor: float = TIED, without: int | None = None) -> str | None:
     """Return the model to take among those that are tied; None where none could be fitted, or none explains the turns.
 
-    One that can run away in a hard turn is not taken where another does not. Then the fewest coefficients that only the trials determine:
+    One that can run away in a hard turn is not taken where another, tied or within twice the smallest error, does not. Then the
+    fewest coefficients that only the trials determine:
     where others are sailed than those that were left out, what is known of ships in general carries further than what two
     trials tell. Then the one that reads most of what was recorded, as a wind that was measured has turned the ship; then
     the one of the smallest error.
@@ -145,10 +148,14 @@ def chosen(ranks: Sequence[Rank], factor: float = TIED, without: int | None = No
     """
     if not determined(ranks):
         return None
+    for within in (factor, max(factor, HOLDING)):
+        names = tied_models(ranks, within, without)
+        holding = [r for r in ranks if r.model in names and not r.runs_away]
+        if holding:
+            return min(holding, key=lambda r: (r.free, -r.reads, names.index(r.model))).model
     names = tied_models(ranks, factor, without)
-    tied = sorted((r for r in ranks if r.model in names), key=lambda r: names.index(r.model))
-    tied = [r for r in tied if not r.runs_away] or tied
-    return min(tied, key=lambda r: (r.free, -r.reads)).model if tied else None
+    tied = [r for r in ranks if r.model in names]
+    return min(tied, key=lambda r: (r.free, -r.reads, names.index(r.model))).model if tied else None
 
 
 def determined(ranks: Sequence[Rank]) -> bool:

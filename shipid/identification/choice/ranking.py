@@ -96,7 +96,11 @@ class Ranking(DrawnResult):
         if best is None:
             return ()
         tied, others = self.tied, self.others
-        if len(tied) > 1:
+        if best not in tied:
+            sentences = [
+                f"{', '.join(tied)} can run away in a hard turn. {best}, whose error is within twice the smallest, does not, and is taken."
+            ]
+        elif len(tied) > 1:
             why = f"{', '.join(tied)} are tied: their errors are within a factor of {self._factor:g}. "
             why += f"{best} is taken, the one of these with the fewest coefficients that only trials determine"
             away = [r.model for r in self.ranks if r.model in tied and r.runs_away and r.model != best]

@@ -206,10 +206,13 @@ def _fold(record: Sequence[LeftOutTrial], model: Model) -> Fold:
 def _spread(
     identified: Identified, targets: Sequence[Comparison], drawn: Sequence[np.ndarray], turn: HardTurn | None
 ) -> float:
-    """Spread of the rate of turn over draws, in shares of its size, root-mean-square over what is to be predicted."""
+    """Spread of the rate of turn over draws, in shares of its size, root-mean-square over what is to be predicted.
+
+    A hard turn in which the model runs away shows nothing of the other manoeuvres: the choice asks for it on its own.
+    """
     shares = [_spread_of(identified, c, drawn) for c in targets]
     found = [] if not shares else [float(np.sqrt(np.mean(np.square(shares))))]
-    return together([*found, *([] if turn is None else [turn.spread])]) or 0.0
+    return together([*found, *([] if turn is None or turn.rate is None else [turn.spread])]) or 0.0
 
 
 def _spread_of(identified: Identified, c: Comparison, drawn: Sequence[np.ndarray]) -> float:

@@ -37,11 +37,12 @@ def test_an_order_without_feedback_has_a_lag_behind_it(sail):
     trial = sail("de-keizer", "soesterberg")
     assert not holds_orders_only(trial) and holds_orders_only(stepped(trial))
     order = with_wind(stepped(trial))
+    # A model without a lag of its own sees the order act late.
     assert names(["de-keizer", "cubic-wind", "cross-flow", "norrbin"], order) == [
         "de-keizer-lag-wind",
         "cubic-lag-wind",
         "cross-flow-wind",
-        "norrbin",
+        "norrbin-delay",
     ]
 
 

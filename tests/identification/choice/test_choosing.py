@@ -51,6 +51,15 @@ def test_a_model_that_can_run_away_wins_no_tie():
     assert alone.best == "away" and [n.kind for n in alone.warnings] == ["runs-away"]
 
 
+def test_a_model_that_holds_in_a_hard_turn_is_taken_within_twice_the_smallest_error():
+    away = rank("away", 2, (0.1,), turn=HardTurn(0.6, None, 3.0, 1.0))
+    near = Ranking((away, rank("bounded", 6, (0.19,))), ("a",))
+    assert near.tied == ("away",) and near.best == "bounded" and not near.warnings
+    assert near.words[0].startswith("away can run away in a hard turn. bounded, whose error is within twice")
+    far = Ranking((away, rank("bounded", 6, (0.21,))), ("a",))
+    assert far.best == "away" and [n.kind for n in far.warnings] == ["runs-away"]
+
+
 def test_how_firm_a_choice_is_and_what_would_decide_it():
     first, second = rank("first", 3, (0.2, 0.4)), rank("second", 2, (0.2, 0.8), turn=HardTurn(0.6, 0.02, 0.1, 0.0))
     ranking = Ranking((first, second), ("a", "b"))
