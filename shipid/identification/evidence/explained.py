@@ -57,8 +57,8 @@ def not_determined(who: str, least: float) -> Notice:
         Error of the best, in shares of the motion.
     """
     return Notice(
-        f"Not determined: {who} (the error of the best is {percent(least)} of the rate of turn itself). No coefficient is to be used; "
-        "sail a zig-zag.",
+        f"Not determined: {who} (the error of the best is {percent(least)} of the rate of turn itself). No coefficient is to be used: "
+        "see what check finds in the record, or sail a zig-zag.",
         NOT_DETERMINED,
         serious=True,
     )
