@@ -25,7 +25,7 @@ class RudderDelay(Component):
     delay = parameter("s", _DEAD_TIME, start=0.0, low=-0.5, high=1.0, prime=True, latex=r"\tau_0", delays="delta")
 
 
-class DeadTime(Component):
+class _DeadTime(Component):
     """An angle behind a dead time, by the Padé approximant of order 2/3 of exp(-s tau).
 
     ``(1 - 2/5 s tau + (s tau)^2/20) / (1 + 3/5 s tau + 3/20 (s tau)^2 + (s tau)^3/60)``, in controllable form. It is strictly proper:
@@ -75,7 +75,7 @@ class DeadTime(Component):
         return wanted - 36 / late**2 * self.behind_rate - 9 / late * self.behind_bend
 
 
-class LateRudder(DeadTime):
+class LateRudder(_DeadTime):
     """A rudder that is moved in a closed loop and acts behind a dead time."""
 
     delta_recorded = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
