@@ -166,7 +166,7 @@ def examine_length(p: WorkingCopy) -> None:
     n = len(p)
     if n < 30:
         p.add(
-            "short", "t", 0.95 if n < 20 else 0.85, f"the record has {n} samples",
+            "short", "t", 0.95 if n < 20 else 0.85, f"the record has {n} sample{'s' * (n != 1)}",
             "There are hardly more samples than unknowns.", "Use a longer record.", spoils=True,
         )  # fmt: skip
         return
