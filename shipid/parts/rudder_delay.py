@@ -25,8 +25,8 @@ class RudderDelay(Component):
     delay = parameter("s", _DEAD_TIME, start=0.0, low=-0.5, high=1.0, prime=True, latex=r"\tau_0", delays="delta")
 
 
-class _DeadTime(Component):
-    """An angle behind a dead time, by the Padé approximant of order 2/3 of exp(-s tau).
+class LateRudder(Component):
+    """A rudder that is moved in a closed loop and acts behind a dead time, by the Padé approximant of order 2/3 of exp(-s tau).
 
     ``(1 - 2/5 s tau + (s tau)^2/20) / (1 + 3/5 s tau + 3/20 (s tau)^2 + (s tau)^3/60)``, in controllable form. It is strictly proper:
     a step shows only after a while.
@@ -34,28 +34,15 @@ class _DeadTime(Component):
 
     delay = given("s", _DEAD_TIME, latex=r"\tau_0")
     T_s = given("s", "sampling interval")
+    delta_recorded = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
     behind = state("rad", "first state of an angle behind a dead time", nominal="10 deg", latex=r"\xi_1")
     behind_rate = state("rad/s", "second state of an angle behind a dead time", nominal="1 deg/s", latex=r"\xi_2")
     behind_bend = state("rad/s^2", "third state of an angle behind a dead time", nominal="1 deg/s^2", latex=r"\xi_3")
-
-    def before(self) -> Expression:
-        """Return the angle before the dead time, in rad.
-
-        Raises
-        ------
-        NotImplementedError
-            In a component that does not say which angle it is.
-        """
-        raise NotImplementedError
+    delta = derived("rad", "rudder angle that acts, positive turns to starboard", latex=r"\delta_0")
 
     def late(self) -> Expression:
         """Return the dead time in s, of two samples at least: the bound keeps steps stable, and nothing acts before it is ordered."""
         return np.maximum(self.delay, 2 * self.T_s)
-
-    def after(self) -> Expression:
-        """Return the angle behind the dead time, in rad."""
-        late = self.late()
-        return self.behind - 2 / 5 * late * self.behind_rate + late**2 / 20 * self.behind_bend
 
     @behind.rate
     def moves(self):
@@ -71,24 +58,14 @@ class _DeadTime(Component):
     def bends(self):
         """Padé (1892), approximant of order 2/3."""
         late = self.late()
-        wanted = 60 / late**3 * (self.before() - self.behind)
+        wanted = 60 / late**3 * (self.delta_recorded - self.behind)
         return wanted - 36 / late**2 * self.behind_rate - 9 / late * self.behind_bend
-
-
-class LateRudder(_DeadTime):
-    """A rudder that is moved in a closed loop and acts behind a dead time."""
-
-    delta_recorded = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
-    delta = derived("rad", "rudder angle that acts, positive turns to starboard", latex=r"\delta_0")
-
-    def before(self) -> Expression:
-        """Return the angle that is recorded, in rad."""
-        return self.delta_recorded
 
     @delta.equals
     def acts(self):
-        """The angle behind the dead time."""
-        return self.after()
+        """Padé (1892), the numerator of the approximant."""
+        late = self.late()
+        return self.behind - 2 / 5 * late * self.behind_rate + late**2 / 20 * self.behind_bend
 
 
 class LateSteeringMachine(LateRudder, SteeringMachine):
@@ -97,17 +74,11 @@ class LateSteeringMachine(LateRudder, SteeringMachine):
     delta_recorded = state(
         "rad", "rudder angle as it is recorded, positive turns to starboard", nominal="10 deg", latex=r"\delta"
     )
-    delta = derived("rad", "rudder angle that acts, positive turns to starboard", latex=r"\delta_0")
 
     @delta_recorded.rate
     def servo(self):
         """Passenier (1989), fig. 2.9, of the rudder that is recorded."""
         return self.towards_order(self.delta_recorded)
-
-    @delta.equals
-    def acts(self):
-        """The angle behind the dead time."""
-        return self.after()
 
 
 def steering_machine_of(model: Model) -> type[Component]:
