@@ -34,43 +34,6 @@ _WIND_MEAN = 3.0
 _MOST = 40
 
 
-def situation_in(
-    model: Model, ship: ParameterSet, trial: Trial, at: float | None = None, stated: Mapping[str, float] | None = None
-) -> tuple[Situation, list[Notice]]:
-    """Return what is known of a ship at an instant of a trial; no later sample is used.
-
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    ship : ParameterSet
-        Her coefficients and particulars.
-    trial : Trial
-        The record.
-    at : float, optional
-        Time in s on the clock of the record; its last sample by default.
-    stated : mapping of str to float, optional
-        Inputs that go before those of the record, SI.
-
-    Returns
-    -------
-    situation : Situation
-    told : list of Notice
-        What is not known.
-
-    See Also
-    --------
-    known_before : The same with what was known earlier.
-
-    Raises
-    ------
-    UsageError
-        If the record has too few samples before that time, or no heading.
-    """
-    found, told, _ = known_before(model, ship, trial, at, stated)
-    return found, told
-
-
 def known_before(
     model: Model, ship: ParameterSet, trial: Trial, at: float | None = None, stated: Mapping[str, float] | None = None
 ) -> tuple[Situation, list[Notice], Past]:

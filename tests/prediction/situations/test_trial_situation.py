@@ -18,7 +18,7 @@ from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.own_ship_filter import own_ship_model
 from shipid.prediction.situations.ship_spread import structural_noise, with_coefficients
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.situations.trial_situation import situation_in
+from shipid.prediction.situations.trial_situation import known_before
 
 SHIP = shipid.find_ship("esso-osaka-3m")
 COEFFICIENTS = {"a": 1.2, "b1": 0.6, "b3": 2.2, "gamma": 0.46, "w1": -0.002, "w2": -0.0015}
@@ -55,7 +55,7 @@ def trial(pilot):
 
 
 def test_what_the_wind_does_not_explain_is_found_under_a_model_that_reads_the_wind(pilot, trial):
-    found, _ = situation_in(pilot.model, pilot.ship, trial)
+    found, _, _ = known_before(pilot.model, pilot.ship, trial)
     assert found.values["r_residual"] == pytest.approx(PUSH, abs=4 * found.std_of("r_residual"))
     assert found.std_of("r_residual") < 0.5 * PUSH
     # The mean wind goes on, not the gust of the last sample.
