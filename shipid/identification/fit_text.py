@@ -47,7 +47,7 @@ def dead_time_lines(model: Model) -> list[str]:
     """
     return [
         f"  {name:<10s} is a dead time: '{late}' acts so much later than it is recorded, by its gear or by a clock. Every record of "
-        f"it is shifted by that, and orders in a closed loop are late by it; --fix '{name}=0 s' fits without."
+        f"it is shifted by that, and orders in a closed loop are late by it, two samples at least; --fix '{name}=0 s' fits without."
         for late, name in model.delays.items()
     ]
 
