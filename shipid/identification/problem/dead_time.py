@@ -19,7 +19,7 @@ _LAGS = ("delta", "delta_lagged", "delta_behind")
 
 
 def usual_delay(trials: Sequence[Trial]) -> float | None:
-    """Return by how much the rudder of trials acts later than it is logged, in s, by their doctor; None where he finds nothing.
+    """Return by how much the rudder of trials acts later than it is logged, in s, as `check` finds it; None where it finds nothing.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def usual_delay(trials: Sequence[Trial]) -> float | None:
 
 
 def with_dead_time(model: Model | type[Component] | str, trials: Sequence[Trial]) -> Model:
-    """Return a model with a dead time of the rudder, where the doctor is certain of one in every trial; the same otherwise.
+    """Return a model with a dead time of the rudder, where `check` is certain of one in every trial; the same otherwise.
 
     Parameters
     ----------
