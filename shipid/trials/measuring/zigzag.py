@@ -266,6 +266,7 @@ def _unknown(
             if a < then and b > one.time and _turns_back(psi, a, b, end):
                 why = faults.hole("psi", (a, b))
                 break
+    why = why or faults.step(one.time, then)
     if why is None:
         return True
     for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):
