@@ -30,7 +30,8 @@ def find_manoeuvres(p: WorkingCopy) -> list[Stretch]:
     list of Stretch
         In order of time, without gaps.
     """
-    name = "delta_order" if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p.rudder
+    ordered = p.has("delta_order") and np.ptp(p["delta_order"]) > 0 and not p.found("order-late")
+    name = "delta_order" if ordered else p.rudder
     if name is None or not p.has("psi") or len(p) < 30:
         return []
     delta = p[name] - _offset(p[name])
