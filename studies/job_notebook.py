@@ -44,7 +44,7 @@ for name, true in (("K", 1.6), ("tau", 1.7)):
 
 # %% A trial that it has not seen
 fit = fit.validate([shipid.read_trial(here / "container-10-10.csv")])
-rms = float(np.degrees(fit.to_dict()["validation"]["container-10-10"]["psi"]["rmse"]))
+rms = float(np.degrees(fit.to_dict()["validation"]["container-10-10"]["psi"]["rmse"]["value"]))
 rows.append(Row("fit.validate(): heading of the 10/10, rms", "below 1 deg", f"{rms:.2f} deg", rms < 1.0))
 
 # %% The figures of its report

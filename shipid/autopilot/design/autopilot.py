@@ -206,11 +206,12 @@ class Autopilot(DrawnResult):
             }
         return found | {"warnings": plain_notices(self.warnings)}
 
-    def _gains(self, condition: int) -> dict[str, list[float]]:
-        return {n: g[condition].tolist() for n, g in self.schedule.gains.items()}
+    def _gains(self, condition: int) -> dict[str, Plain]:
+        return {n: quantity(g[condition].tolist(), GAINS[n][0]) for n, g in self.schedule.gains.items()}
 
-    def _poles(self, condition: int) -> list[list[list[float]]]:
-        return [[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]]
+    def _poles(self, condition: int) -> dict[str, Plain]:
+        """Real and imaginary part of each pole at each speed."""
+        return quantity([[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]], "rad/s")
 
     def text(self) -> str:
         """Return the result in lines of text."""
