@@ -40,12 +40,12 @@ OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$"
 #: Names of numbers that have no dimension: counts as shares and ratios, probabilities, costs, margins as factors.
 PURE = {
     "bottom", "chi_square", "confidence", "existence", "complementary", "complementary_peak", "condition_number", "cost", "det", "disk", "disk_5_percent",
-    "disk_by_speed", "disk_worst", "effective", "error", "fit_percent", "ljung_box", "log_likelihood", "matrix", "nis_interval_95",
+    "disk_by_speed", "disk_worst", "effective", "error", "factor", "fit_percent", "ljung_box", "log_likelihood", "matrix", "nis_interval_95",
     "nis_mean", "p_value", "per_parameter", "per_parameter_over_draws", "probability", "probability_of_one_value", "ratio", "runs_away",
     "score", "sensitivity", "sensitivity_peak", "shares", "spread", "std", "weight", "white_p",
 }  # fmt: skip
 #: Names of dictionaries whose numbers have no dimension, by the name of what they are of.
-PURE_OF = {"gain_over_standard", "measure_weights", "range", "widening"}
+PURE_OF = {"gain_over_standard", "measure_weights", "mode_probabilities", "range", "widening"}
 #: A key that holds a unit.
 UNIT_IN_NAME = re.compile(r"_(deg|rad|m|s|kn|m_s|deg_s|rad_s)$")
 

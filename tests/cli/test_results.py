@@ -81,8 +81,8 @@ def test_shape_of_the_result(call, zigzag, second, fitted, tmp_path):
     assert list(result["parameters"]) == ["K", "tau"]
     assert list(result["fit"]) == ["zigzag@0:200", "zigzag"]
     assert list(result["validation"]) == ["zigzag@20:150"]
-    assert result["fit"]["zigzag"]["psi"]["unit"] == "rad"
-    assert result["fit"]["zigzag"]["r"]["unit"] == "rad/s"
+    assert result["fit"]["zigzag"]["psi"]["rmse"]["unit"] == "rad"
+    assert result["fit"]["zigzag"]["r"]["rmse"]["unit"] == "rad/s"
     # 0.2 deg on the compass, within three standard errors of a standard deviation over 1396 samples
     assert result["fit"]["zigzag"]["psi"]["rmse"]["value"] == pytest.approx(np.radians(0.2), rel=3 / np.sqrt(2 * 1396))
     assert len(result["manoeuvre"]["zigzag"]["overshoots"]["value"]) >= 4
