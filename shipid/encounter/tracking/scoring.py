@@ -44,6 +44,10 @@ class ShipScore:
         Mean normalised squared error of the position; 2 where the covariance is honest.
     tracks : int
         How many tracks held her, one after the other.
+    scans : int
+        Scans in which she was held.
+    bearing_offset, range_offset : (float, float) or None
+        How far the tracks lie off as the sensor sees it, mean and standard deviation: to the right in deg, and beyond in m.
     """
 
     name: str
@@ -52,6 +56,9 @@ class ShipScore:
     rmse: tuple[float | None, ...]
     nees: float | None
     tracks: int
+    scans: int = 0
+    bearing_offset: tuple[float, float] | None = None
+    range_offset: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -91,6 +98,8 @@ class TrackingScore(Result):
                     "rmse": [{"ahead": h, "value": v, "unit": "m"} for h, v in zip(HORIZONS, s.rmse) if v is not None],
                     "nees": s.nees,
                     "tracks": s.tracks,
+                    "bearing_offset": _plain_offset(s.bearing_offset, "deg"),
+                    "range_offset": _plain_offset(s.range_offset, "m"),
                 }
                 for s in self.ships
             ],
@@ -132,6 +141,10 @@ class TrackingScore(Result):
             for s in self.ships
         )
         return table(rows, "ship", ("visible_scans", "held", "nees", "tracks"))
+
+
+def _plain_offset(offset: tuple[float, float] | None, unit: str) -> dict[str, Plain] | None:
+    return None if offset is None else {"value": offset[0], "unit": unit, "std": offset[1]}
 
 
 def score_tracks(
@@ -232,7 +245,7 @@ def _score_ship(
     visible = visible & inside
     held = np.zeros(times.size, bool)
     squares: list[list[float]] = [[] for _ in HORIZONS]
-    nees, numbers = [], []
+    nees, numbers, offsets = [], [], []
     for k in np.flatnonzero(inside).tolist():
         number, x, P = estimates[k]
         if not len(number):
@@ -243,6 +256,7 @@ def _score_ship(
             continue
         held[k] = True
         numbers.append(int(number[i]))
+        offsets.append([*error[i], *(path.at(times[k]) - scans[k].own)])
         nees.append(float(error[i] @ np.linalg.solve(P[i, :2, :2], error[i])))
         for row, ahead in zip(squares, HORIZONS):
             if path.covers(times[k] + ahead):
@@ -255,4 +269,18 @@ def _score_ship(
         tuple(plain(float(np.sqrt(np.mean(row)))) if row else None for row in squares),
         float(np.mean(nees)) if nees else None,
         len(set(numbers)),
+        int(held.sum()),
+        *_offsets(np.array(offsets).reshape(-1, 4)),
     )
+
+
+def _offsets(off: np.ndarray) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """Mean and spread of errors in bearing, deg, and in range, m, from errors and positions relative to the sensor."""
+    known = off[np.isfinite(off).all(axis=1) & (np.hypot(off[:, 2], off[:, 3]) > 1.0)]
+    if not len(known):
+        return None, None
+    (x, y), (north, east) = known[:, :2].T, known[:, 2:].T
+    away = np.hypot(north, east)
+    bearing = np.rad2deg(np.arctan2(north * y - east * x, away**2 + north * x + east * y))
+    along = np.hypot(north + x, east + y) - away
+    return (float(bearing.mean()), float(bearing.std())), (float(along.mean()), float(along.std()))

@@ -27,7 +27,9 @@ class TargetTrack(Result):
     x : ndarray, shape (N, 4)
         North and east position and velocity, m and m/s.
     P : ndarray, shape (N, 4, 4)
-        Covariance.
+        Covariance, widened.
+    widening : ndarray, shape (N,)
+        By how much the covariance is larger than that of the filter, because the residuals of the track contradict it.
     mu : ndarray, shape (N, modes)
         MotionMode probabilities.
     turn_rate : ndarray, shape (N,)
@@ -46,6 +48,7 @@ class TargetTrack(Result):
     t: np.ndarray
     x: np.ndarray
     P: np.ndarray
+    widening: np.ndarray
     mu: np.ndarray
     turn_rate: np.ndarray
     existence: np.ndarray

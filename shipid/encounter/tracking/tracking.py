@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Columns of the tracks and their units.
 UNITS: Mapping[str, str] = {
     "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
-    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1",
+    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1", "widening": "1",
 }  # fmt: skip
 
 
@@ -79,7 +79,7 @@ class Tracking(DrawnResult):
             spread = np.sqrt(np.maximum(np.diagonal(one.P, axis1=1, axis2=2), 0.0))
             columns = (
                 np.full(one.t.size, one.number), one.t, *one.x.T, one.speed, one.course, one.turn_rate, *spread.T,
-                one.existence, one.held.astype(int),
+                one.existence, one.held.astype(int), one.widening,
             )  # fmt: skip
             part = dict(zip(UNITS, columns))
             part |= {f"mode_{label}": one.mu[:, k] for k, label in enumerate(self.modes)}
@@ -120,6 +120,7 @@ class Tracking(DrawnResult):
             "first": {"value": float(one.t[0]), "unit": "s"},
             "last": {"value": float(one.t[-1]), "unit": "s"},
             "existence": float(one.existence[-1]),
+            "widening": float(one.widening[-1]),
             "state": known,
             "mode_probabilities": dict(zip(self.modes, map(float, one.mu[-1]))),
             "closest_approach": None if one.approach is None else _plain_approach(one.approach),
