@@ -70,7 +70,9 @@ class TrackingScore(Result):
     ships : tuple of ShipScore
         Those that were visible, and those that were not.
     false_tracks : int
-        Confirmed tracks that move where no ship is within 250 m.
+        Confirmed tracks with more than 0.7 m/s where no ship is within 250 m.
+    false_movers : int
+        Those of them that surely move: the speed of the others may be that of a buoy or a shore.
     minutes : float
         Length of the log.
     near : float
@@ -81,6 +83,7 @@ class TrackingScore(Result):
     false_tracks: int
     minutes: float
     near: float
+    false_movers: int = 0
 
     @property
     def false_rate(self) -> float | None:
@@ -105,6 +108,7 @@ class TrackingScore(Result):
             ],
             "false_tracks": self.false_tracks,
             "false_tracks_per_minute": self.false_rate,
+            "false_movers": self.false_movers,
             "near": {"value": self.near, "unit": "m"},
         }
 
@@ -112,7 +116,8 @@ class TrackingScore(Result):
         """Return the result in lines of text."""
         rate = "" if self.false_rate is None else f", {self.false_rate:.2f} a minute"
         lines = [
-            f"beside the truth: {self.false_tracks} moving track{'' if self.false_tracks == 1 else 's'} without a ship within {_FAR:.0f} m{rate}; "
+            f"beside the truth: {self.false_tracks} moving track{'' if self.false_tracks == 1 else 's'} without a ship within {_FAR:.0f} m{rate}, "
+            f"of which {self.false_movers} surely move; "
             f"a track within {self.near:.0f} m is a ship's"
         ]
         for s in self.ships:
@@ -188,14 +193,15 @@ def score_tracks(
     estimates = [_estimates(tracks, t) for t in times]
     ships = tuple(_score_ship(path, scans, times, estimates, limit) for path in truth)
     others = [*truth, *([own] if own is not None else [])]
-    false = {
-        int(number)
-        for t, (numbers, x, _) in zip(times, estimates)
-        for number, state in zip(numbers, x)
-        if np.hypot(*state[2:]) > _MOVING and not _ship_near(state, float(t), others)
-    }
+    false = [_moving_far(one, times, others) for one in tracks]
     minutes = (plots.span[1] - plots.span[0]) / 60
-    return TrackingScore(ships, len(false), minutes, limit)
+    return TrackingScore(
+        ships,
+        sum(bool(m.any()) for m in false),
+        minutes,
+        limit,
+        sum(bool((m & one.moves).any()) for m, one in zip(false, tracks)),
+    )
 
 
 def judging_sensor(plots: Plots) -> int:
@@ -212,6 +218,14 @@ def judging_sensor(plots: Plots) -> int:
         together = np.concatenate(away) if away else np.zeros(1)
         reach[k] = float(np.nanmedian(together)) if np.isfinite(together).any() else 0.0
     return int(reach.argmax())
+
+
+def _moving_far(track: TargetTrack, times: np.ndarray, ships: Sequence[ShipPath]) -> np.ndarray:
+    """When a track moves and no ship is near, of shape (N,), at the scans that are judged."""
+    which = track.held & np.isin(track.t, times) & (track.speed > _MOVING)
+    for k in np.flatnonzero(which):
+        which[k] = not _ship_near(track.x[k], float(track.t[k]), ships)
+    return np.asarray(which)
 
 
 def _ship_near(state: np.ndarray, t: float, ships: Sequence[ShipPath]) -> bool:

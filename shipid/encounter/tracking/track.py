@@ -23,6 +23,8 @@ from shipid.encounter.tracking.tracking import Tracking
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
 
+#: How long after its last position own ship's path is carried on, s.
+_AFTER = 10.0
 #: A latency that is known worse than this is worth a word, s.
 _POORLY = 0.5
 
@@ -124,8 +126,13 @@ def _approach(x: np.ndarray, P: np.ndarray, t: float, own: ShipPath | None, rela
     """To own ship on her present motion; of relative positions own ship lies at the origin."""
     if relative:
         return closest_approach(x, covariance=P)
-    motion = own.motion(t) if own is not None and bool(own.covers(t)) else None
+    motion = _own_motion(own, t)
     return None if motion is None else closest_approach(x, motion, covariance=P)
+
+
+def _own_motion(own: ShipPath | None, t: float) -> np.ndarray | None:
+    """Own ship's position and velocity; from her last positions where the path ends a little before."""
+    return own.motion(t) if own is not None and own.t[0] <= t <= own.t[-1] + _AFTER else None
 
 
 def _widened(tracks: list[TargetTrack]) -> list[Notice]:
@@ -160,6 +167,15 @@ def _warnings(found: Detections, tracks: list[TargetTrack], engine: Tracker) -> 
     if found.own is None and not found.relative:
         warnings.append(
             Notice("own ship is not known, so that the closest approach is not; give her path.", "own-ship-unknown")
+        )
+    last = found.plots.span[1]
+    if found.own is not None and not found.relative and tracks and _own_motion(found.own, last) is None:
+        warnings.append(
+            Notice(
+                f"own ship's path has no motion at the last scan ({last:.0f} s; it runs from {found.own.t[0]:.0f} to "
+                f"{found.own.t[-1]:.0f} s), so that the closest approach is not known.",
+                "own-ship-unknown",
+            )
         )
     if found.relative:
         warnings.append(

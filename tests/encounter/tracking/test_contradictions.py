@@ -123,3 +123,33 @@ def test_the_power_over_time_of_residuals_that_last():
 def test_a_bias_below_zero_is_refused():
     with pytest.raises(EncounterRequestError, match="zero or more"):
         Sensor(bias_std=-1.0)
+
+
+def test_what_may_lie_still_has_no_course_and_is_no_sure_mover(scene):
+    """A buoy 1400 m off in plots of 40 m, beside a ship: the truth knows neither."""
+    found = track(scene([(1000.0, 1000.0, 0.0, 0.0), (-900.0, -300.0, 7.0, 0.0)], noise=40.0, clutter=0.0), "cv")
+    apart = found.plots.span[1] + 1e4
+    away = ShipPath("far", np.array([0.0, apart]), np.full(2, 1e5), np.full(2, 1e5))
+    judged = track(replace(scene([(1000.0, 1000.0, 0.0, 0.0), (-900.0, -300.0, 7.0, 0.0)], noise=40.0, clutter=0.0), truth=(away,), own=None), "cv")  # fmt: skip
+    buoy, ship = sorted(found.tracks, key=lambda one: one.x[-1, 0], reverse=True)
+    assert ship.moves[-1] and not buoy.moves[-1]
+    assert ship.course_std[-1] < 0.3 < buoy.course_std[-1] <= np.pi / np.sqrt(3)
+    lines = [line for line in found.text().splitlines() if line.split()[:1] in (["1"], ["2"])]
+    assert sorted("none" in line for line in lines) == [False, True]
+    assert judged.score.false_tracks == 2 and judged.score.false_movers == 1
+    assert "of which 1 surely move" in judged.text()
+
+
+def test_own_ship_whose_path_ends_a_little_before_the_last_scan_is_carried_on(scene):
+    found = scene([(-400.0, 300.0, 4.0, 0.0)], clutter=0.0)
+    last = found.plots.span[1]
+
+    def until(end: float) -> Detections:
+        keep = found.own.t <= end
+        return replace(found, own=ShipPath("own", found.own.t[keep], found.own.x[keep], found.own.y[keep]))
+
+    (one,) = track(until(last - 4.0), "cv").tracks
+    assert one.approach.cpa == pytest.approx(300, abs=30)
+    late = track(until(last - 40.0), "cv")
+    assert late.tracks[0].approach is None
+    assert any("no motion at the last scan" in w for w in late.warnings)
