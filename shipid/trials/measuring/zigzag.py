@@ -182,12 +182,14 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     cycles = [b - a for a, b in zip(shown, shown[2:]) if a is not None and b is not None]
     distance = beginning["initial_turning_distance"]
     angle_held = float(np.median([abs(plate.angle) for plate in held]))
+    # The middle between the sides: a rudder that reads some degrees to one side was ordered alike to both.
+    ordered_angle = 0.5 * sum(max(abs(plate.angle) for plate in held if plate.side == sign) for sign in (1, -1))
     switch = float(np.median(signs * (ordered - course)))
     return ZigZag(
         trial=trial.name,
         execute=steering.reading,
         read_from=steering.words,
-        nominal=f"{_nominal(max(abs(plate.angle) for plate in held))}/{_nominal(switch)}",
+        nominal=f"{_nominal(ordered_angle)}/{_nominal(switch)}",
         first_side="starboard" if side > 0 else "port",
         rudder=angle_held,
         rudder_rate=steering.rate,
@@ -266,6 +268,7 @@ def _unknown(
             if a < then and b > one.time and _turns_back(psi, a, b, end):
                 why = faults.hole("psi", (a, b))
                 break
+    why = why or faults.step(one.time, then)
     if why is None:
         return True
     for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):
