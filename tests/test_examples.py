@@ -58,14 +58,13 @@ COMMANDS = {n: main.get_command(click.Context(main), n) for n in main.list_comma
 
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_help_of_a_command_has_examples_that_are_commands(name, monkeypatch):
-    """Each with the same call as the command; the words after several blanks say what it does, and a pipe is the shell's."""
+    """The words after several blanks say what it does, and a pipe is the shell's."""
     monkeypatch.setattr(click.Path, "convert", lambda self, value, param, context: value)
     lines = [line.strip() for line in (COMMANDS[name].help or "").splitlines()]
     found = [shlex.split(re.split(r" {3,}| \|", line)[0])[1:] for line in lines if line.startswith("shipid ")]
-    assert found
+    assert name in {call[0] for call in found}
     for call in found:
-        assert call[0] == name
-        COMMANDS[name].make_context(name, call[1:], parent=click.Context(main, info_name="shipid"))
+        COMMANDS[call[0]].make_context(call[0], call[1:], parent=click.Context(main, info_name="shipid"))
 
 
 @pytest.fixture
