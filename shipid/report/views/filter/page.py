@@ -10,14 +10,14 @@ from scipy.special import chdtri
 
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
-from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.numbers import fixed, probability, uncertain
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import probability, versions_now, with_unit
+from shipid.report.views.words import versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
