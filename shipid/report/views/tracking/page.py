@@ -18,7 +18,7 @@ from shipid.report.views.words import count, sentence
 
 _TARGETS = [
     ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
-    ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("± [m/s]", "speed_spread", "n"), ("Course [deg]", "course", "n"),
+    ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("Course [deg]", "course", "n"),
     ("CPA [m]", "cpa", "n"), ("TCPA [s]", "tcpa", "n"),
 ]  # fmt: skip
 _JUDGED = [
@@ -100,8 +100,7 @@ def _row(one: TargetTrack) -> Row:
         "x": fixed(one.x[-1, 0], 0),
         "y": fixed(one.x[-1, 1], 0),
         "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
-        "speed": fixed(float(one.speed[-1]), 1),
-        "speed_spread": fixed(float(one.speed_std[-1]), 1),
+        "speed": f"{fixed(float(one.speed[-1]), 1)} ± {fixed(float(one.speed_std[-1]), 1)}",
         "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}" if one.moves[-1] else "none",
         "cpa": "not known" if near is None else fixed(near.cpa, 0),
         "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
@@ -144,7 +143,6 @@ def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
 
 
 def _judged(score: TrackingScore) -> dict[str, object]:
-    rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
     rows: list[Row] = []
     for ship in score.ships:
         if ship.held is None:
@@ -154,15 +152,19 @@ def _judged(score: TrackingScore) -> dict[str, object]:
         rows.append(
             {"name": ship.name, "visible": ship.visible, "held": fixed(100 * ship.held, 0), "nees": nees, **errors}
         )
-    false = score.false_tracks
-    moving = (
-        f"{count(false, 'confirmed track')} {'moves' if false == 1 else 'move'}"
-        if false
-        else "No confirmed track moves"
-    )
-    surely = f"{score.false_movers} of them surely, the others may lie still. " if false else ""
     words = (
-        f"{moving} where no ship is within 250 m{rate if false else ''}. {surely}A track within "
-        f"{fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; far above it, the error is larger than stated."
+        f"{_false(score)} A track within {fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; "
+        "far above it, the error is larger than stated."
     )
     return {"words": words, "columns": _JUDGED, "rows": rows}
+
+
+def _false(score: TrackingScore) -> str:
+    """What moves where no ship is."""
+    false, surely = score.false_tracks, score.false_movers
+    if not false:
+        return "No confirmed track moves where no ship is within 250 m."
+    rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
+    rest = "" if surely == false else f", {count(surely, 'track')} surely; the others may lie still"
+    moves = "moves" if false == 1 else "move"
+    return sentence(f"{count(false, 'confirmed track')} {moves} where no ship is within 250 m{rate}{rest}.")
