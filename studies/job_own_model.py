@@ -136,7 +136,7 @@ def rows(short: bool) -> list[Row]:
         found.append(close(f"identify: {name}", true, one["value"], within, one["unit"], 3))
     unseen = fit["validation"]["ten"]
     for name, noise in (("psi", NOISE[0]), ("n", NOISE[3])):
-        ratio = unseen[name]["rmse"] / noise
+        ratio = unseen[name]["rmse"]["value"] / noise
         found.append(
             Row(f"identify: {name} of the other zig-zag, rms over noise", "below 1.3", f"{ratio:.2f}", ratio < 1.3)
         )

@@ -45,6 +45,8 @@ def hold_inputs(model: Model, values: Mapping[str, str | float]) -> Model:
     for name, text in values.items():
         if name in _STEERED:
             raise UsageError(f"'{name}' is what the command orders: it is not held.")
+        if name in (*model.constants, *model.parameters):
+            raise UsageError(f"'{name}' is a value of the ship in model {model.name}, not an input: --set states it.")
         if name not in model.inputs:
             raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
         entry = model[name]

@@ -37,6 +37,15 @@ HEAD = ["schema_version", "command", "provenance", "warnings"]
 #: A key that names an interval in another way.
 OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
 
+#: Names of numbers that have no dimension: counts as shares and ratios, probabilities, costs, margins as factors.
+PURE = {
+    "bottom", "chi_square", "confidence", "existence", "complementary", "complementary_peak", "condition_number", "cost", "det", "disk", "disk_5_percent",
+    "disk_by_speed", "disk_worst", "effective", "error", "factor", "fit_percent", "ljung_box", "log_likelihood", "matrix", "nis_interval_95",
+    "nis_mean", "p_value", "per_parameter", "per_parameter_over_draws", "probability", "probability_of_one_value", "ratio", "runs_away",
+    "score", "sensitivity", "sensitivity_peak", "shares", "spread", "std", "weight", "white_p",
+}  # fmt: skip
+#: Names of dictionaries whose numbers have no dimension, by the name of what they are of.
+PURE_OF = {"gain_over_standard", "measure_weights", "mode_probabilities", "range", "widening"}
 #: A key that holds a unit.
 UNIT_IN_NAME = re.compile(r"_(deg|rad|m|s|kn|m_s|deg_s|rad_s)$")
 
@@ -57,7 +66,7 @@ def parsed(text: str) -> dict:
 def check_form(told: dict, command: str) -> None:
     """Assert the form that is documented in `shipid.cli.frame.envelope`."""
     assert list(told)[:4] == HEAD
-    assert told["schema_version"] == 1 and told["command"] == command
+    assert told["schema_version"] == 2 and told["command"] == command
     assert told["provenance"]["shipid"] == shipid.__version__
     for given in told["provenance"]["inputs"]:
         assert set(given) == {"name", "sha256"} and len(given["sha256"]) == 64
@@ -80,6 +89,10 @@ def check_values(value: object, where: str) -> None:
                 for ends in one if isinstance(value.get("value"), list) else [one]:
                     if ends is not None:
                         check_ends(ends, f"{where}.{key}")
+            if isinstance(one, float) and not (
+                value.keys() & {"unit"} or key in PURE or where.rpartition(".")[2] in PURE_OF
+            ):
+                raise AssertionError(f"{where}.{key}: a number without a unit")
             check_values(one, f"{where}.{key}")
     elif isinstance(value, list):
         for one in value:
@@ -123,7 +136,8 @@ def test_each_line_of_a_followed_log_has_the_form(call, zigzag):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"a": {"value": 1.0}}, {"a": {"ci95": [1, 2]}}, {"a": {"interval_95": [2, 1]}}, {"band": [1, 2]}]
+    "wrong",
+    [{"a": {"value": 1.0}}, {"a": {"ci95": [1, 2]}}, {"a": {"interval_95": [2, 1]}}, {"band": [1, 2]}, {"t": 1.5}],
 )
 def test_another_form_is_noticed(wrong):
     with pytest.raises(AssertionError):

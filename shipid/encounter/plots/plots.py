@@ -28,6 +28,11 @@ class Sensor:
         Standard deviation of a position along each axis, m.
     range_std, bearing_std : float or None
         Instead of it: of range in m and bearing in rad.
+    bias_std : float
+        Standard deviation of what all plots of a target are off together, along each axis, m: the sensor out of place, or a long
+        target whose echo comes from one end.
+    bearing_bias_std : float
+        The same of all bearings, rad: the heading that they are counted from.
     latency : float
         How old a position is at its time stamp, s.
     latency_std : float
@@ -44,6 +49,8 @@ class Sensor:
     position_std: float = 5.0
     range_std: float | None = None
     bearing_std: float | None = None
+    bias_std: float = 0.0
+    bearing_bias_std: float = 0.0
     latency: float = 0.0
     latency_std: float = 0.0
     detection: float = 0.9
@@ -56,6 +63,10 @@ class Sensor:
         if not all(np.isfinite(s) and s > 0 for s in stds) or (self.range_std is None) != (self.bearing_std is None):
             raise EncounterRequestError(
                 f"the accuracy of sensor '{self.name}' has to be a standard deviation above zero: of positions, or of range and bearing together."
+            )
+        if not all(np.isfinite(s) and s >= 0 for s in (self.bias_std, self.bearing_bias_std)):
+            raise EncounterRequestError(
+                f"the bias of sensor '{self.name}' has to be a standard deviation of zero or more."
             )
         if not (0 < self.detection < 1 and 0 < self.sight < 1):
             raise EncounterRequestError(

@@ -117,7 +117,7 @@ def test_a_prediction_that_runs_away_is_said_without_nan(sail):
     assert not np.isfinite(fit.validation[0].rmse["psi"])
     text = json.dumps(fit.to_dict(), allow_nan=False)
     name = fit.validation[0].trial.name
-    assert json.loads(text)["validation"][name]["psi"]["rmse"] is None
+    assert json.loads(text)["validation"][name]["psi"]["rmse"]["value"] is None
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the real trials are not on this machine")

@@ -77,7 +77,14 @@ def _cautions(run: FilterRun) -> list[str]:
             said.append(f"{i.rejected} of {i.t.size} samples of {name} were outside the gate and were rejected.")
         if i.limited:
             said.append(f"{i.limited} samples of {name} were outside the sensor's range and were left out.")
-        if i.nis_mean is not None and i.nis_band is not None and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]:
+        # The filter warns of sizes that are far off in words of its own.
+        warned = any(n.kind == "noise-does-not-fit" and n.known.get("sensor") == name for n in run.warnings)
+        if (
+            not warned
+            and i.nis_mean is not None
+            and i.nis_band is not None
+            and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]
+        ):
             size, cause = (
                 ("larger", "its standard deviations are too small")
                 if i.nis_mean > 1

@@ -18,7 +18,7 @@ from shipid.report.views.words import count, sentence
 
 _TARGETS = [
     ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
-    ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("Course [deg]", "course", "n"),
+    ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("± [m/s]", "speed_spread", "n"), ("Course [deg]", "course", "n"),
     ("CPA [m]", "cpa", "n"), ("TCPA [s]", "tcpa", "n"),
 ]  # fmt: skip
 _JUDGED = [
@@ -27,8 +27,6 @@ _JUDGED = [
 ]  # fmt: skip
 #: Tracks whose speeds are drawn: the ones that were held longest.
 _MOST = 4
-#: Below this speed a course says nothing, m/s.
-_STILL = 0.5
 
 
 def tracking_page(found: Tracking) -> Page:
@@ -82,7 +80,9 @@ def _closest(held: list[TargetTrack]) -> str:
     closing = [(n, a) for n, a in near if a.motion == "closing"]
     if closing:
         number, first = min(closing, key=lambda pair: pair[1].nearest)
-        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour."
+        ends = first.nearest_interval
+        between = "" if ends is None else f", between {fixed(ends[0], 0)} and {fixed(ends[1], 0)} m with 95 %"
+        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour{between}."
     if near:
         number, first = min(near, key=lambda pair: pair[1].range)
         return f"No track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m."
@@ -101,7 +101,8 @@ def _row(one: TargetTrack) -> Row:
         "y": fixed(one.x[-1, 1], 0),
         "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
         "speed": fixed(float(one.speed[-1]), 1),
-        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}",
+        "speed_spread": fixed(float(one.speed_std[-1]), 1),
+        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}" if one.moves[-1] else "none",
         "cpa": "not known" if near is None else fixed(near.cpa, 0),
         "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
     }
@@ -119,14 +120,14 @@ def _motion(shown: list[TargetTrack]) -> Markup:
 
 
 def course_shown(one: TargetTrack) -> np.ndarray:
-    """Return the course without jumps at north, in deg, its median between 0 and 360; NaN where the target hardly moves.
+    """Return the course without jumps at north, in deg, its median between 0 and 360; NaN where the target may lie still.
 
     Parameters
     ----------
     one : TargetTrack
         The track.
     """
-    moving = one.speed > _STILL
+    moving = one.moves
     course = np.full(one.t.size, np.nan)
     course[moving] = np.rad2deg(np.unwrap(one.course[moving]))
     return course - 360.0 * np.floor(np.median(course[moving]) / 360.0) if moving.any() else course
@@ -159,8 +160,9 @@ def _judged(score: TrackingScore) -> dict[str, object]:
         if false
         else "No confirmed track moves"
     )
+    surely = f"{score.false_movers} of them surely, the others may lie still. " if false else ""
     words = (
-        f"{moving} where no ship is within 250 m{rate if false else ''}. A track within "
+        f"{moving} where no ship is within 250 m{rate if false else ''}. {surely}A track within "
         f"{fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; far above it, the error is larger than stated."
     )
     return {"words": words, "columns": _JUDGED, "rows": rows}
