@@ -6,8 +6,6 @@ import numpy as np
 
 #: An interval this many times the usual one of its channel is a hole (of a clock: a gap).
 GAP = 5.0
-#: Silences this long, of which there are so many at least, show whether a channel is written only on change.
-_SILENT, _SILENCES = 5.0, 2
 #: Where short intervals make less than this share of the time, between more pauses than this, samples come in bursts.
 _LIVE, _BURSTS = 0.2, 10
 #: Share of the intervals, longer than the median one, beyond which samples are irregular.
@@ -137,47 +135,6 @@ def slope(t: np.ndarray, values: np.ndarray, over: float) -> np.ndarray:
     found[span > (2 * half - 1 + GAP) * usual] = np.nan
     result[there] = found
     return result
-
-
-def held_on_change(t: np.ndarray, values: np.ndarray) -> np.ndarray | None:
-    """Return a channel that is written only when it changes with its value held in between; None where it is no such channel.
-
-    Such a channel never repeats a value, its steps are of a few digits or of a threshold, and it is silent where it stays: the step
-    behind a long silence is no larger than one behind a short interval.
-
-    Parameters
-    ----------
-    t : ndarray, shape (n,)
-        Time [s], rising.
-    values : ndarray, shape (n,)
-        The channel, NaN where a sample is missing; an angle unwrapped.
-
-    Returns
-    -------
-    ndarray, shape (n,), or None
-        NaN before the first sample, behind the last, and in a silence behind which the value is another: a hole.
-    """
-    there = np.flatnonzero(np.isfinite(values))
-    if not 12 <= there.size < 0.95 * t.size:
-        return None
-    step, apart = np.abs(np.diff(values[there])), np.diff(t[there])
-    if float(np.mean(step > 0)) < 0.98:
-        return None
-    small = float(np.quantile(step, 0.05))
-    digits = step / max(small, 1e-300)
-    printed = float(np.mean(np.abs(digits - np.round(digits)) < 0.02)) > 0.95 and float(np.median(digits)) < 40
-    if not printed and small < 0.3 * float(np.median(step)):
-        return None
-    silent = apart > _SILENT * float(np.median(apart))
-    if np.count_nonzero(silent) < _SILENCES or not np.any(~silent):
-        return None
-    stays = step <= 1.5 * float(np.quantile(step[~silent], 0.9))
-    if float(np.mean(stays[silent])) < 0.6:
-        return None
-    place = (np.searchsorted(there, np.arange(t.size), side="right") - 1).clip(0, there.size - 1)
-    inside = (np.arange(t.size) >= there[0]) & (np.arange(t.size) <= there[-1])
-    known = inside & (np.append(stays | ~silent, True)[place] | (there[place] == np.arange(t.size)))
-    return np.where(known, values[there[place]], np.nan)
 
 
 def _between(t: np.ndarray, values: np.ndarray, at: np.ndarray | None, *, held: bool) -> np.ndarray:

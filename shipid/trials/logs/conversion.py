@@ -10,11 +10,14 @@ from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import FIELDS, angle
 from shipid.trials import columns
-from shipid.trials.filling import held_on_change, interpolated
+from shipid.trials.filling import interpolated
+from shipid.trials.holding import held_on_change, repeats_of
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.positions import with_positions
 from shipid.trials.logs.record import LenientRecord
 
+#: What a ship's motion shows in every row if it is measured there.
+_MEASURED = ("x", "y", "psi", "r", "u", "v", "U", "SOG", "COG", "phi")
 GLITCH_WINDOW = 10.0
 """Heading glitches of up to half of this [s] can be distinguished from the motion of the ship."""
 
@@ -88,7 +91,33 @@ def _hold_on_change(values: dict[str, np.ndarray], notes: list[str]) -> None:
         if found is not None:
             filled = int(np.isfinite(found).sum() - np.isfinite(printed).sum())
             values[name] = found
-            notes.append(f"{name} is written only when it changes: its value holds until the next, in {filled} of {t.size} rows.")
+            notes.append(
+                f"{name} is written only when it changes: its value holds until the next, in {filled} of {t.size} rows."
+            )
+
+
+def without_repeats(record: LenientRecord) -> LenientRecord:
+    """Count the values that a slow sensor repeats in a faster record as missing: they are old, and say nothing new.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As `in_si` returns it.
+
+    Returns
+    -------
+    LenientRecord
+        The notes name the channels.
+    """
+    values, notes = dict(record.values), []
+    for name in [c for c in _MEASURED if c in values]:
+        repeats = repeats_of(unwrapped(values[name]) if FIELDS[name].unit == "rad" else values[name])
+        if repeats is not None:
+            values[name] = np.where(repeats, np.nan, values[name])
+            notes.append(
+                f"{name} repeats the last value of a slower sensor: {int(repeats.sum())} of {len(repeats)} samples count as missing."
+            )
+    return replace(record, values=values, notes=(*record.notes, *notes)) if notes else record
 
 
 def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:

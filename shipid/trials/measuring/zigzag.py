@@ -156,7 +156,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     at = np.array([heading for _, _, heading in found])
     course, notes = _course(psi, at, side, None if start is None else start[0].time)
     reasons: dict[str, str] = {}
-    known = [_unknown(steering, psi, executes, k, end, faults, reasons) for k in range(len(executes))]
+    known = [_unknown(steering, psi, executes, k, end, faults, reasons, found[k][1]) for k in range(len(executes))]
     signs = side * (-1.0) ** np.arange(len(at))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
     ordered = at
@@ -250,6 +250,7 @@ def _unknown(
     end: float,
     faults: Faults,
     reasons: dict[str, str],
+    top: float | None,
 ) -> bool:
     """Whether the overshoot after reversal `k` is known; writes the reasons where something is not."""
     one, then = executes[k], executes[k + 1].time if k + 1 < len(executes) else end
@@ -268,7 +269,7 @@ def _unknown(
             if a < then and b > one.time and _turns_back(psi, a, b, end):
                 why = faults.hole("psi", (a, b))
                 break
-    why = why or faults.step(one.time, then)
+    why = why or faults.step(one.time, then if top is None else top)
     if why is None:
         return True
     for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):

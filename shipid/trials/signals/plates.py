@@ -21,6 +21,9 @@ _LET_GO = 0.5
 _TIP = 0.35
 """A rudder that is within 10 % of its plate for less than this share of the time it is half over only touches it: 0.2 of two ramps."""
 
+_MOST = 0.6
+"""Share of the time on plates that is spent on those of one angle a side, where the two sides differ: no hand steering."""
+
 _LOPSIDED = 0.6
 """Plates of the two sides of a zig-zag, the smaller over the larger, at least: a reading that is off by a quarter of the plate."""
 
@@ -127,7 +130,9 @@ def regular(found: list[Plate]) -> list[Plate]:
         return []
     nominal = _middle(steady)
     sides = {side: _middle([plate for plate in steady if plate.side == side]) or nominal for side in (1, -1)}
-    if min(sides.values()) < _LOPSIDED * max(sides.values()):
+    alike = np.array([abs(abs(p.angle) - sides[p.side]) <= 0.1 * sides[p.side] for p in steady])
+    weights = np.array([(p.last - p.first) * p.dwell for p in steady])
+    if min(sides.values()) < _LOPSIDED * max(sides.values()) or float(weights @ alike) < _MOST * float(weights.sum()):
         sides = dict.fromkeys(sides, nominal)
     best: list[Plate] = []
     run: list[Plate] = []

@@ -147,7 +147,9 @@ def steering_of(
         if feedback is None
         else feedback.rate
     )
-    return Steering(channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt)
+    return Steering(
+        channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt
+    )
 
 
 def _moves(order: np.ndarray) -> bool:
