@@ -174,6 +174,19 @@ class TrialData:
             sampled=None,
         )  # fmt: skip
 
+    def beginning(self, count: int) -> TrialData:
+        """Return the first rows, and of a signal that comes later its first four samples.
+
+        Parameters
+        ----------
+        count : int
+            How many rows.
+        """
+        nth = np.cumsum(self.there, axis=1)
+        taken = self.there & ((np.arange(self.intervals.size) < count) | (nth <= min(4, count)))
+        rows = max(count, int(np.flatnonzero(taken.any(axis=0)).max(initial=0)) + 1)
+        return replace(self, measured=np.where(taken, self.measured, np.nan)).head(rows)
+
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
     """Return how many samples make the first seconds: a quarter of L/U, at least ten samples.
