@@ -77,7 +77,10 @@ ferry = join("ferry", Yaw, Surge, Engine, PlanarMotion)
 L, SPEED = 80.0, 6.0
 TRUTH = {"T_n": 8.0, "P": 2.4, "k": 40.0, "T_u": 35.0, "K": 1.3, "tau": 0.9}
 DURATION, STEP = 600, 0.01
-#: The engine moves once, for some twenty samples: its time constant is asked to this share, not to its interval.
+#: The engine moves once, for some twenty samples: its time constant is asked to this share, not to its interval. Fitted to the shaft speed
+#: alone it has no bias. Heading and rate of turn shift it by about one standard deviation (0.1 s), because a log of one sample a second
+#: shows the corners of the rudder at whole seconds, and the speed in the yaw equation makes up for it; where the rudder moves
+#: from sample to sample the shift is gone.
 ENGINE = 0.1
 #: Of the sensors: heading, rate of turn, speed, shaft speed; SI.
 NOISE = np.array([np.deg2rad(0.2), np.deg2rad(0.02), 0.05, 0.01])
@@ -136,7 +139,7 @@ def rows(short: bool) -> list[Row]:
         found.append(close(f"identify: {name}", true, one["value"], within, one["unit"], 3))
     unseen = fit["validation"]["ten"]
     for name, noise in (("psi", NOISE[0]), ("n", NOISE[3])):
-        ratio = unseen[name]["rmse"] / noise
+        ratio = unseen[name]["rmse"]["value"] / noise
         found.append(
             Row(f"identify: {name} of the other zig-zag, rms over noise", "below 1.3", f"{ratio:.2f}", ratio < 1.3)
         )

@@ -34,6 +34,9 @@ _LEFT_THERE = np.radians(1.0)
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
 
+_DRIVES = 0.5
+"""Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
+
 
 def turning_plate(steering: Steering, psi: Channel) -> Plate | None:
     """Return the stretch at one rudder angle during which the heading changes most, if it changes by 90 deg or more.
@@ -101,7 +104,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             "Widen the window to hold a stretch before the rudder moves."
         )
     side, when = plate.side, start[0].time
-    off = _released(steering, plate)
+    off = min(_released(steering, plate), _driven(trial, when))
     calm = max(5 * psi.interval, 0.01 * (off - when))
     psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
     reasons: dict[str, str] = {}
@@ -204,6 +207,20 @@ def _released(steering: Steering, plate: Plate) -> float:
         return steering.end
     on = np.flatnonzero(plate.side * steering.channel.y[: plate.last] >= (1 - LEFT) * abs(plate.angle))
     return float(steering.channel.t[int(on[-1])])
+
+
+def _driven(trial: Trial, when: float) -> float:
+    """When the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
+
+    A record is often stopped by the propeller first, with the rudder still over: what the ship does then is no steady turn.
+    """
+    if not trial.has("n"):
+        return float("inf")
+    t, n = trial["t"], trial["n"]
+    before = n[(t <= when) & np.isfinite(n)]
+    usual = float(np.median(before[-50:])) if before.size else 0.0
+    stopped = np.flatnonzero((t > when) & (n * np.sign(usual) < _DRIVES * abs(usual)))
+    return float(t[stopped[0]]) if stopped.size else float("inf")
 
 
 class _Track:
