@@ -12,6 +12,8 @@ from shipid.foundation.notices import Notice
 
 #: A plot nearer than this to its sensor is its own echo, m.
 _OWN_ECHO = 1.0
+#: Half way round the Earth, m: no plot lies farther from anywhere.
+_FARTHEST = 2e7
 #: An antenna that turns clockwise sees a plot so little before the one before, rad, in this share of all at most.
 _BACKWARD, _SELDOM = 0.5, 0.05
 
@@ -218,6 +220,16 @@ def make_plots(
                 f"{_count(~known)} without a time or a position left out.", "plots-missing", count=int((~known).sum())
             )
         )
+    beyond = known & (np.maximum(np.abs(x), np.abs(y)) > _FARTHEST)
+    if beyond.any():
+        notes.append(
+            Notice(
+                f"{_count(beyond)} farther than half way round the Earth left out.",
+                "plots-beyond",
+                count=int(beyond.sum()),
+            )
+        )
+    known &= ~beyond
     echo = known & (np.hypot(x - own[:, 0], y - own[:, 1]) < _OWN_ECHO)
     if echo.any():
         notes.append(

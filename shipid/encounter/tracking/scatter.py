@@ -21,8 +21,10 @@ from shipid.foundation.notices import Notice
 _ENOUGH, _TOO_LARGE, _SETTLED = 20, 1.3, 1.05
 #: Correlated residuals may be those of a target that manoeuvres: then a wider sensor has to explain so many times the plots.
 _CORRELATED, _MORE = 0.2, 1.1
-#: Runs over the log, and the largest factor of one step: what lies outside the gate is not seen.
-_RUNS, _STEP = 9, 2.0
+#: Below this power a widened sensor is too wide.
+_TOO_SMALL = 0.7
+#: Runs over the log, and the largest factor of one step where tracks stand, and where none does: what lies outside the gate is not seen.
+_RUNS, _STEP, _LEAP = 9, 2.0, 4.0
 
 
 def tracked(
@@ -54,13 +56,15 @@ def tracked(
     scale = np.ones(len(stated))
     engine, standings = first, at_first
     for _ in range(_RUNS - 1):
-        step = _steps(engine, len(plots.scans), _TOO_LARGE if engine is first else _SETTLED)
+        step = _steps(engine, len(plots.scans), _TOO_LARGE if engine is first else _SETTLED, scale > 1)
         if (step == 1.0).all():
             break
-        scale = scale * step
+        scale = np.maximum(scale * step, 1.0)
+        if (scale == 1.0).all():
+            break
         engine = Tracker(filters, widened(stated, scale), rules)
         standings = engine.run(plots)
-    if (scale == 1.0).all() or not _better(engine, first, len(plots.scans)):
+    if (scale == 1.0).all() or not _better(engine, first, len(plots.scans), scale > 1):
         # What the tracks of the stated accuracy leave unexplained widens each of them.
         return first, at_first, []
     return engine, standings, [_told(s, float(k)) for s, k in zip(stated, scale) if k > 1]
@@ -87,21 +91,22 @@ def widened(sensors: Sequence[Sensor], scale: np.ndarray) -> tuple[Sensor, ...]:
     )
 
 
-def _steps(engine: Tracker, scans: int, limit: float) -> np.ndarray:
-    """By how much each sensor has to be less accurate, one where it need not."""
+def _steps(engine: Tracker, scans: int, limit: float, wider: np.ndarray) -> np.ndarray:
+    """By how much each sensor has to be less accurate, one where it need not, and less than that where it was made too wide."""
     power, _, count = engine.residuals.of_sensor.T
     enough = count >= _ENOUGH
     if not enough.any():
         # Hardly a track is confirmed: either there is no target, or the gates are much too narrow for her plots.
-        return np.full(count.size, _STEP if scans >= _ENOUGH else 1.0)
+        return np.full(count.size, _LEAP if scans >= _ENOUGH else 1.0)
     mean = power / np.maximum(count, 1.0)
-    return np.where(enough & (mean > limit), np.minimum(np.sqrt(mean), _STEP), 1.0)
+    wrong = (mean > limit) | (wider & (mean < _TOO_SMALL))
+    return np.where(enough & wrong, np.minimum(np.sqrt(mean), _STEP), 1.0)
 
 
-def _better(engine: Tracker, first: Tracker, scans: int) -> bool:
+def _better(engine: Tracker, first: Tracker, scans: int, wider: np.ndarray) -> bool:
     """Whether wider sensors agree with their residuals, and explain the plots better than the stated ones."""
     power, serial, count = engine.residuals.of_sensor.sum(axis=0)
-    if count < _ENOUGH or (_steps(engine, scans, _TOO_LARGE) > 1.0).any():
+    if count < _ENOUGH or (_steps(engine, scans, _TOO_LARGE, wider) != 1.0).any():
         return False
     before_power, before_serial, before = first.residuals.of_sensor.sum(axis=0)
     scattered = before_serial < _CORRELATED * before_power

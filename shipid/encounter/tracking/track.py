@@ -156,10 +156,10 @@ def _widened(tracks: list[TargetTrack]) -> list[Notice]:
 def _warnings(found: Detections, tracks: list[TargetTrack], engine: Tracker) -> tuple[Notice, ...]:
     warnings = list(found.plots.notes)
     if not tracks:
-        count = len(found.plots)
+        count, scans = len(found.plots), len(found.plots.scans)
         warnings.append(
             Notice(
-                f"no track was confirmed: {count} plot{'s' * (count != 1)} in {len(found.plots.scans)} scans do not show a "
+                f"no track was confirmed: {count} plot{'s' * (count != 1)} in {scans} scan{'s' * (scans != 1)} do not show a "
                 f"target {engine.settings.plots_to_confirm} times with near certainty.",
                 "no-track",
             )

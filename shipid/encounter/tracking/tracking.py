@@ -133,7 +133,7 @@ class Tracking(DrawnResult):
         held = sum(one.status == "held" for one in self.tracks)
         lines = [
             f"tracks of {self.name} ({self.tracker}): {len(self.tracks)} confirmed, {held} held at the end; "
-            f"{len(self.plots)} plots in {len(self.plots.scans)} scans, {last - first:.0f} s"
+            f"{_many(len(self.plots), 'plot')} in {_many(len(self.plots.scans), 'scan')}, {last - first:.0f} s"
         ]
         if self.tracks:
             ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
@@ -161,6 +161,10 @@ class Tracking(DrawnResult):
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
             f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{one.speed_std[-1]:.1f}", course, *cpa,
         )  # fmt: skip
+
+
+def _many(n: int, what: str) -> str:
+    return f"{n} {what}{'s' * (n != 1)}"
 
 
 def _plain_approach(near: ClosestApproach) -> dict[str, Plain]:

@@ -153,3 +153,9 @@ def test_own_ship_whose_path_ends_a_little_before_the_last_scan_is_carried_on(sc
     late = track(until(last - 40.0), "cv")
     assert late.tracks[0].approach is None
     assert any("no motion at the last scan" in w for w in late.warnings)
+
+
+def test_a_short_log_whose_target_vanishes_makes_no_sensor_worse(scene):
+    """Few residuals, for a target that is gone for a minute: the plots scatter as stated."""
+    found = track(scene([(-300.0, -200.0, 5.0, 0.0)], clutter=0.0, scans=48, hidden=(10, 38)), "cv")
+    assert "plots-scatter-more" not in kinds(found) and found.plots.sensors[0].position_std == 5.0
