@@ -13,6 +13,9 @@ from shipid.trials.signals.series import smoothed
 _LEAST = np.radians(1.5)
 """Rudder angles below this are course keeping."""
 
+_LEAST_SWING = np.radians(0.7)
+"""A rudder that is reversed nearer to the course than this keeps it."""
+
 _STRAIGHT = 0.1
 """Shares of a plate's angle by which a rudder on its way to the other side stays near a straight line, however slow its gear."""
 
@@ -131,7 +134,7 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
         spread = max(float(np.ptp(out)), float(np.ptp(back)))
     begin, end = _begin(delta, plates[0]), _end(delta, plates[-1])
     regular = swing > 0 and spread < 1.2 * swing and all(plate.dwell > 0.4 for plate in plates)
-    if swing <= 0 or swing > np.pi / 2 or spread > 2.5 * swing:
+    if swing <= _LEAST_SWING or swing > np.pi / 2 or spread > 2.5 * swing:
         return []
     heading = _heading_change(p, delta, plates, swing)
     nominal = _nominal(max(abs(plate.angle) for plate in plates))

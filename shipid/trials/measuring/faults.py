@@ -69,12 +69,28 @@ class Faults:
         start, end : float
             The times [s].
         """
-        for found in self.diagnosis.findings:
-            if found.kind == _STEP and found.confidence >= SURE:
-                for when, _ in found.spans or (found.seconds,):
-                    if start < when <= end:
-                        return f"the heading is set to another value at {when:.5g} s"
+        for when, _ in self._spans(_STEP, start, end):
+            return f"the heading is set to another value at {when:.5g} s"
         return None
+
+    def jumps(self, start: float, end: float) -> list[tuple[float, float]]:
+        """Return the spans in which the positions jump, between two times [s].
+
+        Parameters
+        ----------
+        start, end : float
+            The times [s].
+        """
+        return self._spans("position-jump", start, end)
+
+    def _spans(self, kind: str, start: float, end: float) -> list[tuple[float, float]]:
+        return [
+            (when, until)
+            for found in self.diagnosis.findings
+            if found.kind == kind and found.confidence >= SURE
+            for when, until in found.spans or (found.seconds,)
+            if start < when <= end
+        ]
 
     def notes(self, names: Sequence[str]) -> list[str]:
         """Return what the doctor is sure of about these columns and what is not left out already.

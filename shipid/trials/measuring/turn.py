@@ -31,6 +31,8 @@ _LEAST_DRIFT = 0.01
 """So is one below this share of the ship's speed."""
 _LEFT_THERE = np.radians(1.0)
 """In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
+#: Positions that jump by this share of a distance leave it unknown.
+_JUMP = 0.05
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
 
@@ -223,6 +225,15 @@ def _driven(trial: Trial, when: float) -> float:
     return float(t[stopped[0]]) if stopped.size else float("inf")
 
 
+def _jumped(channel: Channel, start: float, end: float) -> float:
+    """How far a position has jumped in a span of time beyond how it moved just before and behind it [m]."""
+    t, y = channel.t, channel.y
+    a, b = int(np.searchsorted(t, start)), int(np.searchsorted(t, end)) + 1
+    if not 1 <= a < b < len(t) - 1:
+        return 0.0
+    return float(y[b] - y[a] - 0.5 * (b - a) * (y[a] - y[a - 1] + y[b + 1] - y[b]))
+
+
 class _Track:
     """The track along and across the initial course, from the execute on."""
 
@@ -257,7 +268,16 @@ class _Track:
             for when in (self.when, at):
                 if (hole := channel.hole(when)) is not None:
                     return self.faults.hole(channel.name, hole)
-        return None
+        return self.faults.step(self.when, at) or self._jump(at)
+
+    def _jump(self, at: float) -> str | None:
+        """Whether the positions have jumped on the way there, by a share of the distance that matters; there and back cancels."""
+        spans = self.faults.jumps(self.when, at)
+        north, east = (sum(_jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
+        size = float(np.hypot(north, east))
+        if size <= _JUMP * float(np.hypot(*self.moved(at))):
+            return None
+        return f"the positions jump by {size:.3g} m at {spans[0][0]:.5g} s"
 
     def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
         """Advance, transfer and tactical diameter over the ground; writes why one is not known."""

@@ -208,3 +208,16 @@ def test_measured_as_if_the_slow_heading_were_alone(logged):
     found = np.degrees(measured.leading_overshoots)
     assert len(found) >= 3
     np.testing.assert_allclose(found, overshoots[: len(found)], atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("column", "by", "word"), [("x [m]", 200.0, "positions jump by 200 m"), ("psi [deg]", 10.0, "another value")]
+)
+def test_distances_across_a_jump_are_unknown(circle_log, column, by, word):
+    trial = circle_log()
+    frame = trial.to_frame()
+    frame[column] += np.where(trial["t"] > 120.0, by, 0.0)
+    found = measure(Trial.from_frame(frame))
+    # 90 deg are reached at 144 s.
+    assert found.advance is None and found.tactical_diameter is None
+    assert word in found.reasons["advance"]
