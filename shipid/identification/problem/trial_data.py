@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
+from shipid.identification.problem.first_guess import first_guess
 from shipid.trials.filling import interpolated, usual_interval
 from shipid.trials.speed import PUT_OVER, check_ahead, check_way, recorded_speed, speed_before_in
 from shipid.trials.stretches import stretches_of
@@ -132,7 +133,11 @@ class TrialData:
         name : str
             The column.
         """
-        return self.trial.has(name) and bool(np.isfinite(self.trial[name]).any())
+        return name in self._shown
+
+    @functools.cached_property
+    def _shown(self) -> frozenset[str]:
+        return frozenset(n for n in self.trial.table.columns if np.isfinite(self.trial[n]).any())
 
     def column(self, name: str, at: np.ndarray | None = None) -> np.ndarray:
         """Return a column of the trial in straight lines between its own samples, for a start of a search, shape (N,).
@@ -309,7 +314,7 @@ def prepare(
         elif name not in needed:
             given[name] = 1.0  # without influence on what is fitted, and a speed of zero divides
     usual = measured is not None and measured.source == "usual speed"
-    start = {n: _initial(model, trial, whole, n, before, first) for n in model.states}
+    start = {n: first_guess(model, trial, whole, n, before, first) for n in model.states}
     return TrialData(
         trial,
         np.diff(t, append=t[-1]),
@@ -355,45 +360,3 @@ def _settled(trial: Trial, first: int) -> bool:
 def _largest(values: np.ndarray) -> float:
     """The largest size of the samples that are there."""
     return float(np.nanmax(np.abs(values), initial=0.0))
-
-
-def _initial(
-    model: Model, trial: Trial, whole: Trial, name: str, before: float | None, first: int
-) -> tuple[float, float]:
-    """A first guess of one initial state and its standard error.
-
-    A straight line through the first samples that are there, or the sample of the whole record that is nearest to the
-    beginning. By the time that lies between, the state has gone on, nobody knows where to: as fast as it ever does.
-    """
-    t, column = trial["t"], trial[name] if trial.has(name) else np.zeros(0)
-    samples = np.flatnonzero(np.isfinite(column))
-    count = max(int(np.searchsorted(samples, first)), min(4, samples.size))
-    # Of a slow signal the first few, as long as they are near the beginning.
-    over = float(t[first - 1] - t[0])
-    at = samples[:count][t[samples[:count]] <= t[0] + 4 * over]
-    if len(at) >= 4:
-        design = np.column_stack([np.ones(len(at)), t[at] - t[0]])
-        found, *_ = np.linalg.lstsq(design, column[at], rcond=None)
-        scatter = float(np.std(column[at] - design @ found)) * np.sqrt(len(at) / (len(at) - 2))
-        error = float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
-        return float(found[0]), float(np.hypot(error, _fastest(whole, name, over) * (t[at[0]] - t[0])))
-    if whole.has(name) and (known := np.flatnonzero(np.isfinite(whole[name]))).size:
-        distance = np.abs(whole["t"][known] - t[0])
-        near = int(np.argmin(distance))
-        away = float(distance[near])
-        return float(whole[name][known[near]]), _fastest(whole, name, over) * away if away else 0.0
-    if name == "u" and before is not None:
-        return before, 0.0
-    return model[name].number("start") or 0.0, 0.0
-
-
-def _fastest(trial: Trial, name: str, over: float) -> float:
-    """How fast a signal changes over a time of `over` s, at the most but for one time in twenty; over less, noise would count."""
-    known = np.isfinite(trial[name])
-    t, column = trial["t"][known], trial[name][known]
-    later = np.searchsorted(t, t + over)
-    there = later < t.size
-    if not there.any():
-        return 0.0
-    at = later[there]
-    return float(np.percentile(np.abs((column[at] - column[there]) / (t[at] - t[there])), 95))
