@@ -89,9 +89,9 @@ class WindMoment(Component):
 class WindForces(Component):
     """Forward and sway acceleration by the true wind, beside `WindMoment`, for a model that states both speeds by their rates.
 
-    They push the ship along her track: in a slow turn as far as the water does. The priors are those of a hull of a tanker's form
-    (Blendermann, 1994): force coefficients of 0.7 ahead and 0.8 aside, and above the water areas between a quarter of
-    those below it and equal to them. A wind does not push a ship against itself, so neither is negative.
+    They push the ship along her track: in a slow turn as far as the water does. The priors are
+    this project's own estimate: force coefficients of 0.7 ahead and 0.8 aside, above the water half the lateral area and as much frontal area
+    as below it, for a full hull, each as uncertain as it is large. A wind does not push a ship against itself, so neither is negative.
     """
 
     psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
