@@ -13,7 +13,7 @@ from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import drift, speed_channel, track_channels
+from shipid.trials.measuring.track import drift, jumped, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -225,15 +225,6 @@ def _driven(trial: Trial, when: float) -> float:
     return float(t[stopped[0]]) if stopped.size else float("inf")
 
 
-def _jumped(channel: Channel, start: float, end: float) -> float:
-    """How far a position has jumped in a span of time beyond how it moved just before and behind it [m]."""
-    t, y = channel.t, channel.y
-    a, b = int(np.searchsorted(t, start)), int(np.searchsorted(t, end)) + 1
-    if not 1 <= a < b < len(t) - 1:
-        return 0.0
-    return float(y[b] - y[a] - 0.5 * (b - a) * (y[a] - y[a - 1] + y[b + 1] - y[b]))
-
-
 class _Track:
     """The track along and across the initial course, from the execute on."""
 
@@ -273,7 +264,7 @@ class _Track:
     def _jump(self, at: float) -> str | None:
         """Whether the positions have jumped on the way there, by a share of the distance that matters; there and back cancels."""
         spans = self.faults.jumps(self.when, at)
-        north, east = (sum(_jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
+        north, east = (sum(jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
         size = float(np.hypot(north, east))
         if size <= _JUMP * float(np.hypot(*self.moved(at))):
             return None
