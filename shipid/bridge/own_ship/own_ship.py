@@ -61,7 +61,7 @@ class OwnShip:
     def __init__(self, pilot: Autopilot) -> None:
         model = pilot.model
         adapts = [n for n in _ADAPTS if n in model.parameters]
-        self._kalman = own_ship_filter(model, pilot.ship, estimated=adapts, switchable=bool(adapts), structure=True)
+        self._kalman = own_ship_filter(model, pilot.ship, estimated=adapts, switchable=bool(adapts))
         self._levels = dict(zip(self._kalman.design.measured, self._kalman.design.r.tolist()))
         self._fixes: FixErrors | None = None
         self._adapts = bool(adapts)
