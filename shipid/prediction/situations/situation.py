@@ -29,12 +29,15 @@ class PastErrors:
         Factors of the standard deviations across the track and of the heading, 1 at least.
     count : int
         How many predictions they come from.
+    lost : int
+        How many of these ran away or could not be made where the ship sailed on.
     """
 
     s_star: np.ndarray = field(repr=False)
     track: np.ndarray = field(repr=False)
     heading: np.ndarray = field(repr=False)
     count: int
+    lost: int = 0
 
     def at(self, s_star: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the factors of track and heading; beyond the farthest distance seen they are those there.
