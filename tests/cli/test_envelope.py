@@ -45,7 +45,7 @@ PURE = {
     "bottom", "chi_square", "confidence", "existence", "complementary", "complementary_peak", "condition_number", "cost", "det", "disk", "disk_5_percent",
     "disk_by_speed", "disk_worst", "effective", "error", "factor", "fit_percent", "ljung_box", "log_likelihood", "matrix", "nis_interval_95",
     "nis_mean", "p_value", "per_parameter", "per_parameter_over_draws", "probability", "probability_of_one_value", "ratio", "runs_away",
-    "score", "sensitivity", "sensitivity_peak", "shares", "spread", "std", "weight", "white_p",
+    "score", "sensitivity", "sensitivity_peak", "shares", "spread", "std", "weight", "white_p", "widening",
 }  # fmt: skip
 #: Names of dictionaries whose numbers have no dimension, by the name of what they are of.
 PURE_OF = {"gain_over_standard", "measure_weights", "mode_probabilities", "range", "widening"}
