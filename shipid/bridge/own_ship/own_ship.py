@@ -18,7 +18,7 @@ from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import UnstatedInputError
 from shipid.identification.problem.prior import INDEPENDENT
 from shipid.prediction.situations.filtered_situation import situation_now
-from shipid.prediction.situations.fix_errors import FixErrors, widened_current
+from shipid.prediction.situations.fix_errors import TURN_REMEMBERED, FixErrors, widened_current
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.situations.situation import Situation
 
@@ -64,6 +64,8 @@ class OwnShip:
         self._kalman = own_ship_filter(model, pilot.ship, estimated=adapts, switchable=bool(adapts))
         self._levels = dict(zip(self._kalman.design.measured, self._kalman.design.r.tolist()))
         self._fixes: FixErrors | None = None
+        #: The largest rate of turn of late, |r| L/u, and when it was.
+        self._turned = 0.0, 0.0
         self._adapts = bool(adapts)
         self._pilot = pilot
         self.sensors, self.remembered = Sensors(), Remembered(pilot.length)
@@ -153,12 +155,18 @@ class OwnShip:
         known = self._situation
         if known is None or not {"x", "y"} <= set(self._levels):
             return
+        unit_time = self._pilot.length / known.values["u"]
         if self._fixes is None:
-            self._fixes = FixErrors(INDEPENDENT * self._pilot.length / known.values["u"])
+            self._fixes = FixErrors(INDEPENDENT * unit_time)
+            self._turned = 0.0, t
+        most, since = self._turned
+        now = abs(known.values.get("r", 0.0)) * unit_time
+        if now >= most or t - since > TURN_REMEMBERED * unit_time:
+            self._turned = now, t
         if "x" in sample and "y" in sample:
             north, east = ((sample[n] - known.values[n]) / self._levels[n] for n in ("x", "y"))
             self._fixes.add(t, north, east)
-        self._situation = widened_current(known, self._fixes.squares)
+        self._situation = widened_current(known, self._fixes.squares, self._turned[0])
 
     @property
     def _turns(self) -> bool:
@@ -250,11 +258,10 @@ class OwnShip:
         known, current = self._situation, None
         if known is not None and "current_north" in known.values:
             north, east = known.current
-            sd = math.hypot(known.std_of("current_north"), known.std_of("current_east")) / math.sqrt(2)
             current = {
                 "speed": number(math.hypot(north, east), 5),
                 "direction_to": number(math.atan2(east, north) % (2 * math.pi), 5),
-                "sd": number(sd, 3),
+                "sd": number(known.current_std, 3),
             }
         return {"current": current, "wind": self._wind()}
 

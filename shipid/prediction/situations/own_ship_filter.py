@@ -16,6 +16,7 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import range_of
 from shipid.parts.planar_motion import PlanarMotion
 from shipid.parts.unmeasured import SlowCurrent, SlowDisturbance, SlowResidual, SlowSurge, UncertainLog, UncertainMotion
+from shipid.prediction.situations.fix_errors import SWAY_CONSTANT
 
 #: What an ordinary bridge measures: the standard deviation of one sample.
 BRIDGE: Mapping[str, str] = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "10 m", "y": "10 m"}
@@ -29,9 +30,9 @@ _COARSEST: Mapping[str, tuple[str, float]] = {"u": ("speed", 0.05), "x": ("lengt
 _LOG_CHANGES = 0.001
 #: The errors of fixes last: of those that come every 0.4 s so many count as one.
 _FIXES_AS_ONE = 10
-#: Standard deviation of the error of the sway constant gamma*: of a model that was identified on the ship, of one that was not, and of
-#: one without a sway speed. The constants of the ships of this project lie between 0.27 and 0.57.
-_SWAY_IDENTIFIED, _SWAY_ASSUMED, _SWAY_NONE = 0.1, 0.2, 0.5
+#: Standard deviation of the error of the sway constant gamma*: of a model that was not identified on the ship, and of one without a
+#: sway speed. The constants of the ships of this project lie between 0.27 and 0.57.
+_SWAY_ASSUMED, _SWAY_NONE = 0.2, 0.5
 #: The quantities that are shown by sensors of their own where log and model are not exact.
 _SHOWN_BY: Mapping[str, str] = {"u": "log", "v": "sway_log"}
 
@@ -180,4 +181,4 @@ def _sway_error(model: Model, ship: ParameterSet) -> float:
     if "v" not in (*model.states, *model.derived):
         return _SWAY_NONE
     found = range_of(ship, model)
-    return _SWAY_IDENTIFIED if found is not None and found[1].names else _SWAY_ASSUMED
+    return SWAY_CONSTANT if found is not None and found[1].names else _SWAY_ASSUMED

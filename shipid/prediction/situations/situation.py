@@ -71,6 +71,10 @@ class Situation(Result):
         In s, on the clock of its source.
     past : PastErrors or None
         How far off earlier predictions of this ship were, which widens the band; None where nothing is known of that.
+    current_std : float or None
+        Standard deviation of each component of the estimated current in m/s, with the errors of model and log that are read as a
+        current (`shipid.prediction.situations.fix_errors`); None where none is estimated. The covariance is that of the filter:
+        a track that continues with the same errors is not as far off as they are large.
     """
 
     values: Mapping[str, float]
@@ -79,6 +83,7 @@ class Situation(Result):
     noise: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     t: float = 0.0
     past: PastErrors | None = None
+    current_std: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("psi", "u"):
