@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,37 @@ import shipid
 from shipid import Component, given, parameter, state
 
 NOISE = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "v": "0.1 m/s"}
+
+#: The files that take longest, about in that order, and two with a browser never side by side at the beginning. Begun last, one of
+#: them is left to one worker while the others are idle.
+SLOW = (
+    "bridge/page/test_full_track.py",
+    "cli/test_results.py",
+    "cli/test_environment.py",
+    "bridge/page/test_page_notices.py",
+    "report/test_write_report.py",
+    "bridge/page/test_page_reading.py",
+    "identification/test_recovery.py",
+    "bridge/core/test_core.py",
+    "identification/test_missing_samples.py",
+    "prediction/sailing/test_sail_route.py",
+    "cli/test_bridge.py",
+    "report/test_pages.py",
+    "cli/test_outputs.py",
+    "identification/test_compare_models.py",
+    "bridge/page/test_page_console.py",
+    "cli/test_filter.py",
+    "identification/validation/test_predictions.py",
+    "bridge/server/test_server.py",
+)
+
+
+def pytest_collection_modifyitems(items):
+    """Put the files that take longest first; the others, and the tests of a file, keep their order."""
+    here = Path(__file__).parent
+    rank = {here / name: place for place, name in enumerate(SLOW)}
+    assert all(path.exists() for path in rank), "a file of SLOW has another name now"
+    items.sort(key=lambda item: rank.get(item.path, len(SLOW)))
 
 
 class Drift(Component):

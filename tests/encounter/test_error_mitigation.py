@@ -31,13 +31,14 @@ def squared(problem: MiddleProblem, middle: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize(("radius", "degree"), [(30.0, 2), (8.0, 2), (8.0, 1)])
 def test_no_point_of_a_grid_is_better_than_the_exact_one(radius, degree):
-    problem = problems(200, radius, degree=degree)
+    count = 60
+    problem = problems(count, radius, degree=degree)
     found = exact_middle(problem)
     assert problem.distance(found[..., None]).max() <= radius * (1 + 1e-6)
     offsets = np.linspace(-radius, radius, 161)
     x1 = problem.observed[:, 0, 0, None, None] + offsets[:, None]
     x2 = problem.observed[:, 1, 0, None, None] + offsets[None, :]
-    middle = np.stack([a.reshape(200, -1) for a in np.broadcast_arrays(x1, x2)], axis=1)
+    middle = np.stack([a.reshape(count, -1) for a in np.broadcast_arrays(x1, x2)], axis=1)
     inside = (problem.distance(middle) <= radius).all(axis=1)
     best = np.where(inside, problem.jerk(middle), np.inf).min(axis=1)
     assert (squared(problem, found) <= best + 1e-6).all()
