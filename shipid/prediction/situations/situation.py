@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -69,6 +69,8 @@ class Situation(Result):
         Density of the noise that drives a quantity while the ship sails on, per root second.
     t : float
         In s, on the clock of its source.
+    structural : mapping of str to float
+        The part of `noise` by which a model of low order is not the ship.
     past : PastErrors or None
         How far off earlier predictions of this ship were, which widens the band; None where nothing is known of that.
     """
@@ -79,6 +81,7 @@ class Situation(Result):
     noise: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     t: float = 0.0
     past: PastErrors | None = None
+    structural: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         for name in ("psi", "u"):
@@ -119,6 +122,19 @@ class Situation(Result):
             return 0.0
         i = self.uncertain.index(name)
         return float(np.sqrt(max(self.covariance[i, i], 0.0)))
+
+    def with_structure(self, growth: float) -> Situation:
+        """Return the situation with a larger error of the model.
+
+        Parameters
+        ----------
+        growth : float
+            How many times as large as in `structural`.
+        """
+        more = {n: float(np.sqrt(self.noise[n] ** 2 + (growth**2 - 1) * d**2)) for n, d in self.structural.items()}
+        return replace(
+            self, noise={**self.noise, **more}, structural={n: growth * d for n, d in self.structural.items()}
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """Return the values with their standard deviations as a pandas table, SI."""
