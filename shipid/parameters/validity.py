@@ -21,6 +21,8 @@ _AMPLITUDES = (
     ("rate", "rates of turn", "r", "rad/s"),
     ("drift", "drift angles", "beta", "rad"),
 )
+#: Quantities beyond whose range a band grows.
+_GROWS = ("delta", "r")
 #: Kinds of the notices.
 BEYOND, UNKNOWN = "beyond-what-was-fitted", "range-not-known"
 
@@ -81,6 +83,7 @@ def beyond(
     *,
     rate: float | None = None,
     drift: float | None = None,
+    grown: float = 1.0,
 ) -> list[Notice]:
     """Return what has to be said where a model is used beyond the range its coefficients come from.
 
@@ -95,6 +98,8 @@ def beyond(
         down from 8 m/s to 5 m/s has been tried at both.
     rudder, rate, drift : float, optional
         Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad.
+    grown : float
+        How many times as large the error of the model is taken in the band that is shown, see `growth_beyond`; 1 where it is not.
 
     Returns
     -------
@@ -119,12 +124,17 @@ def beyond(
     if found is None or known is None:
         return notices
     section, words = found[0], range_words(known)
+    tells = (
+        f"the band takes its error as {grown:.2g} times as large as there."
+        if grown > 1
+        else "no band contains that error."
+    )
 
     def say(what: str, value: float, name: str, unit: str) -> None:
         notices.append(
             Notice(
                 f"{what} {shown(value, name, unit, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {words[name]}. "
-                "Beyond that the model extrapolates, and no band contains that error.",
+                f"Beyond that the model extrapolates, and {tells if name in _GROWS else 'no band contains that error.'}",
                 BEYOND,
                 quantity=name,
             )
@@ -144,8 +154,68 @@ def beyond(
     return notices
 
 
+def growth_beyond(
+    model: Model, ship: ParameterSet, rudder: float | None, rate: float | None, speeds: Sequence[float] = ()
+) -> float:
+    """Return how many times as large as fitted the amplitudes of a manoeuvre are, 1 where they are not beyond.
+
+    The error that a model has by its structure is taken as so many times as large in the bands of that manoeuvre.
+
+    Parameters
+    ----------
+    model : Model
+        What is run.
+    ship : ParameterSet
+        Whose coefficients.
+    rudder, rate : float or None
+        Largest rudder angle in rad and rate of turn in rad/s.
+    speeds : sequence of float
+        The speeds before the manoeuvre in m/s: a ship that is faster than she was tried at turns faster in proportion.
+
+    Returns
+    -------
+    float
+        The larger of both ratios, where it is beyond by more than a tenth. 1 where the ship states no amplitudes.
+    """
+    found = range_of(ship, model)
+    if found is None:
+        return 1.0
+    known = found[1]
+    ratios = []
+    if rudder is not None and known.rudder:
+        ratios.append(rudder / known.rudder)
+    if rate is not None and known.rate:
+        ratios.append(rate / (known.rate * _faster(known, speeds)))
+    largest = max(ratios, default=1.0)
+    return float(largest) if largest > 1 + MARGIN else 1.0
+
+
+def growth_in_run(model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray]) -> float:
+    """Return how many times as large as fitted the amplitudes of a simulated run are, see `growth_beyond`.
+
+    Parameters
+    ----------
+    model : Model
+        What was run.
+    ship : ParameterSet
+        Whose coefficients.
+    speed : float
+        Before the manoeuvre, in m/s.
+    run : mapping of str to ndarray
+        Columns of the run, SI; ``delta`` and ``r`` are read as far as they are there and finite.
+    """
+    rudder, rate = (_largest(np.abs(run[n])) if n in run else None for n in ("delta", "r"))
+    return growth_beyond(model, ship, rudder, rate, [speed])
+
+
 def beyond_in_run(
-    model: Model, ship: ParameterSet, speed: float, run: Mapping[str, np.ndarray], *, known: bool = False
+    model: Model,
+    ship: ParameterSet,
+    speed: float,
+    run: Mapping[str, np.ndarray],
+    *,
+    known: bool = False,
+    grown: float = 1.0,
 ) -> list[Notice]:
     """Return what has to be said of a simulated run beyond the range that the coefficients come from.
 
@@ -161,6 +231,8 @@ def beyond_in_run(
         Columns of the run, SI; ``delta``, ``r``, ``u`` and ``v`` are read as far as they are there and finite.
     known : bool
         Whether to leave out that a range is not known.
+    grown : float
+        See `beyond`.
 
     Returns
     -------
@@ -168,7 +240,7 @@ def beyond_in_run(
     """
     largest = {n: _largest(np.abs(run[n])) for n in ("delta", "r") if n in run}
     drift = _largest(np.abs(np.arctan2(run["v"], run["u"]))) if "u" in run and "v" in run else None
-    found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift)
+    found = beyond(model, ship, [speed], largest.get("delta"), rate=largest.get("r"), drift=drift, grown=grown)
     return [n for n in found if n.kind == BEYOND] if known else found
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.declaration.vocabulary import FIELDS
@@ -78,9 +79,7 @@ def predict_track(
     found = None
     if leg is not None:
         found = wheel_over(predictor, known, leg, rudder_limit=rudder_limit, horizon=horizon)
-        there = Situation(
-            {**known.values, "x": found.x, "y": found.y}, known.uncertain, known.covariance, known.noise, known.t
-        )
+        there = replace(known, values={**known.values, "x": found.x, "y": found.y})
         heading = found.heading
         if found.due:
             told.append(
@@ -148,7 +147,8 @@ def prediction_of(
                 ship_lengths=float(track.s_star[-1]),
             )
         )
-    told += beyond_in_run(pilot.model, pilot.ship, cruise_of(known), {n: getattr(track, n) for n in COLUMNS})
+    run = {n: getattr(track, n) for n in COLUMNS}
+    told += beyond_in_run(pilot.model, pilot.ship, cruise_of(known), run, grown=track.grown)
     if track.covariance is None and band != "none":
         told.append(Notice("nothing says how sure the situation is: the band is not known.", "band-not-known"))
     units = {n: e.unit for n, e in pilot.model.entries.items()} | {

@@ -244,7 +244,7 @@ class Forecaster:
         if not all(np.isfinite(getattr(track, n)).all() for n in ("x", "y", "psi", "s", "t")):
             return ShownTrack(None, f"the model runs away under {track.order}: take a smaller rudder angle.")
         pilot, run = self.predictor.pilot, {n: getattr(track, n) for n in COLUMNS}
-        said = beyond_in_run(pilot.model, pilot.ship, cruise_of(question.situation), run, known=True)
+        said = beyond_in_run(pilot.model, pilot.ship, cruise_of(question.situation), run, known=True, grown=track.grown)
         if self._errors is not None:
             said += told_of(self._errors)
         return ShownTrack(track, " ".join([track.ended, *said]).strip())

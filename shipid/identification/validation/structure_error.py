@@ -19,7 +19,7 @@ from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.left_out import LeftOutTrial
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parameters.validity import MARGIN, range_of
+from shipid.parameters.validity import growth_beyond
 
 #: What an overshoot is missed by, in rad, before a trial was left out, and how many independent errors that counts as.
 USUAL, USUAL_COUNT = np.deg2rad(1.5), 4.0
@@ -126,19 +126,6 @@ def growth_of(model: Model, ship: ParameterSet, comparison: Comparison) -> float
     comparison : Comparison
         The record and its prediction.
     """
-    found = range_of(ship, model)
-    if found is None:
-        return 1.0
-    known = found[1]
-    reached = largest_amplitudes([comparison.trial]).get("rudder", 0.0)
+    reached = largest_amplitudes([comparison.trial]).get("rudder")
     rate = np.abs(comparison.predicted.get("r", np.zeros(1)))
-    ratios = [
-        value / limit
-        for value, limit in (
-            (reached, known.rudder),
-            (float(rate.max()) if np.isfinite(rate).all() else 0.0, known.rate),
-        )
-        if limit
-    ]
-    largest = max(ratios, default=1.0)
-    return float(largest) if largest > 1 + MARGIN else 1.0
+    return growth_beyond(model, ship, reached, float(rate.max()) if np.isfinite(rate).all() else None)

@@ -13,10 +13,13 @@ from shipid.foundation.errors import UsageError
 from shipid.foundation.result import Result
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
-from shipid.prediction.tracks.track_predictor import TrackPredictor
+from shipid.prediction.tracks.track_predictor import POINTS, TrackPredictor
 
 #: Rounds in which the heading that keeps the next leg is found, when it is; and the smallest angle in rad between track and leg that meet.
-_ROUNDS, _SETTLED, _PARALLEL = 4, 1e-5, np.deg2rad(2.0)
+_ROUNDS, _SETTLED, _PARALLEL = 8, 1e-5, np.deg2rad(2.0)
+#: A turn has ended when the last half of its track lies within this distance of its end across the leg, in ship lengths; and the
+#: longest track on which this is looked for, in horizons.
+_ENDED, _LONGEST = 2e-3, 8
 #: How far ahead of a wheel-over a navigator is warned, in s.
 WARNING = 60.0
 
@@ -120,7 +123,9 @@ def wheel_over(
     """Return where the turn onto a leg has to begin, the ship on her present course until then.
 
     The turn is predicted from the present state; its end is a straight line, and it is moved along the present course over the
-    ground until that line is the leg. In a current the heading at the end is the one that keeps the leg.
+    ground until that line is the leg. In a current the heading at the end is the one that keeps the leg. The prediction is lengthened
+    until its end is straight: an autopilot with an integral comes onto its heading slowly, and a ship that has lost speed gains it
+    slowly, while she still moves across the leg.
 
     Parameters
     ----------
@@ -133,7 +138,7 @@ def wheel_over(
     rudder_limit : str or float, optional
         Largest rudder angle of the turn.
     horizon : float
-        Length of the predicted turn in ship lengths; it has to be long enough for the turn to end.
+        Length of the track that is returned, in ship lengths; the end of the turn is looked for up to eight times as far ahead.
 
     Returns
     -------
@@ -149,19 +154,35 @@ def wheel_over(
     angle = np.sin(leg.course - course)
     if abs(angle) < np.sin(_PARALLEL):
         raise UsageError("the present course does not meet the leg: they are parallel. Steer towards it first.")
-    heading, track = leg.course, None
+    heading, times, track = leg.course, 1, None
     for _ in range(_ROUNDS):
-        track = predictor.predict(situation, heading=heading, rudder_limit=rudder_limit, horizon=horizon, band="none")
+        track = predictor.predict(
+            situation,
+            heading=heading,
+            rudder_limit=rudder_limit,
+            horizon=times * horizon,
+            points=times * POINTS,
+            band="none",
+        )
         wanted = heading_on(leg, situation.current, float(track.u[-1]), float(track.v[-1]))
-        if abs(wanted - heading) < _SETTLED:
+        if abs(wanted - heading) >= _SETTLED:
+            heading = wanted
+        elif track.ended or times >= _LONGEST or _is_on(leg, track):
             break
-        heading = wanted
+        else:
+            times *= 2
     assert track is not None
     # Moved ahead by d along the present course, the end of the turn moves across the leg by d sin(course - leg).
     distance = float(leg.across(track.x[-1], track.y[-1]) / angle)
     x = situation.values.get("x", 0.0) + distance * np.cos(course)
     y = situation.values.get("y", 0.0) + distance * np.sin(course)
-    return WheelOver(heading, distance, distance / over_ground, float(x), float(y), track)
+    return WheelOver(heading, distance, distance / over_ground, float(x), float(y), track.part(0, POINTS + 1))
+
+
+def _is_on(leg: TrackLeg, track: PredictedTrack) -> bool:
+    """Whether the last half of a track is a straight line beside a leg."""
+    across = np.asarray(leg.across(track.x, track.y))
+    return bool(np.ptp(across[across.size // 2 :]) < _ENDED * track.length)
 
 
 def heading_on(leg: TrackLeg, current: tuple[float, float], speed: float, sway: float = 0.0) -> float:

@@ -257,9 +257,7 @@ def _at(leg: TrackLeg, along: float) -> tuple[float, float]:
 
 
 def _moved(situation: Situation, values: dict[str, float]) -> Situation:
-    return Situation(
-        {**situation.values, **values}, situation.uncertain, situation.covariance, situation.noise, situation.t
-    )
+    return replace(situation, values={**situation.values, **values})
 
 
 def against_plan(turn: RouteTurn, track: PredictedTrack) -> RouteTurn:

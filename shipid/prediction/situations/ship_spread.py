@@ -48,11 +48,13 @@ def with_coefficients(situation: Situation, pilot: Autopilot, condition: int = 0
     whole[:before, :before] = situation.covariance
     whole[before:, before:] = covariance
     noise = dict(situation.noise)
-    for name, density in structural_noise(situation.values["u"], pilot.length).items():
+    structural = structural_noise(situation.values["u"], pilot.length)
+    for name, density in structural.items():
         noise[name] = float(np.hypot(noise.get(name, 0.0), density))
     return replace(
         situation,
         noise=noise,
+        structural=structural,
         values={**situation.values, **{n: known[n] for n in names}},
         uncertain=(*situation.uncertain, *names),
         covariance=whole,

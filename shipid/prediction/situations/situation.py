@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -75,6 +75,8 @@ class Situation(Result):
         Standard deviation of each component of the estimated current in m/s, with the errors of model and log that are read as a
         current (`shipid.prediction.situations.fix_errors`); None where none is estimated. The covariance is that of the filter:
         a track that continues with the same errors is not as far off as they are large.
+    structural : mapping of str to float
+        The part of `noise` by which a model of low order is not the ship.
     """
 
     values: Mapping[str, float]
@@ -84,6 +86,7 @@ class Situation(Result):
     t: float = 0.0
     past: PastErrors | None = None
     current_std: float | None = None
+    structural: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     def __post_init__(self) -> None:
         for name in ("psi", "u"):
@@ -124,6 +127,19 @@ class Situation(Result):
             return 0.0
         i = self.uncertain.index(name)
         return float(np.sqrt(max(self.covariance[i, i], 0.0)))
+
+    def with_structure(self, growth: float) -> Situation:
+        """Return the situation with a larger error of the model.
+
+        Parameters
+        ----------
+        growth : float
+            How many times as large as in `structural`.
+        """
+        more = {n: float(np.sqrt(self.noise[n] ** 2 + (growth**2 - 1) * d**2)) for n, d in self.structural.items()}
+        return replace(
+            self, noise={**self.noise, **more}, structural={n: growth * d for n, d in self.structural.items()}
+        )
 
     def to_frame(self) -> pd.DataFrame:
         """Return the values with their standard deviations as a pandas table, SI."""

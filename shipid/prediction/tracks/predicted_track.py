@@ -49,6 +49,8 @@ class PredictedTrack(DrawnResult):
         Why the track is shorter than was asked for; empty where it is not.
     source : str
         Which model predicted it.
+    grown : float
+        How many times as large as within the fitted amplitudes the error of the model is taken in the band.
     """
 
     s: np.ndarray
@@ -68,6 +70,7 @@ class PredictedTrack(DrawnResult):
     current: tuple[float, float] = (0.0, 0.0)
     ended: str = ""
     source: str = ""
+    grown: float = 1.0
 
     @property
     def s_star(self) -> np.ndarray:

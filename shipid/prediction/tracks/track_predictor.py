@@ -17,6 +17,7 @@ from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import missing_values
+from shipid.parameters.validity import growth_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.wind import Wind
@@ -25,9 +26,9 @@ from shipid.prediction.tracks.bands import linear_track, sampled_track, tracked
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
 from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_ship
 from shipid.prediction.tracks.order import Order, read_order
-from shipid.prediction.tracks.predicted_track import PredictedTrack
+from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.start_of_track import spread_in
-from shipid.prediction.tracks.track_run import cruise_of, kind_of, ordered_run
+from shipid.prediction.tracks.track_run import TrackRun, cruise_of, kind_of, ordered_run
 
 #: Which model predicts.
 Predicting = Literal["own", "first-order"]
@@ -229,25 +230,33 @@ class TrackPredictor:
         order = read_order(None, 0.0, None, None)
         model = self.model_of(order)
         points, distance = rudders.shape[1], horizon * self.length / rudders.shape[1]
-        runs, starts = [], []
+        runs = []
         for situation in situations:
             named = {*model.parameters, *model.constants}
             known = self._known(model, "rudder", cruise_of(situation))
             known = known | {n: v for n, v in situation.values.items() if n in named}
-            run = ordered_run(model, self.pilot, situation, order, known, self.condition, self._source)
-            runs.append(run)
-            starts.append(spread_in(model, situation, run.slopes))
+            runs.append(ordered_run(model, self.pilot, situation, order, known, self.condition, self._source))
         substeps = self._substeps(distance, cruise_of(situations[0]))
-        loop = make_distance_loop(model, starts[0][0], "covariance", substeps, steered=True)
+        extra, _, _ = spread_in(model, runs[0].situation, runs[0].slopes)
+        loop = make_distance_loop(model, extra, "covariance", substeps, steered=True)
         controls = np.full((len(runs), points + 1, 2), distance)
         controls[:, :, 1] = np.concatenate([rudders, rudders[:, -1:]], axis=1)
-        table = loop.loop.side_by_side(
-            np.stack([loop.carried(r.x0, covariance) for r, (_, covariance, _) in zip(runs, starts)]),
-            controls,
-            np.stack([loop.coefficients(r.p, r.inputs, r.least, noise) for r, (_, _, noise) in zip(runs, starts)]),
-            threads=1,
-        )
-        return [tracked(run, loop, out) for run, out in zip(runs, table)]
+
+        def sailed(runs: Sequence[TrackRun]) -> list[PredictedTrack]:
+            starts = [spread_in(model, r.situation, r.slopes) for r in runs]
+            table = loop.loop.side_by_side(
+                np.stack([loop.carried(r.x0, covariance) for r, (_, covariance, _) in zip(runs, starts)]),
+                controls,
+                np.stack([loop.coefficients(r.p, r.inputs, r.least, noise) for r, (_, _, noise) in zip(runs, starts)]),
+                threads=1,
+            )
+            return [tracked(run, loop, out) for run, out in zip(runs, table)]
+
+        tracks = sailed(runs)
+        wider, growths = zip(*map(self._grown, runs, tracks))
+        if max(growths) == 1:
+            return tracks
+        return [replace(track, grown=growth) for track, growth in zip(sailed(wider), growths)]
 
     def _run(
         self,
@@ -273,7 +282,14 @@ class TrackPredictor:
         distance = horizon * self.length / points
         substeps = self._substeps(distance, speed)
         if band == "linear":
-            return [linear_track(run, distance, points, substeps) for run in runs]
+            found = []
+            for run in runs:
+                track = linear_track(run, distance, points, substeps)
+                wider, growth = self._grown(run, track)
+                found.append(
+                    replace(linear_track(wider, distance, points, substeps), grown=growth) if growth > 1 else track
+                )
+            return found
         plain = make_distance_loop(model, (), "none", substeps)
         steps = np.full((points + 1, 1), distance)
         tables = plain.loop.side_by_side(
@@ -287,7 +303,19 @@ class TrackPredictor:
             return tracks
         # Drawn tracks are compared with one that is integrated as they are, so that its error is not in the band.
         coarse = max(1, substeps // 2)
-        return [sampled_track(run, track, distance, coarse, samples, seed) for run, track in zip(runs, tracks)]
+        found = []
+        for run, track in zip(runs, tracks):
+            wider, growth = self._grown(run, track)
+            found.append(replace(sampled_track(wider, track, distance, coarse, samples, seed), grown=growth))
+        return found
+
+    def _grown(self, run: TrackRun, track: PredictedTrack) -> tuple[TrackRun, float]:
+        """A run whose model errs as much more as its track goes beyond the fitted amplitudes, and how many times that is."""
+        if not run.situation.structural:
+            return run, 1.0
+        ship, columns = self.pilot.ships[self.condition], {n: getattr(track, n) for n in COLUMNS}
+        growth = growth_in_run(self.pilot.model, ship, cruise_of(run.situation), columns)
+        return replace(run, situation=run.situation.with_structure(growth)), growth
 
     def _known(self, model: Model, kind: str, speed: float) -> dict[str, float]:
         key = (kind, speed)

@@ -6,26 +6,28 @@ import pytest
 from shipid.foundation.errors import UsageError
 from shipid.prediction.following.wheel_over import TrackLeg, heading_on, wheel_over
 from shipid.prediction.situations.situation import Situation
-from shipid.prediction.tracks.track_predictor import HORIZON
+from shipid.prediction.tracks.track_predictor import HORIZON, POINTS
 
 
 @pytest.mark.parametrize("course", [np.deg2rad(40), np.deg2rad(-95)])
 @pytest.mark.parametrize("current", [(0.0, 0.0), (0.9, -0.7)])
-# An integral in the autopilot takes its time: the last eighth of a degree of a heading goes with seven ship lengths.
-@pytest.mark.parametrize(("steering", "horizon"), [("predictor", 40.0), ("placed", HORIZON)])
-def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(request, steering, horizon, course, current):
+@pytest.mark.parametrize("steering", ["predictor", "placed"])
+def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(request, steering, course, current):
+    """An integral in the autopilot takes its time: the ship comes onto the leg far beyond the horizon of the search."""
     predictor = request.getfixturevalue(steering)
     leg = TrackLeg(4000.0, 300.0, course)
     # A ship that keeps a course over the ground to the north.
     psi = heading_on(TrackLeg(0.0, 0.0, 0.0), current, 9.5)
     values = {"x": 0.0, "y": 0.0, "psi": psi, "u": 9.5, "current_north": current[0], "current_east": current[1]}
-    found = wheel_over(predictor, Situation(values), leg, rudder_limit="10 deg", horizon=horizon)
+    found = wheel_over(predictor, Situation(values), leg, rudder_limit="10 deg")
     assert not found.due and not found.warning
     there = Situation({**values, "x": found.x, "y": found.y})
-    track = predictor.predict(there, heading=found.heading, rudder_limit="10 deg", horizon=horizon, band="none")
+    settled = {"horizon": 4 * HORIZON, "points": 4 * POINTS}
+    track = predictor.predict(there, heading=found.heading, rudder_limit="10 deg", **settled, band="none")
     end = slice(-50, None)
-    np.testing.assert_allclose(leg.across(track.x[end], track.y[end]), 0, atol=1.0)
+    np.testing.assert_allclose(leg.across(track.x[end], track.y[end]), 0, atol=0.5)
     assert np.sin(track.course[-1] - course) == pytest.approx(0, abs=1e-3)
+    assert found.track.s_star[-1] == pytest.approx(HORIZON, rel=1e-3)
     assert found.distance == pytest.approx(np.hypot(found.x, found.y))
     assert found.time == pytest.approx(found.distance / np.hypot(*Situation(values).ground_velocity))
 

@@ -12,7 +12,7 @@ from shipid.identification.problem.prior import STRUCTURE_ANGLE, STRUCTURE_SPEED
 from shipid.parameters.correlation import Joint
 from shipid.parameters.draws import draw_coefficients
 from shipid.parameters.parameter_set import Value
-from shipid.parameters.validity import range_of
+from shipid.parameters.validity import BEYOND, range_of
 from shipid.prediction.predict_track import predict_track
 from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.own_ship_filter import own_ship_model
@@ -104,3 +104,25 @@ def test_the_band_of_a_straight_track_is_that_of_the_structure(pilot):
     expected = 1.96 * np.sqrt(lasts * (turning**2 * 0.35**2 * t**3 / 3 + drift**2 * t))
     assert track.half_width[1:] == pytest.approx(expected, rel=0.02)
     assert track.std["t"][-1] == pytest.approx(STRUCTURE_SPEED * np.sqrt(lasts * t[-1]), rel=0.01)
+
+
+def test_bands_grow_beyond_the_amplitudes_that_were_fitted(fitted):
+    """A ship identified with 10 degrees of rudder, predicted with 35: the error of the model counts as many times, and it is said."""
+    joint = dataclasses.replace(fitted.joint["cubic-wind"], rudder=np.deg2rad(10.0))
+    known = dataclasses.replace(fitted, joint={"cubic-wind": joint})
+    wide, within = (shipid.design_autopilot("cubic-wind", s) for s in (known, fitted))
+    start = {"psi": 0.0, "u": 0.35, "r_residual": 0.0}
+    for band, growth in (("linear", 3.5), ("samples", 3.5)):
+        found = predict_track(wide, start, rudder="35 deg", horizon=3, band=band)
+        usual = predict_track(within, start, rudder="35 deg", horizon=3, band=band)
+        assert found.track.grown == pytest.approx(growth) and usual.track.grown == 1.0
+        # At the beginning of the turn the coefficients hardly count.
+        assert (found.track.half_width[1:] > usual.track.half_width[1:]).all()
+        assert found.track.half_width[20] == pytest.approx(growth * usual.track.half_width[20], rel=0.1)
+        (said,) = (n for n in found.warnings if n.kind == BEYOND)
+        assert "35 deg" in said and "the band takes its error as 3.5 times as large" in said
+    again = predict_track(wide, start, rudder="8 deg", horizon=3)
+    usual = predict_track(within, start, rudder="8 deg", horizon=3)
+    np.testing.assert_array_equal(again.track.half_width, usual.track.half_width)
+    bare = predict_track(wide, start, rudder="35 deg", horizon=3, band="none")
+    assert any("no band contains that error" in n for n in bare.warnings)
