@@ -8,6 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from shipid.identification.assessment import Assessment
 from shipid.identification.fit import Fit
+from shipid.identification.problem.dead_time import has_lag
 from shipid.identification.uncertainty.directions import directions_of
 from shipid.identification.uncertainty.draws import DRAWS, draws_of
 from shipid.identification.uncertainty.residuals import residuals_of
@@ -49,7 +50,13 @@ def assess(fit: Fit, *, bands: bool = True, findings: bool = True, draws: int = 
             residuals_of(identified),
             manoeuvres_of(identified, compared, draws_of(identified, draws, seed), structure) if bands else None,
             findings_of(
-                fit.ship, fit.fitted, fit.validation, fit.model.inputs, identified.method, bool(fit.model.delays)
+                fit.ship,
+                fit.fitted,
+                fit.validation,
+                fit.model.inputs,
+                identified.method,
+                bool(fit.model.delays),
+                has_lag(fit.model),
             )
             if findings
             else None,

@@ -114,7 +114,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
     """
 
     def fail(name: str, finding: str) -> LooksLikeDegreesError:
-        now = stated[name]
+        now = stated[name].lower()
         other = now.replace("rad", "deg") if "rad" in now else now.replace("deg", "rad")
         said, seems = ("radians", "degrees") if "rad" in now else ("degrees", "radians")
         return LooksLikeDegreesError(
@@ -123,7 +123,7 @@ def check_angles(columns: Mapping[str, np.ndarray], stated: Mapping[str, str], w
             finding,
         )
 
-    said_radians = {name for name in columns if "rad" in stated.get(name, "")}
+    said_radians = {name for name in columns if "rad" in stated.get(name, "").lower()}
     for name in ("delta", "delta_order"):
         if name in said_radians and (largest := float(np.nanmax(np.abs(columns[name])))) > pi / 2:
             raise fail(name, f"the rudder goes to {largest:.4g} rad, beyond 90 deg")
@@ -181,7 +181,7 @@ def _per_minute(ratio: float, stated: str) -> tuple[str, str] | None:
     """
     if not ratio > 0:
         return None  # the two go opposite ways: a sign, and no unit
-    unit = stated.replace("°", "deg").replace(" ", "")
+    unit = stated.replace("°", "deg").replace(" ", "").lower()
     minute = unit.startswith("deg/m") and not unit.startswith("deg/ms")
     for says, seems, factor in (("deg/s", "deg/min", 1 / 60), ("deg/min", "deg/s", 60.0)):
         if unit.startswith("deg") and minute == (says == "deg/min"):

@@ -14,7 +14,8 @@ HEADING = np.radians(13.5) * (1 - np.cos(T / 9))
 
 
 @pytest.mark.parametrize(
-    ("factor", "said", "seems"), [(60.0, "deg/s", "deg/min"), (1 / 60, "deg/min", "deg/s"), (60.0, "°/s", "deg/min")]
+    ("factor", "said", "seems"),
+    [(60.0, "deg/s", "deg/min"), (1 / 60, "deg/min", "deg/s"), (60.0, "°/s", "deg/min"), (1 / 60, "DEG/MIN", "deg/s")],
 )
 def test_a_minute_taken_for_a_second(factor, said, seems):
     with pytest.raises(

@@ -30,6 +30,17 @@ def usual_delay(trials: Sequence[Trial]) -> float | None:
     return float(np.median(found)) if found else None
 
 
+def has_lag(model: Model) -> bool:
+    """Return whether a model has a steering gear or a lag between the rudder of a log and its force.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    """
+    return any(state in model.states for state in _LAGS)
+
+
 def with_dead_time(model: Model | type[Component] | str, trials: Sequence[Trial]) -> Model:
     """Return a model with a dead time of the rudder, where `check` is certain of one in every trial; the same otherwise.
 
@@ -41,7 +52,7 @@ def with_dead_time(model: Model | type[Component] | str, trials: Sequence[Trial]
         The trials.
     """
     whole = model_of(model)
-    if any(state in whole.states for state in _LAGS):
+    if has_lag(whole):
         return whole
     found = [early_rudder(trial) if trial.has("delta") else None for trial in trials]
     return delayed(whole) if all(early is not None and early.firm for early in found) else whole

@@ -9,6 +9,7 @@ from typing import Literal
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import percent
+from shipid.identification.evidence.unseen_gear import MATTERS, effect_of, usual_share
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.check_trial import check_trial
@@ -57,6 +58,7 @@ def findings_of(
     inputs: Sequence[str] = (),
     method: str = "",
     delayed: bool = False,
+    geared: bool = True,
 ) -> tuple[TrialFinding, ...]:
     """Return what the doctor is sure of in the trials of a fit, what spoils an identification first.
 
@@ -72,8 +74,11 @@ def findings_of(
         How the coefficients were found. Prediction error models the disturbances that an autopilot reacts to.
     delayed : bool
         Whether the model has a dead time of the rudder.
+    geared : bool
+        Whether the model has a steering gear or a lag between the rudder of the log and its force.
     """
     found = []
+    share = None if geared else usual_share([c.trial for c in fitted], ship)
     roles: tuple[tuple[Literal["fitted", "validation"], Sequence[Comparison]], ...] = (
         ("fitted", fitted),
         ("validation", validation),
@@ -83,12 +88,22 @@ def findings_of(
             diagnosis = check_trial(c.trial, ship)
             found += [
                 TrialFinding(
-                    c.trial.name, role, _settled(f, method, delayed), f.touches({*c.samples, *inputs}, -inf, inf)
+                    c.trial.name,
+                    role,
+                    _settled(_with_gear(f, share), method, delayed),
+                    f.touches({*c.samples, *inputs}, -inf, inf),
                 )
                 for f in diagnosis.findings
                 if f.confidence >= SURE
             ]
     return tuple(sorted(found, key=lambda f: (not f.finding.spoils, f.role != "fitted")))
+
+
+def _with_gear(finding: Finding, share: float | None) -> Finding:
+    """An order taken for the rudder, serious where the gear that the model has not takes a large share of the time constant."""
+    if finding.kind != "order-not-feedback" or share is None or share < MATTERS:
+        return finding
+    return replace(finding, spoils=True, effect=effect_of(share))
 
 
 def _settled(finding: Finding, method: str, delayed: bool) -> Finding:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from shipid.trials.filling import GAP, usual_interval
+
 _MAD = 1.4826
 
 
@@ -166,6 +168,24 @@ def edges(n: int, count: int) -> np.ndarray:
         Number of samples and of blocks.
     """
     return np.unique(np.linspace(0, n - 1, min(count, n - 1) + 1).astype(int))
+
+
+def whole(t: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return which blocks of samples have no gap of the clock in them: what an integral over a gap would be is unknown.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    at : ndarray of int, shape (m + 1,)
+        Edges of the blocks.
+
+    Returns
+    -------
+    ndarray of bool, shape (m,)
+    """
+    gaps = np.concatenate(([0], np.cumsum(np.diff(t) > GAP * usual_interval(t)))) if len(t) > 1 else np.zeros(len(t))
+    return np.asarray(np.diff(gaps[at]) == 0)
 
 
 def integral(t: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ A format file says how the text is laid out and, for each column of the vocabula
 unit and sign, and what has to be put right::
 
     title = "Free-running zig-zags"
-    separator = "tab"          # comma, semicolon, tab or space
+    separator = "tab"          # comma, semicolon, tab, space or bar (|)
     header_lines = 3
 
     [columns.delta]
@@ -36,7 +36,7 @@ from shipid.trials.conditions import Conditions, conditions_of
 from shipid.trials.errors import FormatFileError
 from shipid.trials.logs.clocks.settings import KEYS, ClockFormat, clock_format
 
-SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": r"\s+"}
+SEPARATORS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": r"\s+", "bar": "|"}
 DECIMALS = {"point": ".", "comma": ","}
 
 _TOP = (

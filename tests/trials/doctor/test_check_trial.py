@@ -12,6 +12,7 @@ from shipid.foundation.errors import MissingFileError
 from shipid.trials import errors as e
 from shipid.trials.doctor.check_trial import check_trial, diagnose, examine
 from shipid.trials.doctor.guesses import GuessedRecord, from_trial
+from shipid.trials.doctor.repair import NoSafeRepairError, fix_trial
 
 
 def rows(n=200, header="t [s],psi [deg],r [deg/s],delta [deg]"):
@@ -142,3 +143,24 @@ def test_a_clock_under_a_usual_name_without_a_unit_is_said(tmp_path):
     log.write_text("Zeit;psi [deg]\n" + "".join(f"{k};{k}\n" for k in range(20)), encoding="utf-8")
     with pytest.raises(e.NoUnitError, match="column 'Zeit' says no unit"):
         check_trial(log)
+
+
+@pytest.mark.parametrize("cell", ["{:.1f}S", "{:.1f}°", "{:.0f} kn"])
+def test_a_column_of_numbers_with_text_is_not_called_empty(tmp_path, cell):
+    lines = rows()
+    path = write(
+        tmp_path, [lines[0] + ",u [m/s]", *(f"{line},{cell.format(8 + k / 90)}" for k, line in enumerate(lines[1:]))]
+    )
+    diagnosis = check_trial(path)
+    found = next(f for f in diagnosis.findings if f.kind == "text")
+    assert found.serious and found.fix is None and "empty-column" not in diagnosis.kinds
+    with pytest.raises(NoSafeRepairError, match="hold text"):
+        fix_trial(path, tmp_path / "fixed.csv")
+
+
+def test_a_column_of_words_is_not_thrown_away(tmp_path):
+    lines = rows()
+    words = ("N", "NNE", "NE", "ENE")
+    path = write(tmp_path, [lines[0] + ",u [m/s]", *(f"{line},{words[k % 4]}" for k, line in enumerate(lines[1:]))])
+    diagnosis = check_trial(path)
+    assert not any(f.repaired and f.channel == "u" for f in diagnosis.findings) and diagnosis.serious

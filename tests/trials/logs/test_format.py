@@ -45,7 +45,7 @@ def fmt(tmp_path):
         (SOUND + "column = 'psi'\n", ("either column",)),
         (SOUND.replace("index = 1\n", ""), ("either column",)),
         (SOUND.replace("index = 1", "index = -1"), ("counted from 0",)),
-        (SOUND.replace("comma", "pipe"), ("Write one of comma, semicolon, tab, space",)),
+        (SOUND.replace("comma", "pipe"), ("Write one of comma, semicolon, tab, space, bar",)),
         (SOUND.replace("header_lines = 0", "header_lines = -1"), ("cannot be negative",)),
         ("encoding = 'utf-9'" + SOUND, ("utf-8, cp1252",)),
         ("comment = '//'" + SOUND, ("one character",)),

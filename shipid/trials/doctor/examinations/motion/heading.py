@@ -7,6 +7,7 @@ from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.motion.clock_scale import clock_factor
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.logs.conversion import GLITCH_WINDOW
 
@@ -64,7 +65,7 @@ def examine_heading(p: WorkingCopy) -> None:
     if len(index) < 30:
         return
     t, psi = p.t[index], p["psi"][index]
-    turned = robust.integral(p.t, p["r"])[index]
+    turned = clock_factor(p) * robust.integral(p.t, p["r"])[index]
     unknown = p.blind("r")[index]
     rest = np.exp(1j * (psi - turned))
     size = max(7, round(GLITCH_WINDOW / max(p.interval("psi"), 1e-9))) | 1
@@ -133,7 +134,8 @@ def examine_heading_step(p: WorkingCopy) -> None:
     if len(index) < 60:
         return
     t, psi = p.t[index], p["psi"][index]
-    rest = psi - robust.integral(p.t, p["r"])[index] if p.has("r") and not p.found("frozen") else psi
+    sound = p.has("r") and not p.found("frozen")
+    rest = psi - clock_factor(p) * robust.integral(p.t, p["r"])[index] if sound else psi
     step, usual = np.diff(rest), np.diff(t) < 1.5 * p.interval("psi")
     off = step - median_filter(step, 9, mode="mirror")
     grid, still = robust.resolution(psi)

@@ -35,7 +35,7 @@ def examine_over_ground(p: WorkingCopy) -> None:
     p : WorkingCopy
         The record, its heading and rate in order.
     """
-    if len(p) < 60:
+    if len(p) < 60 or p.found("clock-scale"):
         return
     heading = robust.integral(p.t, p["r"]) if p.has("r") else None
     if p.has("SOG", "COG"):

@@ -9,6 +9,7 @@ import numpy as np
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.motion.clock_scale import examine_clock_scale
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 _DEG = 180 / pi
@@ -47,7 +48,8 @@ def relation(t: np.ndarray, psi: np.ndarray, rate: np.ndarray, count: int = 300)
     at = _edges(psi, count)
     turned = robust.integral(t, rate)
     design = np.column_stack([np.diff(turned[at]), np.diff(t[at]), np.diff(rate[at])])
-    return robust.regress(design, np.diff(psi[at]))
+    sound = robust.whole(t, at)
+    return robust.regress(design[sound], np.diff(psi[at])[sound])
 
 
 def _edges(psi: np.ndarray, count: int) -> np.ndarray:
@@ -61,15 +63,16 @@ def _edges(psi: np.ndarray, count: int) -> np.ndarray:
 def _agreement(p: WorkingCopy, name: str) -> tuple[float, float]:
     """Scale and explained share of one rate channel, from its integral alone."""
     at = _edges(p["psi"], 120)
-    turned = np.diff(robust.integral(p.t, p[name])[at])
-    step = np.diff(p["psi"][at])
-    if float(np.ptp(p[name])) == 0 or float(np.ptp(step)) == 0:
+    sound = robust.whole(p.t, at)
+    turned = np.diff(robust.integral(p.t, p[name])[at])[sound]
+    step, took = np.diff(p["psi"][at])[sound], np.diff(p.t[at])[sound]
+    if not len(step) or float(np.ptp(p[name])) == 0 or float(np.ptp(step)) == 0:
         return 0.0, 0.0
-    found = robust.regress(np.column_stack([turned, np.diff(p.t[at])]), step)
+    found = robust.regress(np.column_stack([turned, took]), step)
     if found is None:
         return 0.0, 0.0
     own = found.value[0] * (turned - turned.mean())
-    rest = step - np.column_stack([turned, np.diff(p.t[at])]) @ found.value
+    rest = step - np.column_stack([turned, took]) @ found.value
     part = float(np.var(own)) / (float(np.var(own)) + robust.spread(rest) ** 2 + 1e-300)
     return float(found.value[0]), part
 
@@ -154,15 +157,17 @@ def examine_rate(p: WorkingCopy) -> None:
         scale = float(found.value[0])
     if scale < 1e-6:
         return
-    if scale > 3 or scale < 1 / 3:
-        _unit(p, scale)
-        return
     std = float(found.std[0]) if found is not None else 1.0
+    far = scale > 3 or scale < 1 / 3
+    if far and ((factor := _clock_factor(p, scale)) is not None or not examine_clock_scale(p, scale, std)):
+        _unit(p, scale, factor)
+    if far:
+        return
     alone = abs(_agreement(p, "r")[0])
     limit = max(0.04, 8 * std)
     # In a steady turn a factor and a drift look alike: both estimates have to show it.
     off = min(abs(scale - 1), abs(alone - 1))
-    if off > limit and (scale > 1) == (alone > 1):
+    if off > limit and (scale > 1) == (alone > 1) and not examine_clock_scale(p, scale, std):
         p.add(
             "rate-scale",
             "r",
@@ -189,12 +194,11 @@ def _sign(p: WorkingCopy, part: float) -> None:
 
 
 def _stated(p: WorkingCopy, name: str) -> str:
-    unit = p.record.stated.get(name, "").replace("°", "deg").replace(" ", "")
+    unit = p.record.stated.get(name, "").replace("°", "deg").replace(" ", "").lower()
     return "deg/min" if unit in ("deg/min", "deg/minute") else unit
 
 
-def _unit(p: WorkingCopy, scale: float) -> None:
-    clock = _clock_factor(p, scale)
+def _unit(p: WorkingCopy, scale: float, clock: float | None) -> None:
     if clock is not None:
         p.add(
             "unit", "t", 0.95, f"rate of turn and speed both show that one unit of the clock is {clock:g} s",
@@ -261,7 +265,8 @@ def _drift_and_lag(p: WorkingCopy) -> robust.RobustLine | None:
         # Short blocks see the lag in a quiet record, long ones in a noisy one: the surest counts.
         at = _edges(p["psi"], count)
         design = np.column_stack([np.diff(p.t[at]), np.diff(p["r"][at])])
-        one = robust.least_squares(design, np.diff(p["psi"][at]) - np.diff(turned[at]))
+        sound = robust.whole(p.t, at)
+        one = robust.least_squares(design[sound], (np.diff(p["psi"][at]) - np.diff(turned[at]))[sound])
         if one is not None:
             found.append(one)
     return min(found, key=lambda one: float(one.std[1]), default=None)
@@ -275,7 +280,7 @@ def examine_lag(p: WorkingCopy) -> None:
     p : WorkingCopy
         The record, units and signs put right.
     """
-    if not p.has("psi", "r") or len(p) < 60:
+    if not p.has("psi", "r") or len(p) < 60 or p.found("clock-scale"):
         return
     found = _drift_and_lag(p)
     if found is None:

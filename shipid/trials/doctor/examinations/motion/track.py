@@ -47,7 +47,7 @@ def examine_track(p: WorkingCopy) -> None:
         return
     if p.has("x", "y"):
         _jumps(p)
-    if not p.has("psi") or len(p) < 60:
+    if not p.has("psi") or len(p) < 60 or p.found("clock-scale"):
         return
     needed = [c for c in ("psi", "u", "v", "U") if p.has(c)]
     way = way_made_good(p, *needed)

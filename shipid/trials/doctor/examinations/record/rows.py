@@ -28,7 +28,10 @@ def examine_rows(p: WorkingCopy) -> None:
         with np.errstate(invalid="ignore"):
             p[name] = np.where(np.abs(values) <= LARGEST, values, np.nan)
     sound = {name: np.isfinite(values) for name, values in p.values.items()}
-    empty = [name for name, mask in sound.items() if not mask.any() and name != "t"]
+    silent = [name for name, mask in sound.items() if not mask.any() and name != "t"]
+    # A column of text that may be data is no empty one: nothing of it is thrown away.
+    unread = {f.channel for f in p.findings if f.kind == "text" and f.fix is None}
+    empty = [name for name in silent if name not in unread]
     if empty:
         names = ", ".join(empty[:10]) + (f" and {len(empty) - 10} more" if len(empty) > 10 else "")
         p.add(
@@ -36,7 +39,7 @@ def examine_rows(p: WorkingCopy) -> None:
             "Nothing can be told of what was not measured.", "Leave the column out.",
             fix={"action": "drop-column", "column": ",".join(empty)}, spoils=False,
         )  # fmt: skip
-    for name in empty:
+    for name in silent:
         del p.values[name], sound[name]
     _trailing(p)
     _unstamped(p)
@@ -49,17 +52,19 @@ def _words(p: WorkingCopy) -> None:
             continue
         index = np.array(sorted(cells))
         examples = list(dict.fromkeys(cells[int(k)][:20] for k in index[:50]))[:3]
-        digits = any(any(c.isdigit() for c in text) for text in cells.values())
         share = len(index) / len(p)
+        words = {text.strip().casefold() for text in cells.values()}
+        # A mark of a missing sample is one word or two; more of them in a whole column say something.
+        meant = any(c.isdigit() for text in words for c in text) or (share > _MANY and len(words) > 2)
         p.add(
             "text", name, 0.99,
             f"{len(index)} of {len(p)} cells of {name} hold text that is no number: "
             + ", ".join(repr(text) for text in examples) + f"; the first in row {p.record.line(int(index[0]))}",
-            "read_trial refuses the record: the number that was meant is not known." if digits
+            "read_trial refuses the record: the numbers that were meant are not known." if meant
             else "read_trial refuses the record: text is neither a measurement nor a missing one.",
-            "Write the numbers that are meant, or state how they are written in a format file." if digits
+            "Write the numbers that are meant, or state how they are written in a format file." if meant
             else "Empty these cells: nothing was measured.",
-            at=index, fix=None if digits else {"action": "empty", "column": name}, spoils=digits or share > _MANY,
+            at=index, fix=None if meant else {"action": "empty", "column": name}, spoils=meant or share > _MANY,
         )  # fmt: skip
 
 

@@ -100,7 +100,8 @@ def _sides(p: WorkingCopy, name: str, inside: np.ndarray) -> None:
     side = np.where(delta > half, 1, np.where(delta < -half, -1, 0))
     over = np.flatnonzero(side)
     turns = over[1:][np.diff(side[over]) != 0]
-    if len(turns) < 4:
+    # A swing with a gap in it, or one whose execute falls into a gap, cannot be compared with the others.
+    if len(turns) < 4 or not robust.whole(t, np.array([turns[0] - 1, len(t) - 1])).all():
         return
     cuts = [*turns.tolist(), len(t)]
     rate_peaks = np.array([np.quantile(np.abs(r[a:b]), 0.9) for a, b in itertools.pairwise(cuts) if b - a > 4])

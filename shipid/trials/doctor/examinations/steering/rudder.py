@@ -101,7 +101,9 @@ def response(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> robust.RobustLi
     for count in (300, 120, 60):
         # Short blocks follow the steering, long ones average the noise: the surest reading of the gain counts.
         at = robust.edges(len(t), min(count, len(t) // 3))
-        one = robust.regress(np.column_stack([*(np.diff(y[at]) for y in whole), np.diff(t[at])]), np.diff(r[at]))
+        sound = robust.whole(t, at)
+        design = np.column_stack([*(np.diff(y[at]) for y in whole), np.diff(t[at])])
+        one = robust.regress(design[sound], np.diff(r[at])[sound])
         if one is not None:
             found.append(one)
     return min(found, key=lambda one: float(one.std[0] / abs(one.value[0] or 1e-300)), default=None)

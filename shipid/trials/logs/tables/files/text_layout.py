@@ -17,7 +17,7 @@ from shipid.trials.logs.tables.table import MOST_COLUMNS
 
 _NAMES = {pattern: name for name, pattern in SEPARATORS.items()}
 #: The surer ones first.
-_SEPARATORS = (";", "\t", ",", r"\s+")
+_SEPARATORS = (";", "\t", ",", "|", r"\s+")
 # A header in white space: a name, and after it perhaps a unit in brackets that belongs to it.
 # Possessive and bounded: a line without a blank would take the square of its length.
 _HEADER_WORD = re.compile(r"[^\s\[\(]++\s*+(?:\[[^\]]{0,100}\]|\([^)]{0,100}\))|\S+")
@@ -294,7 +294,7 @@ def _best(
 
 def _without_samples(path: Path, rows: Sequence[_Row], separator: str) -> EmptyFileError | SeparatorError:
     """The error for a file without a row of numbers."""
-    if len(rows) > 1 and not any(len(fields(row.text, s)) > 1 for row in rows for s in _SEPARATORS[:3]):
+    if len(rows) > 1 and not any(len(fields(row.text, s)) > 1 for row in rows for s in _SEPARATORS[:-1]):
         shown = rows[0].text
         return _one_column(path, rows[0].first, separator if len(shown.split()) > 1 else None, shown)
     return no_samples(path)

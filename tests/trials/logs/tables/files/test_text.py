@@ -28,6 +28,8 @@ def comma(number, thousands=""):
 
 
 FORMS = {
+    "bars": lambda: written(lambda *s: "|".join(map(point, s)), separator="|"),
+    "bars with blanks": lambda: written(lambda *s: " | ".join(map(point, s)), separator=" | "),
     "thousands point and decimal comma": lambda: written(lambda *s: ";".join(comma(n, ".") for n in s), separator=";"),
     "thousands comma in quotes": lambda: written(lambda *s: ",".join(f'"{point(n, ",")}"' for n in s)),
     "decimal comma in quotes": lambda: written(lambda *s: ",".join(f'"{comma(n)}"' for n in s)),
