@@ -58,8 +58,8 @@ class TrackFollower:
         As it was predicted when the order was given, in still water.
     literal : bool
         Whether the scaling is the one of section 6.3.4 of the thesis: the whole track, the times left as they are. By default the
-        sway part keeps its size (5.108), the times are divided as the distances are, and the part under counter-rudder, whose
-        shape the autopilot decides and not the gain of the ship, is left as it is.
+        sway part keeps its size (5.108), the times are divided as the distances are, and the scale is 1 as soon as the ship is under
+        counter-rudder, where the autopilot decides the shape of the rest and not the gain of the ship.
 
     Attributes
     ----------
@@ -217,11 +217,9 @@ def adapted(
     numbers = np.arange(track.s.size)
     nodes = np.concatenate([[min(node, numbers[-1])], numbers[numbers > node]])
     rest = replace(track, **{n: np.interp(nodes, numbers, getattr(track, n)) for n in COLUMNS}, covariance=None, std={})
-    part = np.diff(nodes)
-    middle = 0.5 * (nodes[1:] + nodes[:-1])
-    scale = np.full(part.size, 1.0 / K_rho)
-    if not literal:
-        scale[middle >= counter_rudder(track)] = 1.0
+    scale = np.full(nodes.size - 1, 1.0 / K_rho)
+    if not literal and node >= counter_rudder(track):
+        scale[:] = 1.0
     seconds = np.diff(rest.t)
     sway = _between(-rest.v * np.sin(rest.psi)) * seconds, _between(rest.v * np.cos(rest.psi)) * seconds
     ahead = np.diff(rest.x) - sway[0], np.diff(rest.y) - sway[1]

@@ -60,6 +60,13 @@ def test_counter_rudder_keeps_its_shape(track):
     np.testing.assert_allclose(found.t, track.t[begin:] - track.t[begin], atol=1e-9)
 
 
+def test_until_the_counter_rudder_all_that_is_ahead_is_scaled(track):
+    node = counter_rudder(track) - 1
+    found = adapted(track, float(node), 0.0, 0.0, K_rho=0.7)
+    np.testing.assert_allclose(found.s, (track.s[node:] - track.s[node]) / 0.7, atol=1e-6)
+    np.testing.assert_allclose(found.t, (track.t[node:] - track.t[node]) / 0.7, atol=1e-6)
+
+
 def test_without_counter_rudder_the_whole_turn_is_scaled(first_order):
     assert counter_rudder(circle(first_order, 1.6)) == 601
 
