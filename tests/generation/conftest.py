@@ -67,11 +67,11 @@ ONE_EACH = list({p.model.name: p for p in reversed(PAIRS)}.values())
 
 
 def pytest_generate_tests(metafunc: Any) -> None:
-    """`pair`: every model with every ship it fits; `one`: every model once; the same for continuous models only."""
+    """`pair`: every model with every ship it fits; `one`: every model once; `continuous`, `sailing`: the continuous ones of them, and those with a heading."""
     choices = {
         "pair": PAIRS,
         "one": ONE_EACH,
-        "sailing": [p for p in PAIRS if not p.model.is_sampled and "psi" in p.model.states],
+        "sailing": [p for p in ONE_EACH if not p.model.is_sampled and "psi" in p.model.states],
         "continuous": [p for p in ONE_EACH if not p.model.is_sampled],
     }
     for name, pairs in choices.items():
