@@ -85,7 +85,7 @@ def test_file_that_is_not_there(refused, zigzag, fitted):
 
 
 def test_wrong_separator(refused, changed, fitted):
-    log = changed(lambda rows: [r.replace(",", "|") for r in rows], lambda header: header.replace(",", "|"))
+    log = changed(lambda rows: [r.replace(",", "~") for r in rows], lambda header: header.replace(",", "~"))
     refused(3, ["identify", log, *fitted], "only one column", "comma, semicolon, tab")
 
 
