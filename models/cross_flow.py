@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from shipid import constant, given, join, parameter, state
-from shipid.models.speed_scaled import WindMoment
+from shipid.models.speed_scaled import WindForces, WindMoment
 from shipid.parts.planar_motion import PlanarMotion, SpeedScaled
 
 #: Gauss-Legendre points along the hull, from -1/2 to 1/2 of the length, with their weights. For a full drag six of them
@@ -149,8 +149,8 @@ class CrossFlow(SpeedScaled):
 
 
 class CrossFlowInWind(WindMoment, CrossFlow):
-    """Sway, yaw and surge with cross-flow drag, turned by the true wind of the log."""
+    """Sway, yaw and surge with cross-flow drag, turned by the true wind of the log; joined with `WindForces`."""
 
 
 cross_flow = join("cross-flow", CrossFlow, PlanarMotion)
-cross_flow_wind = join("cross-flow-wind", CrossFlowInWind, PlanarMotion)
+cross_flow_wind = join("cross-flow-wind", CrossFlowInWind, WindForces, PlanarMotion)

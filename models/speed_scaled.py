@@ -87,6 +87,34 @@ class WindMoment(Component):
         return wind + self.r_residual
 
 
+class WindForces(Component):
+    """Forward and sway acceleration by the true wind, beside `WindMoment`, for a model that states both speeds by their rates.
+
+    They push the ship along her track: in a slow turn as far as the water does. The priors are
+    this project's own estimate: force coefficients of 0.7 ahead and 0.8 aside, above the water half the lateral area and as much frontal area
+    as below it, for a full hull, each as uncertain as it is large. A wind does not push a ship against itself, so neither is negative.
+    """
+
+    psi = given("rad", "heading, clockwise from north", wraps=True, latex=r"\psi")
+    wind_speed = given("m/s", "true wind speed", default=0.0, latex="V_w")
+    wind_direction = given("rad", "direction the true wind blows to", default=0.0, wraps=True, latex=r"\psi_w")
+    L = constant("m", "length between perpendiculars")
+    w_x = parameter("1", "surge force of the wind", start=0.0005, low=0.0, high=0.02, spread=0.0005, latex="w_x")
+    w_y = parameter("1", "sway force of the wind", start=0.001, low=0.0, high=0.02, spread=0.001, latex="w_y")
+    u_disturbance = derived("m/s^2", "forward acceleration by the wind", latex=r"\dot u_d")
+    v_disturbance = derived("m/s^2", "sway acceleration by the wind", latex=r"\dot v_d")
+
+    @u_disturbance.equals
+    def push_ahead(self):
+        """Passenier (1989), eq. (2.88), of the true wind."""
+        return self.wind_speed**2 / self.L * self.w_x * np.cos(self.wind_direction - self.psi)
+
+    @v_disturbance.equals
+    def push_aside(self):
+        """Passenier (1989), eq. (2.76) with (2.79) and (2.83), of the true wind, divided by the mass."""
+        return self.wind_speed**2 / self.L * self.w_y * np.sin(self.wind_direction - self.psi)
+
+
 class CubicYawInWind(WindMoment, CubicYaw):
     """First-order yaw with a cubic damping, scaled by the measured speed, and a moment by the true wind of the log."""
 

@@ -16,7 +16,6 @@ import numpy as np
 from _table import Row, close, show
 
 import shipid
-from shipid.autopilot.design.closed_loop import to_control
 from shipid.models import DeKeizer, PlanarMotion, VanLeeuwenSway
 
 here = Path(__file__).parent / "trials"
@@ -45,7 +44,7 @@ for name, true in (("K", 1.6), ("tau", 1.7)):
 
 # %% A trial that it has not seen
 fit = fit.validate([shipid.read_trial(here / "container-10-10.csv")])
-rms = float(np.degrees(fit.to_dict()["validation"]["container-10-10"]["psi"]["rmse"]))
+rms = float(np.degrees(fit.to_dict()["validation"]["container-10-10"]["psi"]["rmse"]["value"]))
 rows.append(Row("fit.validate(): heading of the 10/10, rms", "below 1 deg", f"{rms:.2f} deg", rms < 1.0))
 
 # %% The figures of its report
@@ -73,9 +72,9 @@ rows.append(Row("filter: run.to_frame()", f"{len(trial)} rows", f"{len(estimates
 # %% An autopilot, judged
 pilot = shipid.design_autopilot(own_ship, fit.ship, speeds="7:10:1 m/s")
 pilot.plot()
-step = control.step_response(to_control(pilot)["psi", "psi_order"])
+step = control.step_response(pilot.to_control()["psi", "psi_order"])
 rows.append(
-    close("to_control(pilot): heading in the end, of 1", 1.0, float(np.ravel(step.outputs)[-1]), 0.05, digits=3)
+    close("pilot.to_control(): heading in the end, of 1", 1.0, float(np.ravel(step.outputs)[-1]), 0.05, digits=3)
 )
 
 # %% What a notebook shows of each of them

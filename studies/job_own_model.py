@@ -77,7 +77,9 @@ ferry = join("ferry", Yaw, Surge, Engine, PlanarMotion)
 L, SPEED = 80.0, 6.0
 TRUTH = {"T_n": 8.0, "P": 2.4, "k": 40.0, "T_u": 35.0, "K": 1.3, "tau": 0.9}
 DURATION, STEP = 600, 0.01
-#: The engine moves once, for some twenty samples: its time constant is asked to this share, not to its interval.
+#: The engine moves once, for some twenty samples: its time constant is asked to this share, not to its interval. Fitted to the shaft speed
+#: alone it has no bias. With heading and rate of turn it comes out about 0.7 standard deviations (0.1 s) too large over 12 seeds. A
+#: likely reason is the log of one sample a second, which shows the corners of the rudder at whole seconds; it does not explain all.
 ENGINE = 0.1
 #: Of the sensors: heading, rate of turn, speed, shaft speed; SI.
 NOISE = np.array([np.deg2rad(0.2), np.deg2rad(0.02), 0.05, 0.01])
@@ -136,7 +138,7 @@ def rows(short: bool) -> list[Row]:
         found.append(close(f"identify: {name}", true, one["value"], within, one["unit"], 3))
     unseen = fit["validation"]["ten"]
     for name, noise in (("psi", NOISE[0]), ("n", NOISE[3])):
-        ratio = unseen[name]["rmse"] / noise
+        ratio = unseen[name]["rmse"]["value"] / noise
         found.append(
             Row(f"identify: {name} of the other zig-zag, rms over noise", "below 1.3", f"{ratio:.2f}", ratio < 1.3)
         )

@@ -14,7 +14,7 @@ from _container import container_ship
 import shipid
 from shipid.autopilot.course_changes.run_course_changes import run_course_changes
 from shipid.autopilot.design.autopilot import Autopilot
-from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of, with_schedule
+from shipid.autopilot.design.closed_loop import closed_loop, coefficients_of
 from shipid.autopilot.design.schedule import Schedule
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.parameter_set import Value
@@ -80,7 +80,7 @@ def unscheduled(pilot: Autopilot, speed: float) -> Autopilot:
     """The same with the gains of one speed at every speed."""
     found = pilot.schedule.at(speed)
     gains = {n: np.array([[v]]) for n, v in found.items()}
-    return with_schedule(pilot, Schedule(np.array([speed]), gains))
+    return pilot.with_schedule(Schedule(np.array([speed]), gains))
 
 
 def row(

@@ -171,7 +171,11 @@ def in_the_solent(name: str, folder: Path) -> list[Row]:
                 )
             )
             rows.append(
-                Row(f"{name}, {run}, {ship.name}: error", f"{ERROR_SEEN[1]:g} m or less", f"{error:.0f} m, NEES {ship.nees or 0:.0f}", error <= ERROR_SEEN[1])
+                Row(f"{name}, {run}, {ship.name}: error", f"{ERROR_SEEN[1]:g} m or less", f"{error:.0f} m", error <= ERROR_SEEN[1])
+            )  # fmt: skip
+            nees = ship.nees or 0.0
+            rows.append(
+                Row(f"{name}, {run}, {ship.name}: NEES", f"{NEES[0]:g} to {NEES[1]:g}", f"{nees:.1f}", NEES[0] <= nees <= NEES[1])
             )  # fmt: skip
         false, minutes = false + found.score.false_tracks, minutes + found.score.minutes
         each = f"{found.score.false_rate or 0.0:.1f} a minute"

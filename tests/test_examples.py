@@ -53,6 +53,20 @@ def test_a_command_is_one(path, call, monkeypatch):
     command.make_context(call[0], call[1:], parent=context)
 
 
+COMMANDS = {n: main.get_command(click.Context(main), n) for n in main.list_commands(click.Context(main))}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_a_command_has_examples_that_are_commands(name, monkeypatch):
+    """The words after several blanks say what it does, and a pipe is the shell's."""
+    monkeypatch.setattr(click.Path, "convert", lambda self, value, param, context: value)
+    lines = [line.strip() for line in (COMMANDS[name].help or "").splitlines()]
+    found = [shlex.split(re.split(r" {3,}| \|", line)[0])[1:] for line in lines if line.startswith("shipid ")]
+    assert name in {call[0] for call in found}
+    for call in found:
+        COMMANDS[call[0]].make_context(call[0], call[1:], parent=click.Context(main, info_name="shipid"))
+
+
 @pytest.fixture
 def clone(tmp_path, monkeypatch) -> Path:
     """A folder with the trials of a clone, in which a reader works."""

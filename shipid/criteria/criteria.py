@@ -50,8 +50,8 @@ def second_overshoot_limit(unit_time: float) -> float:
 def loop_width_limit(unit_time: float) -> float:
     """Return the recommended limit of the width of the spiral's loop in degrees.
 
-    It is recommended beside the standard (ABS Guide for Vessel Maneuverability, 2006) and no criterion of MSC.137(76): 0 below
-    L/V 9 s, then L/V/3 - 3, and 12 from 45 s on.
+    It is recommended beside the standard and no criterion of MSC.137(76): 0 below L/V 9 s, then L/V/3 - 3, and 12 from 45 s on. The limit
+    is the one ascribed to the ABS Guide for Vessel Maneuverability (March 2006); its section was not at hand to check it against.
 
     Parameters
     ----------

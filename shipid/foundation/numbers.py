@@ -85,6 +85,17 @@ def percent(share: float, decimals: int = 0) -> str:
     return f"{100 * share:.{decimals}f} %"
 
 
+def probability(p: float) -> str:
+    """Return a probability, and of a very small one only that it is small.
+
+    Parameters
+    ----------
+    p : float
+        The probability.
+    """
+    return "below 0.0001" if p < 1e-4 else number(p, 2)
+
+
 def uncertain(value: float | None, std: float | None) -> str:
     """Return ``1.594 ± 0.0060``: the standard deviation with two digits, the value to the same place.
 

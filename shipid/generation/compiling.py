@@ -24,9 +24,9 @@ from shipid.foundation.cache import digest, safe_cache_folder, workshop
 from shipid.foundation.errors import ShipidError
 from shipid.foundation.replacing import put_in_place
 
-FLAGS = ("-O3", "-fPIC", "-shared")
-#: Characters of long code: above -O1 its compilation takes a minute, and the compiled code is slower.
-LONG, FLAGS_OF_LONG = 150_000, ("-O1", "-fPIC", "-shared")
+#: Above -O1 the compilation of generated code takes half as long again, that of long code a minute; filters and simulations run no
+#: faster for it.
+FLAGS = ("-O1", "-fPIC", "-shared")
 
 
 class CompilerNotice(UserWarning):
@@ -117,10 +117,9 @@ def _compiled(
     generator = ca.CodeGenerator("shipid_code.c", options)
     generator.add(function)
     source = generator.dump() + beside
-    flags = FLAGS if len(source) < LONG else FLAGS_OF_LONG
-    key = hashlib.sha256("\0".join((source, *compiler, *flags)).encode()).hexdigest()[:32]
+    key = hashlib.sha256("\0".join((source, *compiler, *FLAGS)).encode()).hexdigest()[:32]
     try:
-        return _kept(key, load) or _built(source, key, compiler[0], flags, load)
+        return _kept(key, load) or _built(source, key, compiler[0], load)
     except (OSError, RuntimeError, ShipidError, subprocess.SubprocessError) as error:
         detail = getattr(error, "stderr", "") or str(error)
         notice_once(f"compiling failed: {detail.strip()[:200]}")
@@ -141,13 +140,13 @@ def _kept(key: str, load: Callable[[Path], Any]) -> CasadiFunction:
     return None
 
 
-def _built(source: str, key: str, compiler: str, flags: tuple[str, ...], load: Callable[[Path], Any]) -> CasadiFunction:
+def _built(source: str, key: str, compiler: str, load: Callable[[Path], Any]) -> CasadiFunction:
     """Compile under a temporary name, put the library into the cache, and load it: other processes never read half a file."""
     folder = safe_cache_folder()
     with workshop(folder) as scratch:
         (scratch / "code.c").write_text(source)
         # Relative names: a compiler that fails says the same each time, and is reported once.
-        command = [compiler, *flags, "-o", "code.so", "code.c", "-lm"]
+        command = [compiler, *FLAGS, "-o", "code.so", "code.c", "-lm"]
         subprocess.run(command, capture_output=True, text=True, timeout=300, check=True, cwd=scratch)
         made = scratch / "code.so"
         if folder is None:

@@ -146,17 +146,18 @@ class System:
         """
         return _inputs_behind(self.model, tuple(names))
 
-    def states_driven_by(self, inputs: Sequence[str]) -> tuple[str, ...]:
-        """Return the states on which some inputs can have an influence, in order.
+    def states_driven_by(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Return the states on which some inputs or coefficients can have an influence, in order.
 
         Parameters
         ----------
-        inputs : sequence of str
-            Inputs of the model.
+        names : sequence of str
+            Inputs and coefficients of the model.
         """
-        moves = self.moves
+        moves, known = self.moves, (*self.inputs, *self.coefficients)
         reads = _dependence(moves, self.x)
-        driven = np.asarray(_dependence(moves, self.u)[:, [self.inputs.index(n) for n in inputs]].any(axis=1))
+        columns = [known.index(n) for n in names]
+        driven = np.asarray(_dependence(moves, ca.vertcat(self.u, self.p))[:, columns].any(axis=1))
         for _ in self.states:
             driven = driven | reads[:, driven].any(axis=1)
         return tuple(s for s, is_driven in zip(self.states, driven.tolist()) if is_driven)

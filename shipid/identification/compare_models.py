@@ -7,7 +7,7 @@ the coefficients on what is to be predicted does, because a left-out trial is sa
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from shipid.identification.choice.scoring import MEASURES, WORTHLESS, together
 from shipid.identification.choice.side_by_side import try_all
 from shipid.identification.choice.trying import Attempt, Tried
 from shipid.identification.search.least_squares import Progress
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.results.zigzag import ZigZag
@@ -35,6 +36,7 @@ def compare_models(
     trials: Sequence[Trial],
     *,
     ship: ParameterSet | str | None = None,
+    inputs: Mapping[str, str] | None = None,
     validate: Sequence[Trial] = (),
     starts: int = 5,
     seed: int = 0,
@@ -52,6 +54,9 @@ def compare_models(
         Left out in turn; a single one is cut in two halves.
     ship : ParameterSet or str, optional
         Particulars and first values.
+    inputs : mapping of str to str, optional
+        Inputs that no trial records, held at a value with its unit in every candidate that reads them: the depth of the water, the
+        revolutions.
     validate : sequence of Trial
         Trials kept apart: reported for each model, never used for the score. The spread of the coefficients is taken over what
         their rudder does, which is known before a manoeuvre is sailed.
@@ -69,7 +74,9 @@ def compare_models(
     Raises
     ------
     UsageError
-        If there are no models or no trials.
+        If there are no models or no trials, or an input is read by no candidate.
+    UnitError
+        If the value of an input has no unit where it needs one, or one that does not fit.
     """
     if models is None:
         models = CANDIDATES
@@ -77,11 +84,23 @@ def compare_models(
         raise UsageError("a comparison needs at least one model and one trial.")
     whole = completed(models, [*trials, *validate])
     pieces = _pieces(trials)
-    candidates = [Attempt(m, tuple(pieces), tuple(validate), ship, starts, seed) for m in whole]
+    held = dict(inputs or {})
+    _check_inputs(whole, held)
+    candidates = [Attempt(m, tuple(pieces), tuple(validate), ship, starts, seed, held) for m in whole]
     found = try_all(candidates, progress or (lambda _: None), workers)
     ranks = sorted((_rank(one) for one in found), key=lambda r: (r.error is None, r.error or 0.0))
     beyond = {(n.known["subject"], n.known["quantity"]): n for one in found for n in one.beyond}
     return Ranking(tuple(ranks), tuple(p.name for p in pieces), _lacking(trials), tuple(beyond.values()))
+
+
+def _check_inputs(models: Sequence[Model], inputs: Mapping[str, str]) -> None:
+    """Raise an error for an input that no candidate reads, or whose value does not fit."""
+    for name, text in inputs.items():
+        readers = [m for m in models if name in m.inputs]
+        if len(models) > 1 and not readers:
+            read = dict.fromkeys(n for m in models for n in m.inputs)
+            raise UsageError(f"no candidate reads an input '{name}'; they read {', '.join(read)}.")
+        hold_inputs((readers or models)[0], {name: text})
 
 
 def _pieces(trials: Sequence[Trial]) -> list[Trial]:

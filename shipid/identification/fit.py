@@ -288,7 +288,7 @@ class Fit(DrawnResult):
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
                 c.trial.name: {
-                    s: {"rmse": plain(v), "fit_percent": plain(c.fit_percent.get(s)), "unit": units[s]}
+                    s: {"rmse": quantity(plain(v), units[s]), "fit_percent": plain(c.fit_percent.get(s))}
                     for s, v in c.rmse.items()
                 }
                 for c in self.fitted
@@ -296,11 +296,10 @@ class Fit(DrawnResult):
             "validation": {
                 c.trial.name: {
                     s: {
-                        "rmse": plain(v),
+                        "rmse": quantity(plain(v), units[s]),
                         "fit_percent": plain(c.fit_percent.get(s)),
-                        "rmse_warm": plain(c.warm.get(s)),
-                        "rmse_refitted_bias": plain(c.refitted.get(s)),
-                        "unit": units[s],
+                        "rmse_warm": quantity(plain(c.warm.get(s)), units[s]),
+                        "rmse_refitted_bias": quantity(plain(c.refitted.get(s)), units[s]),
                     }
                     for s, v in c.rmse.items()
                 }

@@ -33,6 +33,8 @@ from shipid.parts.rudder_delay import RudderDelay
 _PACKAGE = "shipid.models"
 #: What stands at the end of the name of a model that the true wind of a log turns, and the component that states how.
 IN_WIND, _WIND = "-wind", "WindMoment"
+#: What the wind does besides turning a ship whose model takes both accelerations.
+_PUSHES, _PUSHED = "WindForces", ("u_disturbance", "v_disturbance")
 #: What stands at the end of the name of a model whose rudder acts later than it is recorded.
 DELAYED = "-delay"
 #: What stands at the end of the name of a model whose coefficients depend on the loading, and what makes it.
@@ -145,7 +147,7 @@ def delayed(model: Model) -> Model:
 
 
 def in_wind(model: Model) -> Model:
-    """Return a model with the moment of the true wind, or the same where it has a wind or no yaw for one to act on.
+    """Return a model with the moment of the true wind, and its forces where the model takes them; or the same where it has a wind or no yaw for one to act on.
 
     Parameters
     ----------
@@ -155,7 +157,8 @@ def in_wind(model: Model) -> Model:
     if "wind_speed" in model or "r_disturbance" not in model.inputs or "L" not in model:
         return model
     name = model.name + IN_WIND
-    return known_models().get(name) or join(name, model, known_component(_WIND))
+    forces = [known_component(_PUSHES)] if set(_PUSHED) <= set(model.inputs) else []
+    return known_models().get(name) or join(name, model, known_component(_WIND), *forces)
 
 
 #: What the name of a model may end in, and what makes that model of the one without it.

@@ -13,6 +13,8 @@ from shipid.declaration.units import to_si
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import UsageError
 
+#: Ends the name of the constant that holds an input.
+_HELD = "_held"
 #: Inputs that a command states itself: held, they would take the helm from it.
 _STEERED = ("delta", "delta_order", "psi_order", "r_order")
 
@@ -45,6 +47,8 @@ def hold_inputs(model: Model, values: Mapping[str, str | float]) -> Model:
     for name, text in values.items():
         if name in _STEERED:
             raise UsageError(f"'{name}' is what the command orders: it is not held.")
+        if name in (*model.constants, *model.parameters):
+            raise UsageError(f"'{name}' is a value of the ship in model {model.name}, not an input: --set states it.")
         if name not in model.inputs:
             raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
         entry = model[name]
@@ -53,13 +57,25 @@ def hold_inputs(model: Model, values: Mapping[str, str | float]) -> Model:
     return join(model.name, model, _component(tuple(held)))
 
 
+def held_inputs(model: Model) -> dict[str, str]:
+    """Return the constants that hold inputs of a model, by input.
+
+    Parameters
+    ----------
+    model : Model
+        A model, of `hold_inputs` or any other.
+    """
+    names = (n.removesuffix(_HELD) for n in model.constants if n.endswith(_HELD))
+    return {n: n + _HELD for n in names if n in model.derived}
+
+
 @functools.lru_cache(maxsize=64)
 def _component(held: tuple[tuple[str, str, str, bool, float], ...]) -> type[Component]:
     """The component; one for each set of values, so that what is generated from it is kept."""
     members: dict[str, object] = {"__doc__": "Inputs that are held.", "__module__": __name__}
     for name, unit, meaning, wraps, value in held:
         quantity: Quantity = derived(unit, meaning, wraps=wraps)
-        members[f"{name}_held"] = constant(unit, f"{meaning}, held", default=value)
+        members[name + _HELD] = constant(unit, f"{meaning}, held", default=value)
         members[name] = quantity
         members[f"hold_{name}"] = Equation(quantity, "equals", _holding(name))
     return type("HeldInputs", (Component,), members)
@@ -69,6 +85,6 @@ def _component(held: tuple[tuple[str, str, str, bool, float], ...]) -> type[Comp
 def _holding(name: str) -> Callable[[Component], Expression]:
     def hold(self: Component) -> Expression:
         """The value that was stated."""
-        return getattr(self, f"{name}_held")
+        return getattr(self, name + _HELD)
 
     return hold

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from shipid.declaration.vocabulary import shown, to_display
+from shipid.declaration.vocabulary import shown, shown_estimate, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import DrawnResult
@@ -166,6 +166,7 @@ class Prediction(DrawnResult):
                 }
                 for s in self.stages
             ],
+            "current": _plain_current(self.situation),
             "wheel_over": None if self.wheel_over is None else self.wheel_over.to_dict(),
             "route": None if self.turn is None else self.turn.to_dict(),
             "chart": None if self.chart is None else self.chart.name,
@@ -182,9 +183,7 @@ class Prediction(DrawnResult):
             f"rate of turn {shown(known.get('r', 0.0), 'r', digits=3)}",
         ]
         if any(self.situation.current):
-            north, east = self.situation.current
-            to = np.rad2deg(np.arctan2(east, north)) % 360
-            lines.append(f"  current {shown(float(np.hypot(north, east)), 'u', digits=3)} to {to:03.0f} deg")
+            lines.append(f"  current {_current_words(self.situation)}")
         if self.wheel_over is not None:
             lines.append(f"  {_wheel_over_words(self.wheel_over)}")
         if self.turn is not None:
@@ -230,3 +229,19 @@ def _wheel_over_words(found: WheelOver) -> str:
         return f"wheel-over to {heading}: passed by {-found.distance:.0f} m"
     soon = ": warning, less than a minute" if found.warning else ""
     return f"wheel-over to {heading} in {found.time:.0f} s, {found.distance:.0f} m ahead{soon}"
+
+
+def _current_words(known: Situation) -> str:
+    """Speed and direction; a current that may as well be none has no direction."""
+    north, east = known.current
+    speed, std = float(np.hypot(north, east)), known.current_std
+    if std is not None and speed < 2 * std:
+        return f"{shown_estimate(speed, std, 'u')}, direction not known"
+    return f"{shown_estimate(speed, std, 'u')} to {np.rad2deg(np.arctan2(east, north)) % 360:03.0f} deg"
+
+
+def _plain_current(known: Situation) -> dict[str, Plain]:
+    return {
+        name: {"value": value, "unit": "m/s", "std": known.current_std}
+        for name, value in zip(("north", "east"), known.current)
+    }

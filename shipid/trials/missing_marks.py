@@ -11,11 +11,12 @@ _STEPS = 20.0
 #: What a sensor shows by itself seldom reaches this many times the largest of its other samples.
 _TIMES = 3.0
 
-# Nines, the ends of short integers, and the codes of AIS (ITU-R M.1371): heading 511, speed 102.3, rate of turn -128,
+# Nines, the ends of short integers as they are and scaled by 0.01 and 0.1, and the codes of AIS (ITU-R M.1371): heading 511, speed 102.3, rate of turn -128,
 # 91 and 181 for latitude and longitude.
 _MARKS = np.array(
     [
         *(sign * nines for nines in (99.99, 999, 999.9, 999.99, 9999, 9999.9, 99999, 999999, 9999999) for sign in (1, -1)),
+        *(sign * full for full in (99, 99.9, 327.67, 327.68, 3276.7, 3276.8, 655.35, 6553.5) for sign in (1, -1)),
         32767, -32768, 65535, 2147483647, -2147483648, 511, 102.3, 1023, -128, 91, 181,
     ]
 )  # fmt: skip
@@ -67,7 +68,8 @@ def marks_of_missing(values: np.ndarray, full_circle: float | None = None) -> np
     if full_circle is not None:
         slack = 0.01 * full_circle
         within = float(plain.min()) >= -0.5 * full_circle - slack and float(plain.max()) <= full_circle + slack
-        beyond |= within & ((printed[at] > full_circle + slack) | (printed[at] < -0.5 * full_circle - slack))
+        lowest = -slack if float(plain.min()) >= -slack else -0.5 * full_circle - slack
+        beyond |= within & ((printed[at] > full_circle + slack) | (printed[at] < lowest))
     far = away & (beyond | (printed[at] < _UNMISTAKABLE))
     result[there[at[far]]] = True
     return result

@@ -176,13 +176,16 @@ def speed_before(
     approach = execute > first // 2
     taken = speed[: execute if approach else first]
     taken = taken[np.isfinite(taken)]
+    usual = float(np.median(speed[there]))
+    # Where the speed was not recorded yet, the first sample comes from the manoeuvre, which may have taken some of it.
+    lost = 0.0 if taken.size else float(abs(speed[there][0] - usual))
     if not taken.size:
         taken = speed[there][:1]
-    usual = float(np.median(speed[there]))
     value = float(np.mean(taken))
     if value < GATHERING * usual:
         return SpeedBefore(usual, 0.0, int(there.sum()), "usual speed")
     # The noise from sample to sample, not the drift of the speed itself.
-    noise = float(np.std(np.diff(taken)) / np.sqrt(2)) if taken.size > 2 else 0.0
-    std = noise / float(np.sqrt(taken.size))
+    series = taken if taken.size > 2 else speed[there]
+    noise = float(np.std(np.diff(series)) / np.sqrt(2)) if series.size > 2 else 0.0
+    std = float(np.hypot(noise / np.sqrt(taken.size), lost))
     return SpeedBefore(value, std, int(taken.size), "approach" if approach else "first samples")

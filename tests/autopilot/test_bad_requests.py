@@ -12,6 +12,7 @@ from shipid.autopilot.errors import DesignRequestError, NoStraightCourseError, N
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError
 from shipid.generation.simulator import UnstatedInputError
 from shipid.models import PlanarMotion, SteeringMachine
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, Value
 
 
@@ -260,3 +261,14 @@ def test_a_ship_that_no_rudder_holds_between_two_speeds_is_refused():
     assert len(shipid.design_autopilot(model, wobbling, speeds=[8.0]).speeds) == 1
     with pytest.raises(UnstableDesignError, match="at 9 m/s is unstable"):
         shipid.design_autopilot(model, wobbling, speeds=[8.0, 10.0])
+
+
+def test_revolutions_held_at_every_speed_are_told():
+    """Of a model whose speed they make; a current that is held turns no propeller, and one speed needs no word."""
+    turning = hold_inputs(shipid.find_model("mmg-revolutions"), {"n": "1.5 rps"})
+    pilot = shipid.design_autopilot(turning, "kvlcc2", speeds=[6.0, 7.0])
+    (said,) = [w for w in pilot.warnings if "held" in w]
+    assert "'n' is held at 90 rpm at every speed of the schedule, from 6 to 7 m/s" in said
+    carried = hold_inputs(shipid.find_model("de-keizer"), {"current_north": "1 kn"})
+    for model, ship, speeds in ((turning, "kvlcc2", [7.0]), (carried, "soesterberg", [7.0, 9.5])):
+        assert not [w for w in shipid.design_autopilot(model, ship, speeds=speeds).warnings if "held" in w]

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -176,3 +178,37 @@ def own_ship(own) -> Callable[..., Path]:
 def fitted() -> tuple[str, ...]:
     """The quickest good options of ``identify`` for the zig-zag."""
     return ("--model", "nomoto", "--ship", "zeefakkel", "--starts", "1")
+
+
+#: What a float looks like that nobody rounded, and words of libraries.
+_RAW = {
+    "not a number": re.compile(r"(?<![\w-])(?:nan|NaN|[-−]?inf)(?![\w-])"),
+    "a signed zero": re.compile(r"(?<![\w.,)\]])[-−]0(?:\.0+)?(?![\w.])"),
+    "a zero by rounding": re.compile(r"\d[eE]-(?:1[3-9]|[2-9]\d)(?!\d)"),
+    "a word of a library": re.compile(r"\b(?:[fgx]tol|float64|np\.\w+|array\(|dtype|Traceback|<class|lambda)"),
+}  # fmt: skip
+_DECIMAL = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.]*\d)")
+_DRAWN = re.compile(r"<(svg|style|script|math)\b.*?</\1>", re.DOTALL)
+#: Most significant digits: a value is printed to the second digit of its standard deviation, and that is seven at most.
+_MOST_DIGITS = 7
+
+
+def _visible(page: str) -> str:
+    """The words of a page, without its drawings and equations."""
+    return unescape(re.sub(r"<[^>]*>", " ", _DRAWN.sub(" ", page)))
+
+
+def _raw_numbers(text: str) -> Iterator[str]:
+    """What in a text is no number for a reader, each with some of what stands around it."""
+    for what, pattern in _RAW.items():
+        for hit in pattern.finditer(text):
+            yield f"{what}: {text[max(0, hit.start() - 40) : hit.end() + 20]!r}"
+    for hit in _DECIMAL.finditer(text):
+        if len(hit.group().replace(".", "").lstrip("0")) > _MOST_DIGITS:
+            yield f"too many digits: {text[max(0, hit.start() - 40) : hit.end() + 20]!r}"
+
+
+@pytest.fixture(scope="session")
+def raw_numbers() -> Callable[[str], list[str]]:
+    """Find what in a text, or in the words of a page, is no number for a reader."""
+    return lambda text: list(_raw_numbers(_visible(text) if text.startswith("<!") else text))

@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 
 import httpx
 import pytest
@@ -36,39 +37,56 @@ class Opened:
         return self.process.returncode, out, self.said + err
 
 
+@pytest.fixture
+def opened():
+    """Open a bridge; a test that fails leaves no process behind that goes on sailing."""
+    processes = []
+
+    def command(*arguments):
+        bridge = Opened(*arguments)
+        processes.append(bridge.process)
+        return bridge
+
+    yield command
+    for process in processes:
+        process.kill()
+        process.communicate()
+
+
+def answer_of(address: str) -> httpx.Response:
+    """What the server answers, on a machine that does much else beside."""
+    return httpx.get(address, timeout=60)
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_it_opens_says_where_and_ends_cleanly(tmp_path, number, code):
+def test_it_opens_says_where_and_ends_cleanly(opened, tmp_path, number, code):
     file = tmp_path / "voyage.csv"
-    opened = Opened("--record", file, "--clock-factor", 16)
-    assert httpx.get(opened.address).status_code == 200
-    assert "NOT FOR NAVIGATION" in opened.said and "127.0.0.1" in opened.address
+    bridge = opened("--record", file, "--clock-factor", 16)
+    assert answer_of(bridge.address).status_code == 200
+    assert "NOT FOR NAVIGATION" in bridge.said and "127.0.0.1" in bridge.address
     for _ in range(200):
         if file.read_text().count("\n") > 30:
             break
-        httpx.get(opened.address + "health")
-        import time
-
+        answer_of(bridge.address + "health")
         time.sleep(0.05)
-    code_, out, said = opened.end(number)
+    code_, out, said = bridge.end(number)
     assert code_ == code and out == "" and f"The recording is {file}" in " ".join(said.split())
     assert "Traceback" not in said and len(shipid.read_trial(file)) > 25
 
 
-def test_another_host_gets_a_token():
-    opened = Opened("--host", "0.0.0.0")
-    assert "?token=" in opened.address
-    port = opened.address.split(":")[2].split("/")[0]
-    assert httpx.get(f"http://127.0.0.1:{port}/").status_code == 403
-    assert httpx.get(opened.address.replace("0.0.0.0", "127.0.0.1")).status_code == 200
-    opened.end()
+def test_another_host_gets_a_token(opened):
+    bridge = opened("--host", "0.0.0.0")
+    assert "?token=" in bridge.address
+    port = bridge.address.split(":")[2].split("/")[0]
+    assert answer_of(f"http://127.0.0.1:{port}/").status_code == 403
+    assert answer_of(bridge.address.replace("0.0.0.0", "127.0.0.1")).status_code == 200
+    bridge.end()
 
 
-def test_the_experiment_prints_its_score_when_it_is_ended():
-    opened = Opened("--scenario", "T1", "--condition", "A", "--clock-factor", 100)
-    import time
-
+def test_the_experiment_prints_its_score_when_it_is_ended(opened):
+    bridge = opened("--scenario", "T1", "--condition", "A", "--clock-factor", 100)
     time.sleep(3)
-    code, out, _ = opened.end()
+    code, out, _ = bridge.end()
     assert code == ExitCode.INTERRUPTED
     assert "experiment T1, condition A: NOT SAILED TO ITS END" in out and "(6.5)" in out and "table 6.5" in out
 

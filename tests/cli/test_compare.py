@@ -47,12 +47,27 @@ def test_json_is_one_object(capsys):
     assert set(result["ranking"][0]["validation"]) == {"container-10-10"}
 
 
+def test_an_input_is_held_in_the_candidates_that_read_it(capsys):
+    """A speed log that a model of the speed reads and the other states; the candidates are tried in this process and by workers."""
+    trial = ["compare", ZIGZAGS[0], "--models", "nomoto,de-keizer", "--ship", "soesterberg", "--starts", "1", "--json"]
+    shares = []
+    for arguments in (trial, [*trial, "--input", "u=9.5 m/s"]):
+        assert run(arguments) == 0
+        shares.append({one["model"]: one["error"] for one in json.loads(capsys.readouterr().out)["ranking"]})
+    assert shares[0]["de-keizer"] == shares[1]["de-keizer"]
+    assert shares[0]["nomoto"] != shares[1]["nomoto"]
+
+
 @pytest.mark.parametrize(
     ("code", "arguments", "words"),
     [
         (2, ["--models", "nomotto"], ("nomotto", "nomoto")),
         (2, ["--models", "nomoto", "--ship", "soesterburg"], ("soesterberg",)),
         (2, ["--models", "nomoto", "--starts", "0"], ("starts",)),
+        (2, ["--models", "nomoto,norrbin", "--input", "n=2 rps"], ("no candidate reads", "'n'", "current_north")),
+        (2, ["--models", "nomoto", "--input", "n=2 rps"], ("nomoto reads no input 'n'",)),
+        (2, ["--models", "nomoto", "--input", "current_north=2"], ("current_north", "unit")),
+        (2, ["--models", "nomoto", "--input", "K=0.1 1/s"], ("value of the ship", "--set")),
     ],
 )
 def test_refusals(capsys, code, arguments, words):

@@ -22,7 +22,7 @@ from shipid.foundation.exit_codes import ExitCode, markdown
 
 #: What stands around every result.
 ENVELOPE = {
-    "schema_version": 1,
+    "schema_version": 2,
     "command": "own",
     "provenance": {"shipid": shipid.__version__, "inputs": []},
     "warnings": [],

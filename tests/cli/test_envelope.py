@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import shipid
+from shipid.cli.frame.delivery import Delivery
 from shipid.cli.registry import COMMANDS
 from shipid.foundation.exit_codes import ExitCode
 
@@ -33,10 +34,21 @@ CALLS = {
     "track": ["{}"],
     "tune": ["de-keizer", "--ship", "soesterberg", "--samples", "0", "--speeds", "7,9.5 m/s"],
 }
+#: Commands whose page is looked at here; those of the others take long, and are written by the tests of their own.
+WITH_A_PAGE = {"check", "report", "compare", "criteria", "filter", "plan", "predict", "track"}
 HEAD = ["schema_version", "command", "provenance", "warnings"]
 #: A key that names an interval in another way.
 OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
 
+#: Names of numbers that have no dimension: counts as shares and ratios, probabilities, costs, margins as factors.
+PURE = {
+    "bottom", "chi_square", "confidence", "existence", "complementary", "complementary_peak", "condition_number", "cost", "det", "disk", "disk_5_percent",
+    "disk_by_speed", "disk_worst", "effective", "error", "factor", "fit_percent", "ljung_box", "log_likelihood", "matrix", "nis_interval_95",
+    "nis_mean", "p_value", "per_parameter", "per_parameter_over_draws", "probability", "probability_of_one_value", "ratio", "runs_away",
+    "score", "sensitivity", "sensitivity_peak", "shares", "spread", "std", "weight", "white_p", "widening",
+}  # fmt: skip
+#: Names of dictionaries whose numbers have no dimension, by the name of what they are of.
+PURE_OF = {"gain_over_standard", "measure_weights", "mode_probabilities", "range", "widening"}
 #: A key that holds a unit.
 UNIT_IN_NAME = re.compile(r"_(deg|rad|m|s|kn|m_s|deg_s|rad_s)$")
 
@@ -57,7 +69,7 @@ def parsed(text: str) -> dict:
 def check_form(told: dict, command: str) -> None:
     """Assert the form that is documented in `shipid.cli.frame.envelope`."""
     assert list(told)[:4] == HEAD
-    assert told["schema_version"] == 1 and told["command"] == command
+    assert told["schema_version"] == 2 and told["command"] == command
     assert told["provenance"]["shipid"] == shipid.__version__
     for given in told["provenance"]["inputs"]:
         assert set(given) == {"name", "sha256"} and len(given["sha256"]) == 64
@@ -80,6 +92,10 @@ def check_values(value: object, where: str) -> None:
                 for ends in one if isinstance(value.get("value"), list) else [one]:
                     if ends is not None:
                         check_ends(ends, f"{where}.{key}")
+            if isinstance(one, float) and not (
+                value.keys() & {"unit"} or key in PURE or where.rpartition(".")[2] in PURE_OF
+            ):
+                raise AssertionError(f"{where}.{key}: a number without a unit")
             check_values(one, f"{where}.{key}")
     elif isinstance(value, list):
         for one in value:
@@ -96,11 +112,32 @@ def test_every_command_is_here():
     assert set(CALLS) == set(COMMANDS) - {"simulate", "bridge", "completion"}  # a trial, a page, and a script
 
 
+@pytest.fixture
+def words(monkeypatch) -> list[str]:
+    """What a command would have printed without ``--json``."""
+    printed: list[str] = []
+    whole = Delivery.hand_over_parts
+
+    def hand_over_parts(self, data, text, writers=None):
+        printed.append(text)
+        return whole(self, data, text, writers)
+
+    monkeypatch.setattr(Delivery, "hand_over_parts", hand_over_parts)
+    return printed
+
+
 @pytest.mark.parametrize("command", CALLS)
-def test_the_form_of_a_command(command, call, zigzag):
+def test_the_form_of_a_command(command, call, zigzag, tmp_path, words, raw_numbers):
+    """Of its JSON; and the numbers of its text and of its page are for a reader."""
     arguments = [a.replace("{}", str(zigzag)).replace("{folder}", str(zigzag.parent)) for a in CALLS[command]]
-    answer = call(command, *arguments, "--json")
+    out = ["--out", tmp_path / "out"] if command in WITH_A_PAGE else []
+    answer = call(command, *arguments, "--json", *out)
     assert answer.code == ExitCode.DONE, answer
+    (text,) = words
+    pages = [p.read_text(encoding="utf-8") for p in tmp_path.glob("out/report.html")]
+    assert len(pages) == bool(out)
+    for shown in (text, *pages):
+        assert raw_numbers(shown) == []
     told = parsed(answer.out)
     check_form(told, command)
     if "{}" in "".join(CALLS[command]):
@@ -123,11 +160,27 @@ def test_each_line_of_a_followed_log_has_the_form(call, zigzag):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"a": {"value": 1.0}}, {"a": {"ci95": [1, 2]}}, {"a": {"interval_95": [2, 1]}}, {"band": [1, 2]}]
+    "wrong",
+    [{"a": {"value": 1.0}}, {"a": {"ci95": [1, 2]}}, {"a": {"interval_95": [2, 1]}}, {"band": [1, 2]}, {"t": 1.5}],
 )
 def test_another_form_is_noticed(wrong):
     with pytest.raises(AssertionError):
         check_values(wrong, "result")
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("rms nan deg", "not a number"),
+        ("bias -0.0 deg", "signed zero"),
+        ("p 2.6e-74", "by rounding"),
+        ("0.123456789 m", "digits"),
+    ],
+)
+def test_a_raw_number_is_noticed(text, what, raw_numbers):
+    (found,) = raw_numbers(text)
+    assert what in found
+    assert raw_numbers("1594.3 ± 0.0060, −0.5 deg, 10-0.5, 2026-11-29, shipid 0.1.0") == []
 
 
 def test_a_finding_of_the_doctor_is_a_warning(call, changed, column):

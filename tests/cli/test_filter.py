@@ -93,7 +93,7 @@ def test_a_growing_file_is_followed(call, lines, tmp_path):
     writer.start()
     answer = call("filter", "--follow", path, "--wait", "1 s", *NOMOTO, *SENSORS, "--json")
     writer.join()
-    assert [json.loads(line)["t"] for line in answer.out.splitlines()] == [float(k) for k in range(59)]
+    assert [json.loads(line)["t"]["value"] for line in answer.out.splitlines()] == [float(k) for k in range(59)]
 
 
 def test_a_line_that_is_no_sample_is_left_out_and_said(call, lines, monkeypatch):

@@ -61,7 +61,7 @@ def test_every_command_with_a_ship_takes_values():
     options = {name: {o for p in c.params for o in p.opts} for name, c in commands().items()}
     assert {n for n, o in options.items() if "--ship" in o} == {n for n, o in options.items() if "--set" in o}
     assert {n for n, o in options.items() if "--input" in o} == {
-        "simulate", "plan", "identify", "filter", "tune", "predict", "bridge", "criteria",
+        "simulate", "plan", "identify", "compare", "filter", "tune", "predict", "bridge", "criteria",
     }  # fmt: skip
 
 

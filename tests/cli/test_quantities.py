@@ -31,6 +31,8 @@ BARE = {
     "--rate": (PREDICT, "20", "20 deg/s"),
     "--length": (["measure", "trial.csv"], "45", "45 m"),
     "--position-std": (["track", "plots.csv"], "5", "5 m"),
+    "--bias-std": (["track", "plots.csv"], "5", "5 m"),
+    "--bearing-bias-std": (["track", "plots.csv"], "1", "1 deg"),
     "--latency": (["track", "plots.csv"], "2", "2 s"),
     "--scan": (["track", "plots.csv"], "3", "3 s"),
     "--filter-interval": (["bridge"], "0.4", "0.4 s"),

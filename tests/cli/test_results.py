@@ -42,10 +42,10 @@ def check_shape(result) -> None:
             assert high - low == pytest.approx(2 * 1.96 * one["std"], rel=1e-3)
     for signals in result["fit"].values():
         assert signals
-        assert all(set(s) >= {"rmse", "unit"} for s in signals.values())
+        assert all(set(s["rmse"]) == {"value", "unit"} for s in signals.values())
     for signals in result["validation"].values():
         assert signals
-        assert all(set(s) >= {"rmse", "rmse_refitted_bias", "unit"} for s in signals.values())
+        assert all(set(s) >= {"rmse", "rmse_refitted_bias", "fit_percent"} for s in signals.values())
     assert list(result["manoeuvre"]) == [*result["fit"], *result["validation"]]
     for one in result["manoeuvre"].values():
         assert set(one) >= {"overshoots", "predicted_overshoots"}
@@ -81,10 +81,10 @@ def test_shape_of_the_result(call, zigzag, second, fitted, tmp_path):
     assert list(result["parameters"]) == ["K", "tau"]
     assert list(result["fit"]) == ["zigzag@0:200", "zigzag"]
     assert list(result["validation"]) == ["zigzag@20:150"]
-    assert result["fit"]["zigzag"]["psi"]["unit"] == "rad"
-    assert result["fit"]["zigzag"]["r"]["unit"] == "rad/s"
+    assert result["fit"]["zigzag"]["psi"]["rmse"]["unit"] == "rad"
+    assert result["fit"]["zigzag"]["r"]["rmse"]["unit"] == "rad/s"
     # 0.2 deg on the compass, within three standard errors of a standard deviation over 1396 samples
-    assert result["fit"]["zigzag"]["psi"]["rmse"] == pytest.approx(np.radians(0.2), rel=3 / np.sqrt(2 * 1396))
+    assert result["fit"]["zigzag"]["psi"]["rmse"]["value"] == pytest.approx(np.radians(0.2), rel=3 / np.sqrt(2 * 1396))
     assert len(result["manoeuvre"]["zigzag"]["overshoots"]["value"]) >= 4
 
 
@@ -124,7 +124,7 @@ def test_search_that_fails_says_so_and_writes_what_it_knows(call, zigzag, fitted
     result = parse(answer.out)
     check_shape(result)
     assert result["converged"] is False
-    assert result["fit"]["zigzag"]["psi"]["rmse"] is None
+    assert result["fit"]["zigzag"]["psi"]["rmse"]["value"] is None
     assert result == parse((tmp_path / "result.json").read_text(encoding="utf-8"))
     assert {p.name for p in tmp_path.iterdir()} == {"result.json", "ship.toml", "report.html"}
     assert "NOT CONVERGED" in call(*arguments, "--overwrite").out

@@ -29,7 +29,8 @@ def test_three_files(tuned):
     assert len(result["margins"]["disk"]) == 2 and {"disk_worst", "samples"} <= set(result["robust"])
     schedule = tomllib.loads((tuned / "schedule.toml").read_text())
     assert schedule["schedule"]["u"]["value"] == [7.0, 9.5]
-    assert schedule["schedule"]["Kp"]["value"] == pytest.approx(result["gains"]["Kp"])
+    assert schedule["schedule"]["Kp"]["value"] == pytest.approx(result["gains"]["Kp"]["value"])
+    assert result["gains"]["Kd"]["unit"] == "s" and result["limits"]["phase margin"] == {"value": 30.0, "unit": "deg"}
     assert "<!DOCTYPE html>" in (tuned / "report.html").read_text()
     assert sorted(p.name for p in tuned.iterdir()) == ["report.html", "result.json", "schedule.toml"]
 
@@ -39,7 +40,7 @@ def test_as_json(call):
     answer = call("tune", "de-keizer", "--ship", "soesterberg", *options)
     assert answer.code == 0
     result = json.loads(answer.out)
-    assert result["gains"]["Kp"][0] == pytest.approx(0.5**0.5) and result["robust"]["samples"] == 0
+    assert result["gains"]["Kp"]["value"][0] == pytest.approx(0.5**0.5) and result["robust"]["samples"] == 0
 
 
 def test_omega_and_zeta(call):
@@ -57,7 +58,7 @@ def test_omega_and_zeta(call):
         "0.8",
         "--json",
     )
-    real, imaginary = json.loads(answer.out)["poles"][1][0]
+    real, imaginary = json.loads(answer.out)["poles"]["value"][1][0]
     assert real == pytest.approx(-0.04, rel=1e-12) and abs(imaginary) == pytest.approx(0.03, rel=1e-12)
     degrees = call("tune", "de-keizer", "--ship", "soesterberg", *QUICK, "--omega-n", "2.8647890 deg/s", "--json")
     assert json.loads(degrees.out)["request"]["omega_n"] == {"value": pytest.approx(0.05), "unit": "rad/s"}

@@ -7,7 +7,11 @@ import numpy as np
 import pytest
 
 from shipid import ExtendedKalmanFilter, find_model
+from shipid.declaration.component import Component
+from shipid.declaration.joining.join import join
+from shipid.declaration.quantity import given, parameter, state
 from shipid.estimation.design import FilterDesign, FilterSettings, design_filter
+from shipid.estimation.settings.defaults import own_sensors
 
 SENSORS = {"psi": "0.2 deg", "r": "0.02 deg/s"}
 SETTINGS = FilterSettings(measured=SENSORS, estimated=["K", "tau"])
@@ -53,3 +57,39 @@ def test_results_hold_the_design_and_no_engine(design: FilterDesign, swing: Any)
         assert not any(callable(v) or isinstance(v, ExtendedKalmanFilter) for v in held)
         holder = getattr(result, "run", result)
         assert holder.design is kalman.design
+
+
+def test_own_states_that_were_logged_are_sensors():
+    """A shaft speed with noise of 0.02 rps on a slow change; one that is steady, or has a standard sensor, or is in no log, is none."""
+
+    class Engine(Component):
+        """A shaft behind its order."""
+
+        n = state("1/s", "shaft speed")
+        boost = state("1", "pressure of the charge air")
+        r = state("rad/s", "rate of turn")
+        order = given("1/s", "ordered shaft speed")
+        T = parameter("s", "time constant", start=5.0, low=0.1, high=60)
+
+        @n.rate
+        def follow(self):
+            """A lag."""
+            return (self.order - self.n) / self.T
+
+        @boost.rate
+        def charge(self):
+            """Made up."""
+            return -self.boost / self.T
+
+        @r.rate
+        def turn(self):
+            """Made up."""
+            return -self.r / self.T
+
+    model, t = join("engine", Engine), np.arange(2000.0)
+    noisy = 2 + np.sin(t / 100) + np.random.default_rng(7).normal(0, 0.02, t.size)
+    found = own_sensors(model, {"n": noisy, "r": noisy, "other": noisy})
+    assert list(found) == ["n"] and found["n"] == (pytest.approx(0.02, rel=0.1), "1/s")
+    assert own_sensors(model, {"n": np.full(10, 2.0), "boost": np.array([np.nan, 1.0])}) == {}
+    clean = own_sensors(model, {"n": t})
+    assert clean["n"] == (pytest.approx(1e-3 * t.std()), "1/s")

@@ -225,7 +225,7 @@ def cross_flow(n: Numbers) -> Numbers:
     beta, rs = -v / u, length * r / u
     sway = u * u / length * (0.51 * beta - 0.44 * rs) - 0.16 * rudder / length - 4.0 / length * sway_drag
     yaw = (u / length) ** 2 * (4.2 * beta - 2.1 * rs) + 1.18 * rudder / length**2 - 33.0 / length**2 * yaw_drag
-    surge = 0.027 / length * (u0 * u0 + 0.8 * u0 * (u0 - u) - u * u) - 2.1e-3
+    surge = 0.027 / length * (u0 * u0 + 0.8 * u0 * (u0 - u) - u * u) + n["u_disturbance"]
     surge += 1.67 * v * r + 0.77 * -0.16 * rudder * -0.16 / length
     lag = (n["delta"] + 0.16) / 1.3
     moved = {"v": sway + n["v_disturbance"], "r": yaw + n["r_disturbance"]}
@@ -233,8 +233,8 @@ def cross_flow(n: Numbers) -> Numbers:
 
 
 def cross_flow_wind(n: Numbers) -> Numbers:
-    n |= wind_moment(n)
-    return cross_flow(n) | {"r_disturbance": n["r_disturbance"]}
+    n |= wind_moment(n) | wind_forces(n)
+    return cross_flow(n) | {name: n[name] for name in ("r_disturbance", "u_disturbance", "v_disturbance")}
 
 
 def cubic(n: Numbers) -> Numbers:
@@ -267,6 +267,12 @@ def wind_moment(n: Numbers) -> Numbers:
     n |= {"wind_speed": 12.0, "wind_direction": 2.9, "w1": -0.002, "w2": -0.0015}
     across, along = sin(2.9) * cos(0.83) - cos(2.9) * sin(0.83), cos(2.9) * cos(0.83) + sin(2.9) * sin(0.83)
     return {"r_disturbance": 144.0 / 161.0**2 * (-0.002 * across - 0.003 * across * along)}
+
+
+def wind_forces(n: Numbers) -> Numbers:
+    n |= {"wind_speed": 12.0, "wind_direction": 2.9, "w_x": 0.0011, "w_y": 0.0017}
+    across, along = sin(2.9) * cos(0.83) - cos(2.9) * sin(0.83), cos(2.9) * cos(0.83) + sin(2.9) * sin(0.83)
+    return {"u_disturbance": 144.0 / 161.0 * 0.0011 * along, "v_disturbance": 144.0 / 161.0 * 0.0017 * across}
 
 
 def de_keizer_lag(n: Numbers) -> Numbers:
@@ -581,7 +587,7 @@ MODELS: dict[str, Case] = {
 PARTS: dict[str, Case] = {
     "SpeedScaled": speed_scaled, "ActuatorLag": actuator_lag,
     "CubicSway": cubic_sway, "LossOfSpeed": loss_of_speed, "UniformCurrent": uniform_current, "Wind": wind,
-    "WindMoment": wind_moment, "LateralWind": lateral_wind, "WindHarmonics": wind_harmonics, "Leeway": leeway,
+    "WindMoment": wind_moment, "WindForces": wind_forces, "LateralWind": lateral_wind, "WindHarmonics": wind_harmonics, "Leeway": leeway,
     "VanLeeuwenSwayInWind": sway_in_wind,
     "Waves": waves, "ColouredWaves": coloured_waves, "SteeringMachine": steering_machine, "Compass": compass,
     "WaveLevel": wave_level, "Gyro": gyro, "Log": log, "PositionSensor": position_sensor,

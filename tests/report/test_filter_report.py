@@ -10,6 +10,7 @@ import pytest
 
 import shipid
 from shipid.estimation.records.observability import observability
+from shipid.report.figures.trials import Curve, Panel, histories_drawing
 from shipid.report.write_report import render
 
 TRIAL = Path(__file__).resolve().parents[2] / "studies" / "trials" / "container-20-20.csv"
@@ -66,3 +67,19 @@ def test_parameters_and_levels_are_shown(run):
     page = render(run)
     for word in ("rate of turn per rudder angle", "default of the toolbox", "deg/s/√s", "95 % interval", "Nomoto.yaw"):
         assert word in page
+
+
+def test_innovations_between_the_extremes_are_drawn():
+    """Twenty thousand normal ones: as many of the points drawn lie within one standard deviation as of a normal distribution."""
+    values = np.random.default_rng(4).standard_normal(20_000)
+    panel = Panel("Innovation", "deg", [Curve("innovation", np.arange(20_000.0), values)])
+    drawing = histories_drawing([panel], "Innovations")
+    (line,) = drawing.figure().axes[0].lines
+    drawn = np.asarray(line.get_ydata())
+    assert 100 < drawn.size <= 600 and np.mean(np.abs(drawn) < 1) == pytest.approx(0.683, abs=0.1)
+
+
+def test_a_probability_is_drawn_from_zero_to_one():
+    panel = Panel("probability", "1", [Curve("estimate", np.arange(3.0), np.array([0.5, 0.4, 0.6]))], span=(0.0, 1.0))
+    low, high = histories_drawing([panel], "Probability").figure().axes[0].get_ylim()
+    assert -0.1 < low <= 0 and 1 <= high < 1.1

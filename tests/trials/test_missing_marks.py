@@ -53,3 +53,17 @@ def test_a_column_of_one_mark():
     assert marked(np.full(20, -9999.0), range(20))
     assert marked(np.full(20, 999.0), [])  # a shaft may turn at 999 rpm all the time
     assert marked(np.full(5, np.nan), [])
+
+
+@pytest.mark.parametrize("mark", [327.67, -327.68, -99, 99.9, 655.35])
+def test_scaled_ends_of_short_integers_in_a_rudder(mark):
+    rudder = np.where(np.arange(200) % 80 < 40, 20.0, -20.0)
+    rudder[50:54] = mark
+    assert marked(rudder, [50, 51, 52, 53], FULL)
+
+
+def test_a_heading_within_a_circle_is_never_negative():
+    values = 200 + 2 * SWING
+    values[[20, 90]] = -99
+    assert marked(values, [20, 90], FULL)
+    assert marked(SWING * 4, [], FULL)

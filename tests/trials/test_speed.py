@@ -33,6 +33,20 @@ def test_a_record_that_begins_with_the_execute_is_averaged_over_one_length() -> 
     assert found.value == pytest.approx(losing(0.0)[:16].mean())
 
 
+def test_a_speed_that_is_recorded_from_the_manoeuvre_on_is_as_uncertain_as_what_the_manoeuvre_takes() -> None:
+    late = np.where(T < 40.0, np.nan, losing(30.0))
+    found = speed_before(T, late, rudder_from(30.0), unit_time=8.0)
+    assert found.value == late[T >= 40.0][0]
+    assert found.std > abs(found.value - np.nanmedian(late)) > 0.1
+
+
+def test_two_samples_have_the_noise_of_the_record() -> None:
+    noise = 0.1 * np.random.default_rng(2).standard_normal(T.size)
+    sparse = np.where((T < 1.0) | (T > 30.0), losing(30.0) + noise, np.nan)
+    found = speed_before(T, sparse, rudder_from(30.0), unit_time=8.0)
+    assert found.samples == 2 and found.std == pytest.approx(0.1 / np.sqrt(2), rel=0.3)
+
+
 def test_without_a_rudder_or_a_length_the_first_samples_count() -> None:
     found = speed_before(T, np.arange(T.size, 0.0, -1.0) + 1000.0)
     assert found.source == "first samples" and found.samples == 10

@@ -63,7 +63,7 @@ class CourseChange:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values."""
-        return with_units(asdict(self), speed="m/s")
+        return with_units(asdict(self), speed="m/s", reversals="1/min", waves_met="1/min")
 
 
 @dataclass(frozen=True, eq=False)

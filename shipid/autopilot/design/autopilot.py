@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from shipid.autopilot.design.closed_loop import PARTS, Part, schedule_poles, to_control
 from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.schedule import GAINS, Schedule
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
+from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import DrawnResult
 from shipid.parameters.parameter_set import ParameterSet
 
 if TYPE_CHECKING:
+    import control
     import pandas as pd
 
 #: How the gains are found.
@@ -34,7 +38,7 @@ REQUEST_UNITS = {"omega_n": "rad/s", "damping": "1", "integral": "1", "rudder_we
 class Autopilot(DrawnResult):
     """A gain-scheduled autopilot; made by `design_autopilot`, or read with `read_schedule`.
 
-    It is data. Computed from it are its closed loop and python-control systems
+    It is data. Made from it are systems of python-control (`to_control`), its closed loop as a model
     (`shipid.autopilot.design.closed_loop`), its judgement (`shipid.judge`), its file (`shipid.write_schedule`).
 
     Attributes
@@ -125,6 +129,47 @@ class Autopilot(DrawnResult):
         """
         return self.schedule.gains_at(speed, condition)
 
+    def with_schedule(self, schedule: Schedule) -> Autopilot:
+        """Return the autopilot with other gains, its poles computed anew.
+
+        Parameters
+        ----------
+        schedule : Schedule
+            Speeds and gains, for the same load conditions.
+        """
+        return replace(self, schedule=schedule, poles=schedule_poles(self.model, self.ships, schedule))
+
+    def to_control(
+        self, speed: str | None = None, of: Part = "loop", condition: int = 0, nonlinear: bool = False
+    ) -> control.StateSpace | control.NonlinearIOSystem:
+        """Return the closed loop, the controller or the steered ship as a system of python-control, SI: s, rad.
+
+        Parameters
+        ----------
+        speed : str, optional
+            Forward speed with its unit, such as ``"9 kn"``; the service speed by default.
+        of : {"loop", "controller", "ship"}
+            The loop, from the order to ``psi``, ``r`` and ``delta``; the control law with its gains at this speed, from the order and
+            what is measured to ``delta_order``; or the ship with her steering machine, from ``delta_order`` to ``psi``, ``r`` and
+            ``delta``. The controller and the ship, connected by their names, are the loop.
+        condition : int
+            Which load condition.
+        nonlinear : bool
+            Whether it is the nonlinear system, with its limits and every input of the model.
+
+        Returns
+        -------
+        control.StateSpace or control.NonlinearIOSystem
+
+        Raises
+        ------
+        UnknownNameError
+            If there is no such part.
+        """
+        if of not in PARTS:
+            raise UnknownNameError("part of an autopilot called", of, PARTS)
+        return to_control(self, None if speed is None else to_si(speed, "m/s", "the speed"), condition, nonlinear, of)
+
     def to_frame(self, condition: int = 0) -> pd.DataFrame:
         """Return the schedule as a pandas table: gains and poles against speed.
 
@@ -161,11 +206,12 @@ class Autopilot(DrawnResult):
             }
         return found | {"warnings": plain_notices(self.warnings)}
 
-    def _gains(self, condition: int) -> dict[str, list[float]]:
-        return {n: g[condition].tolist() for n, g in self.schedule.gains.items()}
+    def _gains(self, condition: int) -> dict[str, Plain]:
+        return {n: quantity(g[condition].tolist(), GAINS[n][0]) for n, g in self.schedule.gains.items()}
 
-    def _poles(self, condition: int) -> list[list[list[float]]]:
-        return [[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]]
+    def _poles(self, condition: int) -> dict[str, Plain]:
+        """Real and imaginary part of each pole at each speed."""
+        return quantity([[[p.real, p.imag] for p in poles.tolist()] for poles in self.poles[condition]], "rad/s")
 
     def text(self) -> str:
         """Return the result in lines of text."""

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 import numpy as np
 
-from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.control_law import (
     CourseController,
     IntegralCourseController,
@@ -29,8 +27,52 @@ from shipid.parameters.ship_coefficients import coefficients_at
 if TYPE_CHECKING:
     import control
 
+#: What python-control may be given of an autopilot.
+Part = Literal["loop", "controller", "ship"]
+PARTS: tuple[Part, ...] = get_args(Part)
 
-def control_law(pilot: Autopilot) -> type[Component]:
+
+class Piloted(Protocol):
+    """A ship with the gains that steer her: what `shipid.autopilot.design.autopilot.Autopilot` holds and a loop is made of."""
+
+    @property
+    def model(self) -> Model:
+        """The ship's model."""
+
+    @property
+    def ships(self) -> tuple[ParameterSet, ...]:
+        """The ship, once for each load condition."""
+
+    @property
+    def actuator(self) -> type[Component]:
+        """The steering machine between order and rudder."""
+
+    @property
+    def mode(self) -> str:
+        """Whether it holds a course or a rate of turn."""
+
+    @property
+    def request(self) -> Mapping[str, float]:
+        """What the design was asked for, SI."""
+
+    @property
+    def service_speed(self) -> float:
+        """In m/s."""
+
+    @property
+    def rudder_limit(self) -> float:
+        """Largest rudder angle it orders, in rad."""
+
+    @property
+    def limits(self) -> Mapping[str, float]:
+        """Constants of the steering machine, SI."""
+
+    @property
+    def schedule(self) -> Schedule:
+        """Speeds and gains."""
+
+
+def control_law(pilot: Piloted) -> type[Component]:
     """Return the control law of an autopilot, by its mode and its gains.
 
     Parameters
@@ -43,7 +85,7 @@ def control_law(pilot: Autopilot) -> type[Component]:
     return IntegralCourseController if "Ki" in pilot.schedule.gains else CourseController
 
 
-def closed_loop(pilot: Autopilot, *parts: type[Component], measured: type[Component] = Measured) -> Model:
+def closed_loop(pilot: Piloted, *parts: type[Component], measured: type[Component] = Measured) -> Model:
     """Return ship, steering machine, measurement and law as one declared model.
 
     Its input is ``psi_order`` [rad], or ``r_order`` [rad/s] where the autopilot holds a rate of turn.
@@ -61,7 +103,7 @@ def closed_loop(pilot: Autopilot, *parts: type[Component], measured: type[Compon
     return join(name, pilot.model, pilot.actuator, measured, control_law(pilot), pilot.schedule.component, *parts)
 
 
-def steered_ship(pilot: Autopilot) -> Model:
+def steered_ship(pilot: Piloted) -> Model:
     """Return the ship with its steering machine; its input is ``delta_order``.
 
     Parameters
@@ -72,7 +114,7 @@ def steered_ship(pilot: Autopilot) -> Model:
     return join(f"{pilot.model.name}-steered", pilot.model, pilot.actuator)
 
 
-def coefficients_of(pilot: Autopilot, model: Model, speed: float, condition: int = 0) -> dict[str, float]:
+def coefficients_of(pilot: Piloted, model: Model, speed: float, condition: int = 0) -> dict[str, float]:
     """Return the coefficients of a model that holds the ship of an autopilot, at a speed, SI.
 
     Parameters
@@ -102,7 +144,7 @@ def coefficients_of(pilot: Autopilot, model: Model, speed: float, condition: int
 
 
 def linear_ship(
-    pilot: Autopilot, speeds: Sequence[float] | np.ndarray, condition: int = 0, steered: bool = False
+    pilot: Piloted, speeds: Sequence[float] | np.ndarray, condition: int = 0, steered: bool = False
 ) -> Plant:
     """Return the linear ship at several speeds, with or without its steering machine.
 
@@ -123,7 +165,7 @@ def linear_ship(
     return linear_plant(model, speeds, np.stack(p, axis=1), "delta_order" if steered else "delta")
 
 
-def poles_at(pilot: Autopilot, speed: float, condition: int = 0) -> np.ndarray:
+def poles_at(pilot: Piloted, speed: float, condition: int = 0) -> np.ndarray:
     """Return the poles of the loop in rad/s at a speed, the steering machine inside its limits left out.
 
     Parameters
@@ -135,7 +177,7 @@ def poles_at(pilot: Autopilot, speed: float, condition: int = 0) -> np.ndarray:
     condition : int
         Which load condition.
     """
-    return closed_poles(linear_ship(pilot, [speed], condition).at(0), pilot.gains(speed, condition))
+    return closed_poles(linear_ship(pilot, [speed], condition).at(0), pilot.schedule.gains_at(speed, condition))
 
 
 def schedule_poles(
@@ -158,20 +200,7 @@ def schedule_poles(
     )
 
 
-def with_schedule(pilot: Autopilot, schedule: Schedule) -> Autopilot:
-    """Return an autopilot with other gains, its poles computed anew.
-
-    Parameters
-    ----------
-    pilot : Autopilot
-        The design.
-    schedule : Schedule
-        Speeds and gains, for the same load conditions.
-    """
-    return dataclasses.replace(pilot, schedule=schedule, poles=schedule_poles(pilot.model, pilot.ships, schedule))
-
-
-def heading_frequency(pilot: Autopilot, speed: float) -> float:
+def heading_frequency(pilot: Piloted, speed: float) -> float:
     """Return the natural frequency of the heading in rad/s: the one requested, or that of the two slowest poles.
 
     Parameters
@@ -187,9 +216,9 @@ def heading_frequency(pilot: Autopilot, speed: float) -> float:
 
 
 def to_control(
-    pilot: Autopilot, speed: float | None = None, condition: int = 0, nonlinear: bool = False
+    pilot: Piloted, speed: float | None = None, condition: int = 0, nonlinear: bool = False, of: Part = "loop"
 ) -> control.StateSpace | control.NonlinearIOSystem:
-    """Return the closed loop for python-control, from the order to ``psi``, ``r`` and ``delta``.
+    """Return the closed loop, or a part of it, for python-control, SI.
 
     Parameters
     ----------
@@ -200,19 +229,31 @@ def to_control(
     condition : int
         Which load condition.
     nonlinear : bool
-        Whether it is the whole nonlinear loop as an `nlsys` with every input of the model, or a `StateSpace`.
+        Whether it is the whole nonlinear system as an `nlsys` with every input of the model, or a `StateSpace`.
+    of : {"loop", "controller", "ship"}
+        The loop, from the order to ``psi``, ``r`` and ``delta``; the control law with its gains at this speed, from the order and what
+        is measured to ``delta_order``; or the ship with her steering machine, from ``delta_order`` to ``psi``, ``r`` and ``delta``.
+        The law and the ship, connected by their names, are the loop.
     """
     speed = pilot.service_speed if speed is None else speed
-    model, order = closed_loop(pilot), "r_order" if pilot.mode == "rate" else "psi_order"
+    order = "r_order" if pilot.mode == "rate" else "psi_order"
+    if of == "controller":
+        gains = pilot.schedule.component
+        model = join(f"{pilot.model.name}-controller", Measured, control_law(pilot), gains)
+        inputs, outputs = [order, *(("psi",) if pilot.mode == "course" else ()), "r"], ["delta_order"]
+    else:
+        model = closed_loop(pilot) if of == "loop" else steered_ship(pilot)
+        inputs, outputs = [order if of == "loop" else "delta_order"], ["psi", "r", "delta"]
     known = coefficients_of(pilot, model, speed, condition)
-    known |= {"u": speed, "cruise": speed, "loading": float(condition)}
-    outputs = ["psi", "r", "delta"]
     if nonlinear:
         return _nonlinear(model, known, outputs)
+    known |= {"u": speed, "cruise": speed, "loading": float(condition)}
+    if of == "controller":
+        return linearise(model, known, None, inputs, outputs).to_state_space()
     system = generate(model)
     column = np.asarray(system.vector(system.coefficients, known))[:, None]
-    plant = linear_plant(model, np.array([speed]), column, order)
-    return linearise(model, known, plant.states, [order], outputs).to_state_space()
+    plant = linear_plant(model, np.array([speed]), column, inputs[0])
+    return linearise(model, known, plant.states, inputs, outputs).to_state_space()
 
 
 def _nonlinear(model: Model, known: Mapping[str, float], outputs: list[str]) -> control.NonlinearIOSystem:

@@ -9,8 +9,10 @@ import numpy as np
 from shipid.autopilot.design.gain_design import GainDesign
 from shipid.autopilot.design.schedule import Schedule
 from shipid.declaration.model import Model
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.notices import Notice
+from shipid.generation.system import generate
+from shipid.parameters.held_inputs import held_inputs
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
 from shipid.parameters.validity import BEYOND, MARGIN, beyond, speed_words
@@ -35,6 +37,7 @@ def design_warnings(
     return (
         _outside_trials(problem.model, problem.ships, schedule.speeds)
         + [n for ship in problem.ships for n in beyond(problem.model, ship, rudder=rudder_limit)]
+        + _held(problem.model, schedule.speeds)
         + _about_ship(problem, schedule)
         + _too_fast(problem, schedule, rudder_limit, limits)
     )
@@ -59,6 +62,20 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
                 "speeds they are scaled by L and L/U, which a ship follows only roughly."
             )
     return found
+
+
+def _held(model: Model, speeds: np.ndarray) -> list[str]:
+    """What holds the speed of the ship, such as the revolutions, is the same at every speed of the schedule."""
+    if len(speeds) < 2 or "u" not in model.states:
+        return []
+    system = generate(model)
+    held = {n: c for n, c in held_inputs(model).items() if "u" in system.states_driven_by([c])}
+    return [
+        f"'{name}' is held at {shown(model[constant].number('default') or 0.0, name, model[constant].unit)} at every speed of the schedule, "
+        f"from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s: a ship that sails at another speed by another '{name}' is not judged. Tune each "
+        "speed with its own, as in --speeds with one speed."
+        for name, constant in held.items()
+    ]
 
 
 def _about_ship(problem: GainDesign, schedule: Schedule) -> list[str]:

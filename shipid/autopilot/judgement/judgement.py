@@ -10,14 +10,14 @@ import numpy as np
 
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.autopilot.design.autopilot import Autopilot
-from shipid.autopilot.judgement.limits import LIMITS
+from shipid.autopilot.judgement.limits import ANGLES, LIMITS
 from shipid.autopilot.judgement.margins import Margins
 from shipid.autopilot.judgement.not_reached import not_reached
 from shipid.autopilot.judgement.robust_margins import Robustness
 from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, with_units
+from shipid.foundation.numbers import columns_of, quantity, with_units
 from shipid.foundation.result import DrawnResult, Result
 
 if TYPE_CHECKING:
@@ -207,7 +207,7 @@ class Judgement(DrawnResult):
             "weather": {**with_units(self.weather), "runs": [s.to_dict() for s in self.in_weather]},
             "weakest": self.weakest.to_dict(),
             "not_reached": list(self.not_reached),
-            "limits": dict(self.limits),
+            "limits": {n: quantity(v, "deg" if n in ANGLES else "1") for n, v in self.limits.items()},
         }
         if "conditions" in first:
             found["conditions"] = {

@@ -20,7 +20,8 @@ LIMITS: Mapping[str, float] = MappingProxyType(
         "steady error in wind": 3.0,
     }
 )
-_ANGLES = ("phase margin", "steady error in wind")
+#: Limits that are angles, in degrees.
+ANGLES = ("phase margin", "steady error in wind")
 
 
 def stated_limits(stated: Mapping[str, str | float]) -> dict[str, float]:
@@ -45,8 +46,8 @@ def stated_limits(stated: Mapping[str, str | float]) -> dict[str, float]:
         if known not in LIMITS:
             raise UnknownNameError("limit", name, LIMITS)
         if isinstance(value, str):
-            number = to_si(value, "rad" if known in _ANGLES else "1", f"the limit of the {known}")
-            found[known] = to_display(number, "psi") if known in _ANGLES else number
+            number = to_si(value, "rad" if known in ANGLES else "1", f"the limit of the {known}")
+            found[known] = to_display(number, "psi") if known in ANGLES else number
         else:
             found[known] = float(value)
         if not 0 < found[known] < float("inf"):

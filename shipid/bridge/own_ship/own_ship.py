@@ -6,8 +6,6 @@ import math
 from collections.abc import Mapping
 from typing import Literal, TypeAlias
 
-import numpy as np
-
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.bridge.own_ship.remembered import Remembered
 from shipid.bridge.own_ship.sensors import Sensors
@@ -18,8 +16,10 @@ from shipid.estimation.online.online_filter import OnlineFilter
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import UnstatedInputError
+from shipid.identification.problem.prior import INDEPENDENT
 from shipid.prediction.situations.filtered_situation import situation_now
-from shipid.prediction.situations.own_ship_filter import BRIDGE, own_ship_filter
+from shipid.prediction.situations.fix_errors import TURN_REMEMBERED, FixErrors, widened_current
+from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.situations.situation import Situation
 
 #: How the filter does.
@@ -30,8 +30,8 @@ _ADAPTS = ("K", "tau")
 _RECENT, _DOUBTFUL, _STARTING = 60.0, 0.2, 20.0
 #: After it has diverged the filter says so for this long, in s.
 _AFTERMATH = 60.0
-#: The cruising speed follows the speed with this time constant in s while the ship goes straight, below this rate of turn.
-_CRUISE, _STRAIGHT = 300.0, np.deg2rad(0.03)
+#: The cruising speed follows the speed with this time constant in L/U while the ship goes straight, with r L/u below this.
+_CRUISE, _STRAIGHT = 12.5, 0.0125
 #: The coefficients adapt while r L/u is larger than this, as Passenier (1989) lets them in manoeuvres only.
 _TURNING = 0.05
 #: Relative standard deviations up to which a coefficient is determined, and weakly determined.
@@ -60,9 +60,12 @@ class OwnShip:
 
     def __init__(self, pilot: Autopilot) -> None:
         model = pilot.model
-        shown = {n: level for n, level in BRIDGE.items() if n in (*model.states, *model.derived)}
         adapts = [n for n in _ADAPTS if n in model.parameters]
-        self._kalman = own_ship_filter(model, pilot.ship, measured=shown, estimated=adapts, switchable=bool(adapts))
+        self._kalman = own_ship_filter(model, pilot.ship, estimated=adapts, switchable=bool(adapts))
+        self._levels = dict(zip(self._kalman.design.measured, self._kalman.design.r.tolist()))
+        self._fixes: FixErrors | None = None
+        #: The largest rate of turn of late, |r| L/u, and when it was.
+        self._turned = 0.0, 0.0
         self._adapts = bool(adapts)
         self._pilot = pilot
         self.sensors, self.remembered = Sensors(), Remembered(pilot.length)
@@ -143,8 +146,27 @@ class OwnShip:
         if not estimate.refused:
             self._estimate = estimate
             self._situation = self._known()
+            self._fix(t, sample)
             if self._situation is not None and self.health == "well":
                 self.remembered.add(self._situation)
+
+    def _fix(self, t: float, sample: Mapping[str, float]) -> None:
+        """Hold a fix against the estimate, and the current as unsure as the fixes are."""
+        known = self._situation
+        if known is None or not {"x", "y"} <= set(self._levels):
+            return
+        unit_time = self._pilot.length / known.values["u"]
+        if self._fixes is None:
+            self._fixes = FixErrors(INDEPENDENT * unit_time)
+            self._turned = 0.0, t
+        most, since = self._turned
+        now = abs(known.values.get("r", 0.0)) * unit_time
+        if now >= most or t - since > TURN_REMEMBERED * unit_time:
+            self._turned = now, t
+        if "x" in sample and "y" in sample:
+            north, east = ((sample[n] - known.values[n]) / self._levels[n] for n in ("x", "y"))
+            self._fixes.add(t, north, east)
+        self._situation = widened_current(known, self._fixes.squares, self._turned[0])
 
     @property
     def _turns(self) -> bool:
@@ -156,7 +178,7 @@ class OwnShip:
 
     def _restart(self, t: float, why: str) -> None:
         self._online, self._situation, self._estimate = None, None, None
-        self._first = {}
+        self._first, self._fixes = {}, None
         self.remembered.forget()
         self._diverged, self.message = t, why
 
@@ -178,9 +200,10 @@ class OwnShip:
         known = self._situation
         if known is None or self._cruise is None:
             return
-        if "u" in self.sensors.lost or abs(known.values.get("r", 0.0)) > _STRAIGHT:
+        unit_time = self._pilot.length / known.values["u"]
+        if "u" in self.sensors.lost or abs(known.values.get("r", 0.0)) * unit_time > _STRAIGHT:
             return
-        self._cruise += min(step / _CRUISE, 1.0) * (known.values["u"] - self._cruise)
+        self._cruise += min(step / (_CRUISE * unit_time), 1.0) * (known.values["u"] - self._cruise)
 
     @property
     def rejected(self) -> float:
@@ -235,11 +258,10 @@ class OwnShip:
         known, current = self._situation, None
         if known is not None and "current_north" in known.values:
             north, east = known.current
-            sd = math.hypot(known.std_of("current_north"), known.std_of("current_east")) / math.sqrt(2)
             current = {
                 "speed": number(math.hypot(north, east), 5),
                 "direction_to": number(math.atan2(east, north) % (2 * math.pi), 5),
-                "sd": number(sd, 3),
+                "sd": number(known.current_std, 3),
             }
         return {"current": current, "wind": self._wind()}
 

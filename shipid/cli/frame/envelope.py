@@ -2,7 +2,7 @@
 
 ::
 
-    {"schema_version": 1, "command": "identify",
+    {"schema_version": 2, "command": "identify",
      "provenance": {"shipid": "...", "inputs": [{"name": "trial.csv", "sha256": "..."}], ...},
      "warnings": [{"kind": "...", "serious": false, "message": "...", ...}],
      ... what the command answers, by names of its own ...}
@@ -24,7 +24,7 @@ import click
 from shipid.foundation.aliases import Plain
 
 #: Counts up when a name or a form that a program may read changes its meaning or goes.
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 #: Parameters of commands that name what is written, or what grows while it is read.
 _NOT_READ = ("output", "out", "follow")
 

@@ -9,6 +9,7 @@ from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
 from shipid.cli.frame.options import (
     TrialReader,
     Variadic,
+    input_option,
     names_of,
     optional_ship_given,
     reading,
@@ -34,6 +35,7 @@ from shipid.foundation.exit_codes import ExitCode
 @reading
 @validate_option
 @set_option
+@input_option
 @starts_option
 @seed_option("the random starting points")
 @delivered(RESULT, REPORT)
@@ -44,6 +46,7 @@ def compare(
     read: TrialReader,
     validate: tuple[str, ...],
     values: dict[str, str],
+    inputs: dict[str, str],
     starts: int,
     seed: int,
     delivery: Delivery,
@@ -57,6 +60,7 @@ def compare(
     \b
     shipid compare first.csv second.csv --models nomoto,norrbin,de-keizer --ship zeefakkel
     shipid compare trial.csv --models nomoto,my.py:Yaw --ship ship.toml --validate other.csv
+    shipid compare trial.csv --models cross-flow,mmg-revolutions --ship kvlcc2 --input n='1.5 rps'
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.identification.compare_models import compare_models
     from shipid.parameters.catalogue import find_model
@@ -68,6 +72,7 @@ def compare(
             candidates,
             [read(t) for t in trials],
             ship=known,
+            inputs=inputs,
             validate=[read(t) for t in validate],
             starts=starts,
             seed=seed,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -29,6 +29,7 @@ from shipid.identification.recursive.methods import METHODS
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
+    from shipid.estimation.settings.instruments import Amount
     from shipid.foundation.aliases import Plain
     from shipid.parameters.parameter_set import ParameterSet
     from shipid.trials.trial import Trial
@@ -162,11 +163,10 @@ def _filter(
     from shipid.estimation.by_record import filter_by_record
     from shipid.estimation.kalman import ExtendedKalmanFilter
     from shipid.estimation.records.observability import observability
-    from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
 
-    sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
+    sensors = _sensors(model, record) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
     # What the user gave stays, and so does what a model declares to drive its states.
@@ -187,6 +187,14 @@ def _filter(
             REPORT: delivery.report(seen),
         },
     )
+
+
+def _sensors(model: Model, record: Trial) -> Mapping[str, Amount | None]:
+    """What of a record a filter of a model takes where nothing is named: standard sensors, and own states that were logged."""
+    from shipid.estimation.settings.defaults import own_sensors, standard_sensors
+
+    columns = {name: record[name] for name in record.table.columns}
+    return standard_sensors(model, tuple(columns)) | own_sensors(model, columns)
 
 
 def _recursively(
@@ -232,13 +240,12 @@ def _which_ship(
 ) -> ExitCode:
     """Compare parameter sets on a record by a multiple-model filter."""
     from shipid.estimation.multiple.which_ship import which_ship
-    from shipid.estimation.settings.defaults import standard_sensors
     from shipid.generation.reduction import reduced
 
     with delivery.progress() as tell:
         tell("reading")
         record = read(trial)
-        sensors = standard_sensors(model, tuple(record.table.columns)) if measured is None else measured
+        sensors = _sensors(model, record) if measured is None else measured
         kept = [f"sensor:{n}" for n in measured or ()] + [f"noise:{n}" for n in settings["noise"]]
         found = which_ship(
             reduced(model, tuple(sensors)),

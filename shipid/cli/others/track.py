@@ -28,6 +28,12 @@ _TRACKERS = ("imm", "cv", "fs-aimm", "vs-aimm", "agimm", "alpha-beta")
 @click.option("--own", metavar="FILE", help="Own ship's path, a trial: for plots that count from her, and for CPA.")
 @format_option
 @click.option("--position-std", type=NumberWithUnit("m"), help="Standard deviation of a plot along each axis.")
+@click.option(
+    "--bias-std", type=NumberWithUnit("m"), help="What all plots of a target may be off together; none by default."
+)
+@click.option(
+    "--bearing-bias-std", type=NumberWithUnit("deg"), help="What all bearings may be off together; none by default."
+)
 @click.option("--latency", type=NumberWithUnit("s"), help="How old a plot is at its time stamp; none by default.")
 @click.option("--scan", type=NumberWithUnit("s"), help="Time of a scan, where plots come one by one; found by default.")
 @click.option("--nearest", is_flag=True, help="Assign each plot to the nearest track: quicker, and worse in clutter.")
@@ -41,6 +47,8 @@ def track(
     own: str | None,
     format_: str | None,
     position_std: str | None,
+    bias_std: str | None,
+    bearing_bias_std: str | None,
     latency: str | None,
     scan: str | None,
     nearest: bool,
@@ -64,7 +72,17 @@ def track(
         tell("reading")
         known = optional_ship_given(ship, values)
         found = read_detections(
-            detections, format=format_, own=own, truth=truth, sensor_values=_given(position_std, latency, scan)
+            detections,
+            format=format_,
+            own=own,
+            truth=truth,
+            sensor_values=_given(
+                position_std=(position_std, "m"),
+                bias_std=(bias_std, "m"),
+                bearing_bias_std=(bearing_bias_std, "rad"),
+                latency=(latency, "s"),
+                period=(scan, "s"),
+            ),
         )
         tell("tracking")
         result = run(
@@ -79,9 +97,8 @@ def track(
     )
 
 
-def _given(position_std: str | None, latency: str | None, scan: str | None) -> dict[str, float]:
+def _given(**options: tuple[str | None, str]) -> dict[str, float]:
     """What the command line says of the sensors, SI."""
     from shipid.declaration.units import to_si
 
-    options = {"position_std": (position_std, "m"), "latency": (latency, "s"), "period": (scan, "s")}
     return {name: to_si(text, unit, name) for name, (text, unit) in options.items() if text is not None}

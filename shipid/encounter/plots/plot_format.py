@@ -14,6 +14,8 @@ position of own ship may stand beside them as ``own_x``, ``own_y``. A JSON list 
     [sensors.radar]
     value = 2                 # what the key of the sensor holds
     position_std = "5 m"      # or range_std and bearing_std
+    bias_std = "3 m"          # what all plots of a target may be off together: the place of the sensor, the length of a ship
+    bearing_bias_std = "1 deg"  # the same of all bearings: the heading that they count from
     latency = "2.2 s"
     detection = 0.9           # probability of a plot of a target in sight, in one scan
     sight = 0.8               # share of the time that a target is in sight
@@ -39,7 +41,7 @@ from shipid.trials.logs.format import TrialFormat, parse_format, read_format_tab
 _OWN = ("records", "sensors", "truth", "own")
 _RECORDS = ("time", "position", "layout", "own", "sensor", "relative", "unit", "time_unit")
 _SENSOR = (
-    "value", "position_std", "range_std", "bearing_std", "latency", "latency_std", "detection", "sight", "scan",
+    "value", "position_std", "range_std", "bearing_std", "bias_std", "bearing_bias_std", "latency", "latency_std", "detection", "sight", "scan",
 )  # fmt: skip
 _TRUTH = ("time", "time_unit", "position", "unit", "lonlat", "name", "struct")
 
@@ -214,6 +216,8 @@ def _sensors(table: Table) -> tuple[tuple[Sensor, ...], dict[object, int]]:
                 inside.quantity("position_std", "m", usual.position_std, positive=True) or usual.position_std,
                 range_std,
                 bearing_std,
+                inside.quantity("bias_std", "m", positive=True) or 0.0,
+                inside.quantity("bearing_bias_std", "rad", positive=True) or 0.0,
                 inside.quantity("latency", "s", 0.0) or 0.0,
                 inside.quantity("latency_std", "s", 0.0) or 0.0,
                 chances["detection"],

@@ -12,6 +12,8 @@ from shipid.foundation.notices import Notice
 
 #: A plot nearer than this to its sensor is its own echo, m.
 _OWN_ECHO = 1.0
+#: Half way round the Earth, m: no plot lies farther from anywhere.
+_FARTHEST = 2e7
 #: An antenna that turns clockwise sees a plot so little before the one before, rad, in this share of all at most.
 _BACKWARD, _SELDOM = 0.5, 0.05
 
@@ -28,6 +30,11 @@ class Sensor:
         Standard deviation of a position along each axis, m.
     range_std, bearing_std : float or None
         Instead of it: of range in m and bearing in rad.
+    bias_std : float
+        Standard deviation of what all plots of a target are off together, along each axis, m: the sensor out of place, or a long
+        target whose echo comes from one end.
+    bearing_bias_std : float
+        The same of all bearings, rad: the heading that they are counted from.
     latency : float
         How old a position is at its time stamp, s.
     latency_std : float
@@ -44,6 +51,8 @@ class Sensor:
     position_std: float = 5.0
     range_std: float | None = None
     bearing_std: float | None = None
+    bias_std: float = 0.0
+    bearing_bias_std: float = 0.0
     latency: float = 0.0
     latency_std: float = 0.0
     detection: float = 0.9
@@ -56,6 +65,10 @@ class Sensor:
         if not all(np.isfinite(s) and s > 0 for s in stds) or (self.range_std is None) != (self.bearing_std is None):
             raise EncounterRequestError(
                 f"the accuracy of sensor '{self.name}' has to be a standard deviation above zero: of positions, or of range and bearing together."
+            )
+        if not all(np.isfinite(s) and s >= 0 for s in (self.bias_std, self.bearing_bias_std)):
+            raise EncounterRequestError(
+                f"the bias of sensor '{self.name}' has to be a standard deviation of zero or more."
             )
         if not (0 < self.detection < 1 and 0 < self.sight < 1):
             raise EncounterRequestError(
@@ -207,6 +220,16 @@ def make_plots(
                 f"{_count(~known)} without a time or a position left out.", "plots-missing", count=int((~known).sum())
             )
         )
+    beyond = known & (np.maximum(np.abs(x), np.abs(y)) > _FARTHEST)
+    if beyond.any():
+        notes.append(
+            Notice(
+                f"{_count(beyond)} farther than half way round the Earth left out.",
+                "plots-beyond",
+                count=int(beyond.sum()),
+            )
+        )
+    known &= ~beyond
     echo = known & (np.hypot(x - own[:, 0], y - own[:, 1]) < _OWN_ECHO)
     if echo.any():
         notes.append(

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
+from shipid.encounter.plots.column_doubts import DAY, doubts, midnights
 from shipid.encounter.plots.json_records import plots_of_json, truth_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
@@ -19,7 +20,7 @@ from shipid.encounter.plots.ship_path import ShipPath, path_of
 from shipid.encounter.plots.structs import truth_of_structs
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import MissingFileError
-from shipid.foundation.notices import Notice
+from shipid.foundation.notices import notice_of
 from shipid.trials import columns as spelling
 from shipid.trials.errors import ClockError, EmptyFileError, ForeignFileError, NoUnitError, UnknownColumnError
 from shipid.trials.logs.geodesy import to_local
@@ -144,7 +145,8 @@ def read_detections(
         start=begin,
     )  # fmt: skip
     if not len(plots):
-        raise EmptyFileError(f"'{file}' holds no plot with a time and a position.")
+        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in plots.notes)
+        raise EmptyFileError(f"'{file}' holds no plot with a time and a position.{why}")
     found = tuple(_shifted(p, begin) for p in (_truth(_file(truth), fmt, origin) if truth is not None else ()))
     ship = None if ship is None else _shifted(ship, begin)
     if ship is not None and not ship.covers(np.array([s.t for s in plots])).any():
@@ -152,7 +154,7 @@ def read_detections(
             f"the path of own ship runs from {ship.t[0]:.6g} to {ship.t[-1]:.6g} s after the first plot, and no plot lies in it. "
             "Give own ship by the clock of the plots."
         )
-    plots = replace(plots, notes=(*(Notice(n) for n in raw.notes), *plots.notes))
+    plots = replace(plots, notes=(*(notice_of(n) for n in raw.notes), *plots.notes))
     return Detections(file.stem, plots, ship, relative, found)
 
 
@@ -204,7 +206,9 @@ def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
         # 2.0 and 2 are one key; a plot of a sensor that the format does not name is left out, as one without a time.
         sensor = np.array([fmt.values.get(v, -1) for v in columns["sensor"]], int)
         t = np.where(sensor >= 0, t, np.nan)
-    return RawPlots(t, found, sensor, notes=record.notes if fmt is None else ())
+    return RawPlots(
+        t, found, sensor, notes=(*(record.notes if fmt is None else ()), *doubts(record.values["t"], found))
+    )
 
 
 def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:
@@ -224,6 +228,7 @@ def _columns(record: LenientRecord) -> tuple[np.ndarray, dict[str, np.ndarray]]:
         if name in record.stated
     }
     t = values.get("t", record.values["t"])
+    t = t + DAY * midnights(t)
     if record.source.start:
         moment = datetime.fromisoformat(record.source.start)
         t = t + (moment if moment.tzinfo else moment.replace(tzinfo=UTC)).timestamp()

@@ -83,7 +83,10 @@ def plots_of_sentences(file: Path) -> RawPlots:
     radar = any(s.address.endswith("TTM") for _, s in lines)
     _collect(lines, found, radar)
     if not found.t:
-        raise EmptyFileError(f"'{file}' holds no target with a position: no TTM with a range, and no AIS position.")
+        left = f" {_left_out(found.left_out)}" if found.left_out else ""
+        raise EmptyFileError(
+            f"'{file}' holds no target with a position: no TTM with a range, and no AIS position.{left}"
+        )
     t = np.array(found.t)
     if not np.isfinite(t).any():
         raise NonFiniteError(
@@ -107,13 +110,40 @@ def plots_of_sentences(file: Path) -> RawPlots:
     )
     notes = []
     if found.left_out:
-        notes.append(f"{found.left_out} targets left out: lost, or without a position or a heading to count from.")
+        notes.append(_left_out(found.left_out))
     return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(notes))
+
+
+def _left_out(count: int) -> str:
+    what = "targets" if count > 1 else "target"
+    return f"{count} {what} left out: lost, or without a position, a unit or a heading to count from."
+
+
+@dataclass
+class _TimeOfDay:
+    """Times of day in the order of the log, which go on over midnight."""
+
+    days: float = 0.0
+    last: float = -math.inf
+
+    def on(self, seconds: float) -> float:
+        """Return a time of day as seconds since the first midnight."""
+        if math.isfinite(seconds):
+            self.days += DAY if seconds + self.days < self.last - DAY / 2 else 0.0
+            self.last = seconds + self.days
+        return seconds + self.days
+
+
+def _seconds(clock: str) -> float:
+    """The time of day that hhmmss.ss says; NaN where it says none."""
+    if len(clock) < 6 or not clock[:6].isdigit():
+        return _NAN
+    return int(clock[:2]) * 3600.0 + int(clock[2:4]) * 60.0 + float(clock[4:])
 
 
 def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
     """Each whole sentence with the time its logger gave it; a time of day goes on over midnight."""
-    read, days, last = stamp_reader("auto"), 0.0, -math.inf
+    read, day = stamp_reader("auto"), _TimeOfDay()
     for line in io.StringIO(text):
         sentence = split_line(line.rstrip("\r\n"))
         if sentence is None or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
@@ -121,16 +151,13 @@ def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
         stamp = tag_time(sentence.front)[0] or read(sentence.front)
         at = _NAN
         if stamp is not None:
-            at = stamp.time
-            if not stamp.dated:
-                days += DAY if at + days < last - DAY / 2 else 0.0
-                at += days
-            last = at
+            at = stamp.time if stamp.dated else day.on(stamp.time)
         yield at, sentence
 
 
 def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) -> None:
     heading = utc = _NAN
+    day = _TimeOfDay()
     parts: dict[str, list[str]] = {}
     for at, sentence in lines:
         fields = sentence.text.split(",")
@@ -141,26 +168,24 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                 known = dict(zip(names, take(fields)))
                 if kind in _HEADINGS:
                     heading = known["heading"] if math.isfinite(known["heading"]) else heading
+                if math.isfinite(known.get("utc", _NAN)):
+                    utc = day.on(known["utc"])
                 if kind in _POSITIONS:
-                    utc = known["utc"] if math.isfinite(known["utc"]) else utc
                     when = at if math.isfinite(at) else utc
                     if math.isfinite(when + known["lat"] + known["lon"]):
                         found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
             elif kind == "TTM":
-                _take_ttm(fields, at, utc, heading, found)
+                _take_ttm(fields, at, utc, heading, day, found)
             elif kind == "VDM" and not radar:
                 _take_ais(fields, sentence, at, utc, parts, found)
         except ValueError:
             found.left_out += 1
 
 
-def _take_ttm(fields: list[str], at: float, utc: float, heading: float, found: _Found) -> None:
+def _take_ttm(fields: list[str], at: float, utc: float, heading: float, day: _TimeOfDay, found: _Found) -> None:
     """Number, range, bearing and whose; unit, status, time."""
     fields = fields + [""] * (16 - len(fields))
-    clock = fields[14]
-    said = _NAN
-    if len(clock) >= 6 and clock[:6].isdigit():
-        said = int(clock[:2]) * 3600.0 + int(clock[2:4]) * 60.0 + float(clock[4:])
+    said = day.on(_seconds(fields[14]))
     when = next((w for w in (at, said, utc) if math.isfinite(w)), _NAN)
     unit = _UNITS.get(fields[10])
     bearing = float(fields[3]) if fields[3] else _NAN

@@ -85,4 +85,6 @@ def path_of(name: str, t: np.ndarray, x: np.ndarray, y: np.ndarray) -> ShipPath 
     """
     known = np.isfinite(t) & np.isfinite(x) & np.isfinite(y)
     times, first = np.unique(t[known], return_index=True)
-    return ShipPath(name, times, x[known][first], y[known][first]) if times.size else None
+    # Names from the air hold characters that no page can show.
+    shown = "".join(letter if letter.isprintable() else "?" for letter in name)
+    return ShipPath(shown, times, x[known][first], y[known][first]) if times.size else None

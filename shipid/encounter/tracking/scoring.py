@@ -44,6 +44,10 @@ class ShipScore:
         Mean normalised squared error of the position; 2 where the covariance is honest.
     tracks : int
         How many tracks held her, one after the other.
+    scans : int
+        Scans in which she was held.
+    bearing_offset, range_offset : (float, float) or None
+        How far the tracks lie off as the sensor sees it, mean and standard deviation: to the right in deg, and beyond in m.
     """
 
     name: str
@@ -52,6 +56,9 @@ class ShipScore:
     rmse: tuple[float | None, ...]
     nees: float | None
     tracks: int
+    scans: int = 0
+    bearing_offset: tuple[float, float] | None = None
+    range_offset: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -63,7 +70,9 @@ class TrackingScore(Result):
     ships : tuple of ShipScore
         Those that were visible, and those that were not.
     false_tracks : int
-        Confirmed tracks that move where no ship is within 250 m.
+        Confirmed tracks with more than 0.7 m/s where no ship is within 250 m.
+    false_movers : int
+        Those of them that surely move: the speed of the others may be that of a buoy or a shore.
     minutes : float
         Length of the log.
     near : float
@@ -74,6 +83,7 @@ class TrackingScore(Result):
     false_tracks: int
     minutes: float
     near: float
+    false_movers: int = 0
 
     @property
     def false_rate(self) -> float | None:
@@ -91,11 +101,14 @@ class TrackingScore(Result):
                     "rmse": [{"ahead": h, "value": v, "unit": "m"} for h, v in zip(HORIZONS, s.rmse) if v is not None],
                     "nees": s.nees,
                     "tracks": s.tracks,
+                    "bearing_offset": _plain_offset(s.bearing_offset, "deg"),
+                    "range_offset": _plain_offset(s.range_offset, "m"),
                 }
                 for s in self.ships
             ],
             "false_tracks": self.false_tracks,
             "false_tracks_per_minute": self.false_rate,
+            "false_movers": self.false_movers,
             "near": {"value": self.near, "unit": "m"},
         }
 
@@ -103,7 +116,8 @@ class TrackingScore(Result):
         """Return the result in lines of text."""
         rate = "" if self.false_rate is None else f", {self.false_rate:.2f} a minute"
         lines = [
-            f"beside the truth: {self.false_tracks} moving track{'' if self.false_tracks == 1 else 's'} without a ship within {_FAR:.0f} m{rate}; "
+            f"beside the truth: {self.false_tracks} moving track{'' if self.false_tracks == 1 else 's'} without a ship within {_FAR:.0f} m{rate}, "
+            f"of which {self.false_movers} surely move; "
             f"a track within {self.near:.0f} m is a ship's"
         ]
         for s in self.ships:
@@ -132,6 +146,10 @@ class TrackingScore(Result):
             for s in self.ships
         )
         return table(rows, "ship", ("visible_scans", "held", "nees", "tracks"))
+
+
+def _plain_offset(offset: tuple[float, float] | None, unit: str) -> dict[str, Plain] | None:
+    return None if offset is None else {"value": offset[0], "unit": unit, "std": offset[1]}
 
 
 def score_tracks(
@@ -175,14 +193,15 @@ def score_tracks(
     estimates = [_estimates(tracks, t) for t in times]
     ships = tuple(_score_ship(path, scans, times, estimates, limit) for path in truth)
     others = [*truth, *([own] if own is not None else [])]
-    false = {
-        int(number)
-        for t, (numbers, x, _) in zip(times, estimates)
-        for number, state in zip(numbers, x)
-        if np.hypot(*state[2:]) > _MOVING and not _ship_near(state, float(t), others)
-    }
+    false = [_moving_far(one, times, others) for one in tracks]
     minutes = (plots.span[1] - plots.span[0]) / 60
-    return TrackingScore(ships, len(false), minutes, limit)
+    return TrackingScore(
+        ships,
+        sum(bool(m.any()) for m in false),
+        minutes,
+        limit,
+        sum(bool((m & one.moves).any()) for m, one in zip(false, tracks)),
+    )
 
 
 def judging_sensor(plots: Plots) -> int:
@@ -199,6 +218,14 @@ def judging_sensor(plots: Plots) -> int:
         together = np.concatenate(away) if away else np.zeros(1)
         reach[k] = float(np.nanmedian(together)) if np.isfinite(together).any() else 0.0
     return int(reach.argmax())
+
+
+def _moving_far(track: TargetTrack, times: np.ndarray, ships: Sequence[ShipPath]) -> np.ndarray:
+    """When a track moves and no ship is near, of shape (N,), at the scans that are judged."""
+    which = track.held & np.isin(track.t, times) & (track.speed > _MOVING)
+    for k in np.flatnonzero(which):
+        which[k] = not _ship_near(track.x[k], float(track.t[k]), ships)
+    return np.asarray(which)
 
 
 def _ship_near(state: np.ndarray, t: float, ships: Sequence[ShipPath]) -> bool:
@@ -232,7 +259,7 @@ def _score_ship(
     visible = visible & inside
     held = np.zeros(times.size, bool)
     squares: list[list[float]] = [[] for _ in HORIZONS]
-    nees, numbers = [], []
+    nees, numbers, offsets = [], [], []
     for k in np.flatnonzero(inside).tolist():
         number, x, P = estimates[k]
         if not len(number):
@@ -243,6 +270,7 @@ def _score_ship(
             continue
         held[k] = True
         numbers.append(int(number[i]))
+        offsets.append([*error[i], *(path.at(times[k]) - scans[k].own)])
         nees.append(float(error[i] @ np.linalg.solve(P[i, :2, :2], error[i])))
         for row, ahead in zip(squares, HORIZONS):
             if path.covers(times[k] + ahead):
@@ -255,4 +283,18 @@ def _score_ship(
         tuple(plain(float(np.sqrt(np.mean(row)))) if row else None for row in squares),
         float(np.mean(nees)) if nees else None,
         len(set(numbers)),
+        int(held.sum()),
+        *_offsets(np.array(offsets).reshape(-1, 4)),
     )
+
+
+def _offsets(off: np.ndarray) -> tuple[tuple[float, float] | None, tuple[float, float] | None]:
+    """Mean and spread of errors in bearing, deg, and in range, m, from errors and positions relative to the sensor."""
+    known = off[np.isfinite(off).all(axis=1) & (np.hypot(off[:, 2], off[:, 3]) > 1.0)]
+    if not len(known):
+        return None, None
+    (x, y), (north, east) = known[:, :2].T, known[:, 2:].T
+    away = np.hypot(north, east)
+    bearing = np.rad2deg(np.arctan2(north * y - east * x, away**2 + north * x + east * y))
+    along = np.hypot(north + x, east + y) - away
+    return (float(bearing.mean()), float(bearing.std())), (float(along.mean()), float(along.std()))

@@ -12,6 +12,8 @@ from shipid.foundation.result import Result
 
 #: How a track stands: held, told to be lost, or given up before the log ended.
 Status = Literal["held", "lost", "ended"]
+#: A speed of so many standard deviations is not that of something that lies still.
+_SURELY = 2.5
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,7 +29,9 @@ class TargetTrack(Result):
     x : ndarray, shape (N, 4)
         North and east position and velocity, m and m/s.
     P : ndarray, shape (N, 4, 4)
-        Covariance.
+        Covariance, widened.
+    widening : ndarray, shape (N,)
+        By how much the covariance is larger than that of the filter, because the residuals of the track contradict it.
     mu : ndarray, shape (N, modes)
         MotionMode probabilities.
     turn_rate : ndarray, shape (N,)
@@ -46,6 +50,7 @@ class TargetTrack(Result):
     t: np.ndarray
     x: np.ndarray
     P: np.ndarray
+    widening: np.ndarray
     mu: np.ndarray
     turn_rate: np.ndarray
     existence: np.ndarray
@@ -62,3 +67,24 @@ class TargetTrack(Result):
     def course(self) -> np.ndarray:
         """Course over the ground, shape (N,), rad, within a turn."""
         return np.asarray(np.arctan2(self.x[:, 3], self.x[:, 2]) % (2 * np.pi))
+
+    @property
+    def speed_std(self) -> np.ndarray:
+        """Standard deviation of the speed, shape (N,), m/s."""
+        return self._spread(self.x[:, 2:])
+
+    @property
+    def course_std(self) -> np.ndarray:
+        """Standard deviation of the course, shape (N,), rad; that of any course at all where the target may lie still."""
+        across = self._spread(np.stack([-self.x[:, 3], self.x[:, 2]], axis=1))
+        return np.asarray(np.minimum(across / np.maximum(self.speed, 1e-9), np.pi / np.sqrt(3)))
+
+    @property
+    def moves(self) -> np.ndarray:
+        """Whether the target surely moves, of shape (N,): speed and course of a buoy are noise."""
+        return np.asarray(self.speed > _SURELY * self.speed_std)
+
+    def _spread(self, direction: np.ndarray) -> np.ndarray:
+        """Standard deviation of the velocity along directions, shape (N,)."""
+        along = direction / np.maximum(np.hypot(*direction.T), 1e-9)[:, None]
+        return np.asarray(np.sqrt(np.maximum(np.einsum("ni,nij,nj->n", along, self.P[:, 2:, 2:], along), 0.0)))

@@ -19,6 +19,8 @@ from shipid.encounter.tracking.clutter import ClutterMap
 from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
 from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.latency import Latency
+from shipid.encounter.tracking.sensor_bias import SensorBias
+from shipid.encounter.tracking.track_residuals import TrackResiduals
 
 #: Existence is never certain: a sure track could not be lost.
 _SURE = 1 - 1e-6
@@ -93,7 +95,9 @@ class Standing:
     x : ndarray, shape (n, 4)
         North and east position and velocity.
     P : ndarray, shape (n, 4, 4)
-        Covariance.
+        Covariance, widened, with the offsets that the sensors may have.
+    widening : ndarray, shape (n,)
+        Factor of the covariance: how far the residuals of the track contradict what its filter says; one where they do not.
     mu : ndarray, shape (n, modes)
         MotionMode probabilities.
     turn_rate : ndarray, shape (n,)
@@ -111,6 +115,7 @@ class Standing:
     number: np.ndarray
     x: np.ndarray
     P: np.ndarray
+    widening: np.ndarray
     mu: np.ndarray
     turn_rate: np.ndarray
     existence: np.ndarray
@@ -146,6 +151,8 @@ class Tracker:
         self.last = np.zeros(0)
         self.clutter = [ClutterMap() for _ in self.sensors]
         self.latency = [Latency(s.latency, s.latency_std) for s in self.sensors]
+        self.residuals = TrackResiduals(len(self.sensors))
+        self.bias = SensorBias(self.sensors)
         self._t: float | None = None
         self._next = 1
 
@@ -195,8 +202,13 @@ class Tracker:
             np.concatenate([(exists - pair.sum(axis=1))[:, None], pair], axis=1) / np.maximum(exists, 1e-300)[:, None]
         )
         found = 1 - shares[:, 0]
-        self.latency[k].learn(self.filters, expected, shares, self.confirmed & (self.existence > rules.lost))
+        held = self.confirmed & (self.existence > rules.lost)
+        self.latency[k].learn(self.filters, expected, shares, held)
+        self.residuals.learn(k, self.filters.mu, expected, shares, held)
+        before = self.filters.combined()[1] if self.bias.known else None
         self.filters = self.filters.update(expected, delay, shares)
+        if before is not None:
+            self.bias.learn(k, scan, before, self.filters.combined()[1])
         unseen = self.in_sight[:, k] * (1 - sensor.detection) / np.maximum(1 - chance, 1e-12)
         self.in_sight[:, k] = np.clip(found + (1 - found) * unseen, 1e-3, 1 - 1e-3)
         self.existence = np.minimum(exists, _SURE)
@@ -214,8 +226,12 @@ class Tracker:
         keep = self._kept()
         self._select(keep)
         x, P = self.filters.combined()
+        wider = self.residuals.widening
+        P = wider[:, None, None] * P
+        if self.bias.known:
+            P = P + self.bias.covariance(x)
         return Standing(
-            self._t, k, self.number.copy(), x, P, self.filters.mode_shares.copy(), self.filters.turn_rates(),
+            self._t, k, self.number.copy(), x, P, wider, self.filters.mode_shares.copy(), self.filters.turn_rates(),
             self.existence.copy(), self.confirmed.copy(), seen[keep],
         )  # fmt: skip
 
@@ -240,6 +256,8 @@ class Tracker:
         self.plots = np.concatenate([self.plots, np.ones(count, int)])
         self.confirmed = np.concatenate([self.confirmed, np.zeros(count, bool)])
         self.last = np.concatenate([self.last, np.full(count, scan.t)])
+        self.residuals.begin(count)
+        self.bias.begin(k, count)
         self._next += count
 
     def _kept(self) -> np.ndarray:
@@ -265,5 +283,7 @@ class Tracker:
 
     def _select(self, keep: np.ndarray) -> None:
         self.filters = self.filters.select(keep)
+        self.residuals.select(keep)
+        self.bias.select(keep)
         for name in ("existence", "in_sight", "number", "plots", "confirmed", "last"):
             setattr(self, name, getattr(self, name)[keep])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 #: Columns of the tracks and their units.
 UNITS: Mapping[str, str] = {
     "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
-    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1",
+    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1", "widening": "1",
 }  # fmt: skip
 
 
@@ -79,7 +79,7 @@ class Tracking(DrawnResult):
             spread = np.sqrt(np.maximum(np.diagonal(one.P, axis1=1, axis2=2), 0.0))
             columns = (
                 np.full(one.t.size, one.number), one.t, *one.x.T, one.speed, one.course, one.turn_rate, *spread.T,
-                one.existence, one.held.astype(int),
+                one.existence, one.held.astype(int), one.widening,
             )  # fmt: skip
             part = dict(zip(UNITS, columns))
             part |= {f"mode_{label}": one.mu[:, k] for k, label in enumerate(self.modes)}
@@ -112,7 +112,7 @@ class Tracking(DrawnResult):
         values = (*one.x[-1], one.speed[-1], one.course[-1], one.turn_rate[-1])
         names = ("x", "y", "vx", "vy", "SOG", "COG", "turn_rate")
         known: dict[str, Plain] = {n: {"value": float(v), "unit": UNITS[n]} for n, v in zip(names, values)}
-        for name, std in zip(names, spread):
+        for name, std in zip(names, (*spread, one.speed_std[-1], one.course_std[-1])):
             known[name]["std"] = float(std)
         return {
             "number": one.number,
@@ -120,6 +120,8 @@ class Tracking(DrawnResult):
             "first": {"value": float(one.t[0]), "unit": "s"},
             "last": {"value": float(one.t[-1]), "unit": "s"},
             "existence": float(one.existence[-1]),
+            "moves": bool(one.moves[-1]),
+            "widening": float(one.widening[-1]),
             "state": known,
             "mode_probabilities": dict(zip(self.modes, map(float, one.mu[-1]))),
             "closest_approach": None if one.approach is None else _plain_approach(one.approach),
@@ -131,13 +133,13 @@ class Tracking(DrawnResult):
         held = sum(one.status == "held" for one in self.tracks)
         lines = [
             f"tracks of {self.name} ({self.tracker}): {len(self.tracks)} confirmed, {held} held at the end; "
-            f"{len(self.plots)} plots in {len(self.plots.scans)} scans, {last - first:.0f} s"
+            f"{_many(len(self.plots), 'plot')} in {_many(len(self.plots.scans), 'scan')}, {last - first:.0f} s"
         ]
         if self.tracks:
             ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
             what = "positions and speeds" if self.relative else "positions in m,"
             lines.append(f"  {what} {ends}, at the end of each track")
-            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "course [deg]", "CPA [m]", "TCPA [s]")  # fmt: skip
+            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "± [m/s]", "course [deg]", "CPA [m]", "TCPA [s]")  # fmt: skip
             rows = [heads, *(self._row(one) for one in self.tracks)]
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
             lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]
@@ -153,10 +155,16 @@ class Tracking(DrawnResult):
             else (f"{near.cpa:.0f}", f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else "steady")
         )
         spread = float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0)))
+        # What may lie still has no course.
+        course = f"{np.rad2deg(one.course[-1]):03.0f}" if one.moves[-1] else "none"
         return (
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
-            f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{np.rad2deg(one.course[-1]):03.0f}", *cpa,
+            f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{one.speed_std[-1]:.1f}", course, *cpa,
         )  # fmt: skip
+
+
+def _many(n: int, what: str) -> str:
+    return f"{n} {what}{'s' * (n != 1)}"
 
 
 def _plain_approach(near: ClosestApproach) -> dict[str, Plain]:

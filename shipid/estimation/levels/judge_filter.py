@@ -112,12 +112,14 @@ def _about_sensor(
             f"too small, and so are its standard deviations.{_advice(levels, name)}",
             "noise-does-not-fit",
             serious=True,
+            sensor=name,
         )
     elif size < FITTING[0]:
         yield Notice(
             f"The innovations of {name} are {np.sqrt(size):.2f} times as large as this filter expects them: its noise levels are "
             f"too large, and intervals too wide.{_advice(levels, name)}",
             "noise-does-not-fit",
+            sensor=name,
         )
 
 

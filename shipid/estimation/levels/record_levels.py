@@ -141,7 +141,7 @@ class RecordLevels(Result):
             said.append(f"added to inputs, from the record: {', '.join(biases)}")
         if self.simulated:
             values = (
-                f"{n} {uncertain_text(v, s)} {pretty(self.coefficients[n].unit)}"
+                f"{n} {uncertain_text(v, s)} {pretty(self.coefficients[n].unit)}".removesuffix(" 1")
                 for n, (v, s) in self.simulated.items()
             )
             said.append(f"output error on the same record: {', '.join(values)}")

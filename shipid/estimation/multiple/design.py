@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import shown
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import ModeError
 from shipid.estimation.multiple.cycle.cycle import CycleSettings, make_cycle
@@ -105,7 +106,8 @@ class MultipleModelDesign:
 
     def __repr__(self) -> str:
         sensors = ", ".join(
-            f"{n} ({level:.3g} {self.first.model[n].unit})" for n, level in zip(self.measured, self.first.r)
+            f"{n} ({shown(level, self.first.model[n].quantity.measures or n, self.first.model[n].unit, digits=3)})"
+            for n, level in zip(self.measured, self.first.r)
         )
         models = ", ".join(f"{n} ({d.base.name})" for n, d in self.modes.items())
         return f"<multiple-model filter: modes {models}; states {', '.join(self.states)}; sensors {sensors}>"

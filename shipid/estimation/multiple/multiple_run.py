@@ -16,6 +16,7 @@ from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.numbers import fixed
 from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
@@ -165,7 +166,7 @@ class MultipleModelRun(RecordRun, DrawnResult):
         lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
         last, mean = self.probabilities[-1], self.probabilities.mean(axis=0)
         lines += [
-            f"  mode {n:<16s} probability {last[j]:.4g} at the end, {mean[j]:.4g} on average"
+            f"  mode {n:<16s} probability {fixed(last[j], 4)} at the end, {fixed(mean[j], 4)} on average"
             for j, n in enumerate(self.modes)
         ]
         lines += [f"  {sentence}" for sentence in self.arranged.words]

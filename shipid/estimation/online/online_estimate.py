@@ -11,6 +11,7 @@ from shipid.estimation.design import FilterDesign
 from shipid.estimation.named_quantities import SampleEstimate
 from shipid.estimation.records.derived import named
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -67,7 +68,7 @@ class OnlineEstimate(SampleEstimate):
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI; None where a number is not finite."""
         return {
-            "t": self.t,
+            "t": quantity(self.t, "s"),
             "estimates": self.estimates,
             "taken": list(self.taken),
             "rejected": list(self.rejected),

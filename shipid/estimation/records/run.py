@@ -21,6 +21,7 @@ from shipid.estimation.recursion.gate import MISSING, REJECTED, TAKEN
 from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import probability
 from shipid.foundation.result import DrawnResult, Result
 from shipid.foundation.statistics import interval_95
 
@@ -276,7 +277,7 @@ class FilterRun(RecordRun, DrawnResult):
         lines += [f"  {p}" for p in self.parameters.values()]
         for name, i in self.innovations.items():
             mean = "-" if i.nis_mean is None else f"{i.nis_mean:.3f}"
-            white = "-" if i.white_p is None else f"{i.white_p:.2g}"
+            white = "-" if i.white_p is None else probability(i.white_p)
             lines.append(
                 f"  innovations of {name:<10s} NIS {mean} (1 is right), whiteness p {white}, rejected {i.rejected}"
                 + ("" if i.t.size == self.t.size else f", {i.t.size} samples at {self.t.size} times")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+
+import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.estimation.errors import NotMeasurableError
@@ -10,6 +12,8 @@ from shipid.estimation.settings.instruments import Amount, column_of
 from shipid.parts.sensors import standard_noise
 
 _TRACK = ("x", "y")
+#: Median size of the second differences of normal noise, in its standard deviations: 0.6745 sqrt(6).
+_MEDIAN_OF_SECOND_DIFFERENCES = 0.6745 * 6**0.5
 
 
 def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Amount | None]:
@@ -45,6 +49,36 @@ def standard_sensors(model: Model, columns: Collection[str]) -> dict[str, Amount
             f"the record holds no quantity that a standard sensor measures of model {model.name} ({', '.join(wanted)}); it has "
             f"{', '.join(columns)}. Say what is measured, as in measured={{'psi': '0.2 deg'}} (--measured 'psi=0.2 deg')."
         )
+    return found
+
+
+def own_sensors(model: Model, columns: Mapping[str, np.ndarray]) -> dict[str, Amount | None]:
+    """Return the states of a model that no standard sensor measures and a record shows, such as the shaft speed of an engine.
+
+    Parameters
+    ----------
+    model : Model
+        The model. One that declares its outputs says itself what is measured.
+    columns : mapping of str to ndarray, shape (n,)
+        What the record has, SI.
+
+    Returns
+    -------
+    dict of str to tuple
+        A level to start from with its unit: the noise that the second differences of the column show, which no slow motion has, and
+        at least a thousandth of its spread.
+    """
+    if model.outputs:
+        return {}
+    found: dict[str, Amount | None] = {}
+    for name in model.states:
+        column = (
+            np.asarray(columns[name], dtype=float) if name in columns and name not in standard_noise() else np.empty(0)
+        )
+        there = column[np.isfinite(column)]
+        if there.size > 2 and np.ptp(there) > 0:
+            rough = float(np.median(np.abs(np.diff(there, 2)))) / _MEDIAN_OF_SECOND_DIFFERENCES
+            found[name] = (max(rough, 1e-3 * float(np.std(there))), model[name].unit)
     return found
 
 

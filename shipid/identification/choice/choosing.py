@@ -10,8 +10,10 @@ import numpy as np
 
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.identification.choice.hard_turn import HardTurn
+from shipid.identification.choice.scoring import MEASURES
 from shipid.identification.evidence.explained import nothing_explained
 from shipid.identification.validation.comparison import Comparison
 
@@ -103,11 +105,15 @@ class Rank(Result):
             "spread": self.spread,
             "error": self.error,
             "shares": list(self.shares),
-            "measures": dict(self.measures),
+            "measures": _with_units(self.measures),
             "hard_turn": None if self.turn is None else self.turn.to_dict(),
-            "validation": {n: dict(m) for n, m in self.validation.items()},
+            "validation": {n: _with_units(m) for n, m in self.validation.items()},
             "message": self.message,
         }
+
+
+def _with_units(measures: Mapping[str, float | None]) -> dict[str, Plain]:
+    return {n: quantity(v, MEASURES[n][0]) for n, v in measures.items()}
 
 
 def tied_models(ranks: Sequence[Rank], factor: float = TIED, without: int | None = None) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
 from shipid.identification.identified import Identified
@@ -43,7 +44,12 @@ class HardTurn:
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI."""
-        return {"rudder": self.rudder, "rate": self.rate, "spread": self.spread, "runs_away": self.runs_away}
+        return {
+            "rudder": quantity(self.rudder, "rad"),
+            "rate": quantity(self.rate, "rad/s"),
+            "spread": self.spread,
+            "runs_away": self.runs_away,
+        }
 
 
 def hard_turn(identified: Identified, drawn: Iterable[np.ndarray], worthless: float) -> HardTurn | None:

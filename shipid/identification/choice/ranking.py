@@ -155,7 +155,6 @@ class Ranking(DrawnResult):
             "words": list(self.words),
             "without": dict(self.others),
             "folds": list(self.folds),
-            "units": {n: unit for n, (unit, _, _) in MEASURES.items()},
             "measure_weights": {n: weight for n, (_, weight, _) in MEASURES.items()},
             "ranking": [r.to_dict() | {"weight": weights[r.model]} for r in self.ranks],
             "warnings": plain_notices(self.warnings),

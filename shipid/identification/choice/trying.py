@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from shipid.identification.uncertainty.draws import draws_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.left_out import LeftOutTrial, can_be_left_out, left_out, records_of
 from shipid.identification.validation.runs import runs_of, swings_of
+from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
 from shipid.trials.trial import Trial
@@ -46,6 +47,9 @@ class Attempt:
         Particulars and first values.
     starts, seed : int
         Of the search.
+    inputs : mapping of str to str
+        Inputs that are held at a value, with its unit, where the model reads them. They are held by who tries it: such a model is made
+        on the spot, and cannot be sent from process to process.
     """
 
     model: Model
@@ -54,6 +58,7 @@ class Attempt:
     ship: ParameterSet | str | None
     starts: int
     seed: int
+    inputs: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,8 @@ def try_candidate(candidate: Attempt) -> Tried:
     candidate : Attempt
         The model and the trials.
     """
+    held = {name: text for name, text in candidate.inputs.items() if name in candidate.model.inputs}
+    candidate = replace(candidate, model=hold_inputs(candidate.model, held))
     model, trials = candidate.model, candidate.trials
     estimated = [model[n].quantity for n in model.parameters if model[n].quantity.estimated]
     reads = [n for n in model.inputs if n not in _MOTION and all(t.has(n) for t in trials)]

@@ -287,7 +287,7 @@ class Problem:
                     add({c: float(c == i) - 1 / count for c in columns}, 0.0, prior.biases[name])
             if name in prior.own:
                 for c, data in zip(columns, self.trials):
-                    deviation = prior.own[name] * (1.0 if data.settled else _UNSETTLED)
+                    deviation = prior.own[name] * (1.0 if data.approached else _UNSETTLED)
                     add({c: 1.0}, 0.0, np.hypot(deviation, noise * data.cruise_std))
         for k, name in enumerate(self.initial):
             if name in prior.initial:

@@ -11,6 +11,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.generation.simulator import input_rows
 from shipid.generation.system import generate
+from shipid.identification.problem.first_guess import first_guess
 from shipid.trials.filling import interpolated, usual_interval
 from shipid.trials.speed import PUT_OVER, check_ahead, check_way, recorded_speed, speed_before_in
 from shipid.trials.stretches import stretches_of
@@ -42,6 +43,8 @@ class TrialData:
         A first guess of each initial state, SI, and the standard error that sensor noise gives it.
     cruise_std : float
         Standard error of the speed before the manoeuvre by sensor noise, in m/s.
+    approached : bool
+        Whether that speed was measured on a steady course, rudder amidships: of a stretch, at the beginning of its record.
     speed : float
         Median speed in m/s (1 where neither trial nor ship states it).
     settled : bool
@@ -59,6 +62,7 @@ class TrialData:
     cruise_std: float
     speed: float
     settled: bool = True
+    approached: bool = True
     sampled: np.ndarray | None = None
 
     @functools.cached_property
@@ -129,7 +133,11 @@ class TrialData:
         name : str
             The column.
         """
-        return self.trial.has(name) and bool(np.isfinite(self.trial[name]).any())
+        return name in self._shown
+
+    @functools.cached_property
+    def _shown(self) -> frozenset[str]:
+        return frozenset(n for n in self.trial.table.columns if np.isfinite(self.trial[n]).any())
 
     def column(self, name: str, at: np.ndarray | None = None) -> np.ndarray:
         """Return a column of the trial in straight lines between its own samples, for a start of a search, shape (N,).
@@ -170,6 +178,19 @@ class TrialData:
             self, intervals=self.intervals[:count], inputs=self.inputs[:, :count], measured=self.measured[:, :count],
             sampled=None,
         )  # fmt: skip
+
+    def beginning(self, count: int) -> TrialData:
+        """Return the first rows, and of a signal that comes later its first four samples.
+
+        Parameters
+        ----------
+        count : int
+            How many rows.
+        """
+        nth = np.cumsum(self.there, axis=1)
+        taken = self.there & ((np.arange(self.intervals.size) < count) | (nth <= min(4, count)))
+        rows = max(count, int(np.flatnonzero(taken.any(axis=0)).max(initial=0)) + 1)
+        return replace(self, measured=np.where(taken, self.measured, np.nan)).head(rows)
 
 
 def warm_up_samples(trial: Trial, unit_time: float) -> int:
@@ -271,7 +292,9 @@ def prepare(
     """
     t, columns = trial["t"], {n: trial[n] for n in trial.table.columns}
     first = max(3, int(0.02 * t.size)) if unit_time is None else warm_up_samples(trial, unit_time)
-    recorded, measured = recorded_speed(columns), speed_before_in(columns, unit_time)
+    whole = trial if recorded_in is None else recorded_in
+    recorded = recorded_speed(columns)
+    measured = speed_before_in({n: whole[n] for n in whole.table.columns}, unit_time)
     # A model that takes the speed as given gets that before the manoeuvre: the measured one is part of the ship's response.
     before = own_speed if measured is None else measured.value
     if trial.has("cruise"):
@@ -291,7 +314,8 @@ def prepare(
             given[name] = before
         elif name not in needed:
             given[name] = 1.0  # without influence on what is fitted, and a speed of zero divides
-    start = {n: _initial(model, trial, n, before, first) for n in model.states}
+    usual = measured is not None and measured.source == "usual speed"
+    start = {n: first_guess(model, trial, whole, n, before, first) for n in model.states}
     return TrialData(
         trial,
         np.diff(t, append=t[-1]),
@@ -301,7 +325,8 @@ def prepare(
         {n: std for n, (_, std) in start.items()},
         0.0 if measured is None else measured.std,
         (own_speed if recorded is None else float(np.nanmedian(recorded))) or 1.0,
-        (measured is None or measured.source != "usual speed") and _settled(trial, min(first, 10)),
+        not usual and _settled(trial, min(first, 10)),
+        not usual and _settled(whole, min(first, 10)),
         None if recorded_in is None else _sampled(model, trial, recorded_in),
     )
 
@@ -336,23 +361,3 @@ def _settled(trial: Trial, first: int) -> bool:
 def _largest(values: np.ndarray) -> float:
     """The largest size of the samples that are there."""
     return float(np.nanmax(np.abs(values), initial=0.0))
-
-
-def _initial(model: Model, trial: Trial, name: str, before: float | None, first: int) -> tuple[float, float]:
-    """A first guess of one initial state and its standard error: a straight line through the first samples that are there."""
-    samples = np.flatnonzero(np.isfinite(trial[name])) if trial.has(name) else np.zeros(0, dtype=int)
-    if samples.size:
-        t, column = trial["t"], trial[name]
-        count = max(int(np.searchsorted(samples, first)), min(4, samples.size))
-        # Of a slow signal the first few, as long as they are near the beginning.
-        near = t[samples[:count]] <= t[0] + 4 * (t[first - 1] - t[0])
-        at = samples[:count][near]
-        if len(at) < 4:
-            return float(column[samples[0]]), 0.0
-        design = np.column_stack([np.ones(len(at)), t[at] - t[0]])
-        found, *_ = np.linalg.lstsq(design, column[at], rcond=None)
-        scatter = float(np.std(column[at] - design @ found)) * np.sqrt(len(at) / (len(at) - 2))
-        return float(found[0]), float(scatter * np.sqrt(np.linalg.inv(design.T @ design)[0, 0]))
-    if name == "u" and before is not None:
-        return before, 0.0
-    return model[name].number("start") or 0.0, 0.0

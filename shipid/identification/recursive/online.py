@@ -25,6 +25,7 @@ from shipid.estimation.records.triangles import unpacked
 from shipid.estimation.recursion.layout import total
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.numbers import quantity
 from shipid.generation.loop import Stepper
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
@@ -93,7 +94,7 @@ class RecursiveEstimate(SampleEstimate):
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI, free of NaN."""
-        return {"t": self.t, "estimates": self.estimates, "refused": self.refused}
+        return {"t": quantity(self.t, "s"), "estimates": self.estimates, "refused": self.refused}
 
     @property
     def remarks(self) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import percent, probability
 from shipid.foundation.result import DrawnResult
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
@@ -299,7 +299,8 @@ class RecursiveIdentification(DrawnResult):
             f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
         ]
         lines += [f"  {p}" for p in self.parameters.values()]
-        mean, white = ("-" if v is None else f"{v:.3g}" for v in (self.nis_mean, self.white_p))
+        mean = "-" if self.nis_mean is None else f"{self.nis_mean:.3g}"
+        white = "-" if self.white_p is None else probability(self.white_p)
         lines.append(f"  innovations of {self.design.output}: NIS {mean} (1 is right), whiteness p {white}")
         lines += [f"  {sentence}" for sentence in self.arranged.words]
         if self.widening > _WORTH_SAYING:

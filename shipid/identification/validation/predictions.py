@@ -77,16 +77,21 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
         unit_time = scale_of(identified.ship, [trial]).unit_time
         stretches = with_whole_inputs(identified.model, trial, signals, unit_time)
         said = examined(trial)
-        found += [predict(identified, s, measures_of(s, said, length)) for s in stretches]
+        found += [predict(identified, s, measures_of(s, said, length), trial) for s in stretches]
     return tuple(found)
 
 
 def _problem_of(
-    identified: Identified, trial: Trial, biases: tuple[str, ...], offset: Mapping[str, float], unit_time: float
+    identified: Identified,
+    trial: Trial,
+    record: Trial | None,
+    biases: tuple[str, ...],
+    offset: Mapping[str, float],
+    unit_time: float,
 ) -> Problem:
     """The problem of a trial whose parameters are known and only whose own unknowns are not."""
     known = identified.problem
-    data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), unit_time)
+    data = prepare(known.model, trial, known.signals, identified.ship.particular("speed", "m/s"), unit_time, record)
     return make_problem(known.model, [data], known.signals, (), identified.values, identified.noise, biases, offset)
 
 
@@ -103,7 +108,7 @@ def mean_biases(identified: Identified) -> dict[str, float]:
     return {n: float(np.mean([b.get(n, 0.0) for b in each])) for n in problem.biases if n != "cruise"}
 
 
-def predict(identified: Identified, trial: Trial, measures: TrialMeasures) -> Comparison:
+def predict(identified: Identified, trial: Trial, measures: TrialMeasures, record: Trial | None = None) -> Comparison:
     """Return a trial, or a stretch of one, that was not fitted beside its prediction.
 
     Parameters
@@ -114,18 +119,20 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures) -> Co
         The trial, its inputs whole.
     measures : TrialMeasures
         Its manoeuvre, measured.
+    record : Trial, optional
+        The trial of which it is a stretch.
     """
     biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
-    ahead = _problem_of(identified, trial, (), mean_biases(identified), unit_time)
+    ahead = _problem_of(identified, trial, record, (), mean_biases(identified), unit_time)
     # What the first seconds do not show of the state stays near its first guess.
     prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
-    head = replace(ahead, trials=(ahead.trials[0].head(count),), prior=prior)
+    head = replace(ahead, trials=(ahead.trials[0].beginning(count),), prior=prior)
     start = minimise(head, head.first_guess(_NONE), EMPTY, most=50).q
     predicted = compare(ahead, start, 0, measures, length)
     if "delta" not in biases:
         return predicted
-    free = _problem_of(identified, trial, biases, {}, unit_time)
+    free = _problem_of(identified, trial, record, biases, {}, unit_time)
     q0 = free.first_guess(_NONE)
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
     again = minimise(free, q0, EMPTY, most=50).q
@@ -145,7 +152,7 @@ def _warmed_up(free: Problem, q0: np.ndarray, prior: Prior, measures: TrialMeasu
     count = int(np.searchsorted(data.trial["t"], reversal)) if reversal is not None else 0
     if count < 10 or count > data.intervals.size - 10:
         return {}
-    before = replace(free, trials=(data.head(count),), prior=prior)
+    before = replace(free, trials=(data.beginning(count),), prior=prior)
     q = minimise(before, q0, EMPTY, most=50).q
     return _errors(free, free.run(q, 0)[0], count)
 

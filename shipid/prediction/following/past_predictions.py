@@ -12,7 +12,7 @@ from shipid.declaration.component import Component
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
 from shipid.parts.helm import DirectRudder
-from shipid.prediction.situations.past import LOOKED_AT, Past, errors_of, told_of
+from shipid.prediction.situations.past import LOOKED_AT, RUN_AWAY, Past, errors_of, told_of
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import PastErrors, Situation
 from shipid.prediction.situations.trial_situation import known_before
@@ -66,7 +66,7 @@ def past_errors(pilot: Autopilot, past: Past, parts: tuple[type[Component], ...]
     Returns
     -------
     PastErrors
-        Of no prediction, where none can be made.
+        Of no prediction, where there is no past instant.
     """
     nothing = np.full((1, LOOKED_AT.size), np.nan)
     if not past.situations:
@@ -76,20 +76,40 @@ def past_errors(pilot: Autopilot, past: Past, parts: tuple[type[Component], ...]
     horizon = float(LOOKED_AT[-1])
     s = np.arange(round(horizon * _STEPS)) / _STEPS * pilot.length
     rudders = np.interp(begun[:, None] + s, past.sailed, past.delta)
+    known = [with_coefficients(situation, pilot) for situation in past.situations]
+    tracks = _tracks(predictor, known, rudders, horizon)
+    off = np.stack([_off(track, past, start, pilot.length) for track, start in zip(tracks, begun)])
+    lost = int((np.isposinf(off[:, 0]).any(axis=1)).sum())
+    off[np.isposinf(off)] = RUN_AWAY
+    return errors_of(off[:, 0], off[:, 1], lost)
+
+
+def _tracks(
+    predictor: TrackPredictor, known: list[Situation], rudders: np.ndarray, horizon: float
+) -> list[PredictedTrack | None]:
+    """The tracks, together where all can be predicted; None for one that cannot."""
     try:
-        tracks = predictor.along([with_coefficients(known, pilot) for known in past.situations], rudders, horizon)
+        return list(predictor.along(known, rudders, horizon))
     except UsageError:
-        return errors_of(nothing, nothing)
-    off = np.stack([_off(track, past, start) for track, start in zip(tracks, begun)])
-    return errors_of(off[:, 0], off[:, 1])
+        if len(known) == 1:
+            return [None]
+    return [track for k, one in enumerate(known) for track in _tracks(predictor, [one], rudders[k : k + 1], horizon)]
 
 
-def _off(track: PredictedTrack, past: Past, begun: float) -> np.ndarray:
-    """Distances across the track and of the heading in standard deviations, at `LOOKED_AT`, shape (2, distances)."""
+def _off(track: PredictedTrack | None, past: Past, begun: float, length: float) -> np.ndarray:
+    """Distances across the track and of the heading in standard deviations, at `LOOKED_AT`, shape (2, distances).
+
+    They are infinite where the ship sailed on and the track has ended, and not a number where she has not sailed so far.
+    """
+    reached = begun + LOOKED_AT * length <= past.sailed[-1]
+    found = np.where(reached, np.inf, np.nan) * np.ones((2, 1))
+    if track is None:
+        return found
     assert track.covariance is not None
-    node = np.interp(LOOKED_AT, track.s_star, np.arange(track.s.size), right=np.nan)
-    node[begun + LOOKED_AT * track.length > past.sailed[-1]] = np.nan
-    found = np.full((2, LOOKED_AT.size), np.nan)
+    # Of a track without an end the last node is a step short of the horizon.
+    right = np.nan if track.ended else track.s.size - 1.0
+    node = np.interp(LOOKED_AT, track.s_star, np.arange(track.s.size), right=right)
+    node[~reached] = np.nan
     for k in np.flatnonzero(np.isfinite(node)):
         i = round(node[k])
         x, y, psi = (np.interp(begun + track.s[i], past.sailed, c) for c in (past.x, past.y, past.psi))

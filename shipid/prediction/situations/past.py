@@ -15,6 +15,8 @@ _BELIEVED = 4.0
 LOOKED_AT = np.array([0.5, 1.0, 2.0, 4.0, 8.0])
 #: Past predictions begin so many L/U apart: the errors of a model last for so long.
 APART = 1.5
+#: A prediction that runs away or cannot be made, where the ship sailed on, counts as so many standard deviations off.
+RUN_AWAY = 5.0
 #: A band that is widened by more than this share is told.
 _TOLD = 0.1
 
@@ -51,7 +53,7 @@ class Past:
         object.__setattr__(self, "sailed", np.concatenate([[0.0], np.cumsum(steps)]))
 
 
-def errors_of(across: np.ndarray, turned: np.ndarray) -> PastErrors:
+def errors_of(across: np.ndarray, turned: np.ndarray, lost: int = 0) -> PastErrors:
     """Return by how much the bands of past predictions were too narrow.
 
     Parameters
@@ -60,6 +62,8 @@ def errors_of(across: np.ndarray, turned: np.ndarray) -> PastErrors:
         Distance of the ship from the predicted track, and of her heading from the predicted one, in standard deviations of its band, at
         the distances `LOOKED_AT`; not a number where she has not sailed so far yet. The predictions begin `APART` from one another, and
         those that overlap err together.
+    lost : int
+        How many of the predictions ran away or could not be made; they are among the distances as `RUN_AWAY`.
 
     Returns
     -------
@@ -77,7 +81,7 @@ def errors_of(across: np.ndarray, turned: np.ndarray) -> PastErrors:
         mean = np.divide(np.nansum(off**2, axis=0), counted, out=np.ones(counted.size), where=counted > 0)
         factors.append(np.sqrt(np.maximum(1.0, (_BELIEVED + independent * mean) / (_BELIEVED + independent))))
     seen = counted > 0
-    return PastErrors(LOOKED_AT[seen], factors[0][seen], factors[1][seen], int(counted.max(initial=0)))
+    return PastErrors(LOOKED_AT[seen], factors[0][seen], factors[1][seen], int(counted.max(initial=0)), lost)
 
 
 def told_of(errors: PastErrors) -> list[Notice]:
@@ -94,13 +98,25 @@ def told_of(errors: PastErrors) -> list[Notice]:
         None where the bands were wide enough.
     """
     widest = max(errors.track.max(initial=1.0), errors.heading.max(initial=1.0))
+    lost = []
+    if errors.lost:
+        lost = [
+            Notice(
+                f"{errors.lost} of the last {errors.count} predictions of her ran away or could not be made where she sailed on: each "
+                f"counts as {RUN_AWAY:g} standard deviations off.",
+                "past-predictions-lost",
+                lost=errors.lost,
+                count=errors.count,
+            )
+        ]
     if widest <= 1 + _TOLD:
-        return []
+        return lost
     return [
+        *lost,
         Notice(
             f"The last {errors.count} predictions of her were farther off than their bands allow: the band is up to "
             f"{widest:.2g} times as wide as the model states.",
             "band-widened",
             factor=float(widest),
-        )
+        ),
     ]

@@ -29,12 +29,15 @@ class PastErrors:
         Factors of the standard deviations across the track and of the heading, 1 at least.
     count : int
         How many predictions they come from.
+    lost : int
+        How many of these ran away or could not be made where the ship sailed on.
     """
 
     s_star: np.ndarray = field(repr=False)
     track: np.ndarray = field(repr=False)
     heading: np.ndarray = field(repr=False)
     count: int
+    lost: int = 0
 
     def at(self, s_star: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the factors of track and heading; beyond the farthest distance seen they are those there.
@@ -68,6 +71,10 @@ class Situation(Result):
         In s, on the clock of its source.
     past : PastErrors or None
         How far off earlier predictions of this ship were, which widens the band; None where nothing is known of that.
+    current_std : float or None
+        Standard deviation of each component of the estimated current in m/s, with the errors of model and log that are read as a
+        current (`shipid.prediction.situations.fix_errors`); None where none is estimated. The covariance is that of the filter:
+        a track that continues with the same errors is not as far off as they are large.
     """
 
     values: Mapping[str, float]
@@ -76,6 +83,7 @@ class Situation(Result):
     noise: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     t: float = 0.0
     past: PastErrors | None = None
+    current_std: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("psi", "u"):

@@ -14,10 +14,12 @@ from shipid.estimation.records.run import FilterRun
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.identification.problem.prior import INDEPENDENT
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.sensors import standard_noise
 from shipid.parts.wind import Wind
 from shipid.prediction.situations.filtered_situation import situation_of
+from shipid.prediction.situations.fix_errors import TURN_REMEMBERED, stretch_squares, widened_current
 from shipid.prediction.situations.own_ship_filter import DISTURBANCES, own_ship_filter
 from shipid.prediction.situations.past import APART, Past
 from shipid.prediction.situations.situation import Situation
@@ -101,10 +103,30 @@ def known_before(
         values = {**found.values, **_mean_wind(seen, whole, found.values, ship), **(stated or {})}
         if "u" not in values:
             values["u"] = _last(seen, "u")
-        return replace(found, values=values)
+        squares, turning = _fix_squares(run, seen, ship, values["u"]), _turning(run, at, ship, values["u"])
+        return widened_current(replace(found, values=values), squares, turning)
 
     now = known(float(run.t[-1]))
     return now, told, _past(run, before, now, ship, known)
+
+
+def _fix_squares(run: FilterRun, seen: Trial, ship: ParameterSet, speed: float) -> np.ndarray:
+    """How far the errors of the fixes last, up to a time; none without a position or a length."""
+    length, levels = ship.particular("L", "m"), dict(zip(run.design.measured, run.design.r))
+    if not ({"x", "y"} <= set(levels) and length is not None and speed > 0):
+        return np.zeros(0)
+    off = np.stack([(seen[n] - np.interp(seen["t"], run.t, run[n])) / levels[n] for n in ("x", "y")], axis=1)
+    there = np.isfinite(off).all(axis=1)
+    return stretch_squares(seen["t"][there], off[there], INDEPENDENT * length / speed)
+
+
+def _turning(run: FilterRun, at: float, ship: ParameterSet, speed: float) -> float:
+    """The largest rate of turn of late, |r| L/u."""
+    length = ship.particular("L", "m")
+    if "r" not in run.design.model or length is None or not speed > 0:
+        return 0.0
+    late = (run.t <= at) & (run.t >= at - TURN_REMEMBERED * length / speed)
+    return float(np.abs(run["r"][late]).max(initial=0.0) * length / speed)
 
 
 def _past(

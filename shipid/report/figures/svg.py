@@ -42,8 +42,15 @@ _PROPERTIES = {
     MUTED: "--muted",
     PAPER: "--paper",
 }
-#: Characters that a row of a legend holds, and its height in inches.
-_LEGEND, _ROW = 66, 0.17
+#: Points that the line of an entry of a legend takes beside its name, those of a letter, and the height of a row in inches.
+_ENTRY, _LETTER, _ROW = 40.0, 5.7, 0.17
+#: Letters that are wider or narrower than others, in widths of a digit.
+_WIDTHS = {
+    **dict.fromkeys("mMW%", 1.55),
+    **dict.fromkeys("wOQGD", 1.3),
+    **dict.fromkeys("tr()f-", 0.64),
+    **dict.fromkeys("ijl.,:;'| ", 0.5),
+}
 #: Margins of a figure and the gap between its panels, in inches.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.2, 0.5, 0.45, 0.27
 _SETTINGS = {
@@ -169,8 +176,13 @@ def legend(figure: Figure, axes: Iterable[Panels]) -> None:
 
 
 def _columns(labels: Iterable[str]) -> int:
-    """Entries of a legend beside each other: fewer where a name is long."""
-    return max(1, min(4, int(_LEGEND // (5 + max(len(label) for label in labels)))))
+    """Entries of a legend beside each other: as many as stand in the width of a figure, four at most, filled column by column."""
+    wide = [_LETTER * sum(_WIDTHS.get(letter, 1.0) for letter in label) for label in labels]
+    for n in range(min(4, len(wide)), 1, -1):
+        taken = sum(_ENTRY + max(column) for column in np.array_split(np.array(wide), n))
+        if taken < 72 * WIDTH:
+            return n
+    return 1
 
 
 def panel_size(size: tuple[float, float]) -> tuple[float, float]:

@@ -40,7 +40,8 @@ def targets_figure(found: Tracking, key: str) -> Markup:
     plots = plots[:: max(1, -(-len(plots) // _MOST))]
     first, last = found.plots.span
     own = None if found.own is None else _within(found.own, first, last)
-    everything = np.concatenate([plots, *(one.x[:, :2] for one in found.tracks), *([] if own is None else [own])])
+    held = [one.x[one.held, :2] for one in found.tracks]
+    everything = np.concatenate([plots, *held, *([] if own is None else [own])])
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
@@ -53,7 +54,7 @@ def targets_figure(found: Tracking, key: str) -> Markup:
         elif found.relative:
             ax.plot([0], [0], "o", color=_OWN, markersize=4, label="own ship")
         for one in found.tracks:
-            _draw_track(ax, one)
+            _draw_track(ax, one, everything)
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_xlabel("east [m]")
         ax.set_title("north [m]", loc="left", fontsize=9, pad=3)
@@ -79,10 +80,11 @@ def _near(positions: np.ndarray, shown: np.ndarray) -> np.ndarray:
     return np.where(there[:, None], positions, np.nan)
 
 
-def _draw_track(ax: Panels, one: TargetTrack) -> None:
+def _draw_track(ax: Panels, one: TargetTrack, shown: np.ndarray) -> None:
     for held, colour, label in ((one.held, _HELD, "track"), (~one.held, _LOST, "lost")):
         if held.any():
-            x = np.where(held[:, None], one.x[:, :2], np.nan)
+            # Where a lost target may have gone does not widen the plan.
+            x = _near(np.where(held[:, None], one.x[:, :2], np.nan), shown)
             ax.plot(x[:, 1], x[:, 0], color=colour, linewidth=1.3, label=label)
     if one.status != "held":
         return

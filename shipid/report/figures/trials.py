@@ -41,6 +41,7 @@ _STYLES: dict[str, dict[str, Plain]] = {
     "rudder": {"color": "black", "linestyle": "-", "linewidth": 0.9},
     "order": {"color": MUTED, "linestyle": ":", "linewidth": 1.2},
 }
+_POINTS = "innovation"
 _BOUNDS = ("95 % band", "95 % bounds")
 #: Innovations are shown up to so many times their bounds.
 _MOST_BOUNDS = 4.0
@@ -77,12 +78,15 @@ class Panel:
     settling : float
         Share of the record at its beginning that does not set the range: there a filter still settles, and its bounds would
         flatten the rest.
+    span : tuple of float or None
+        Least range of the vertical axis, such as that of a probability.
     """
 
     label: str
     unit: str
     curves: Sequence[Curve]
     settling: float = 0.0
+    span: tuple[float, float] | None = None
 
 
 def histories(panels: Sequence[Panel], key: str, title: str, most: int = MOST_POINTS) -> Markup:
@@ -129,7 +133,8 @@ def histories_drawing(panels: Sequence[Panel], title: str, most: int = MOST_POIN
         for ax, panel in zip(axes, panels):
             for curve in panel.curves:
                 x, y = with_gaps(curve.x, curve.y)
-                kept = thin(y, most)
+                # Points thinned to their extremes would leave the middle empty, where most innovations lie.
+                kept = np.arange(0, len(y), -(-len(y) // most)) if curve.kind == _POINTS else thin(y, most)
                 ax.plot(x[kept], y[kept], label=curve.kind.removesuffix(" beneath"), **_STYLES[curve.kind])
             ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
             ax.set_ylim(*_range(panel))
@@ -143,13 +148,15 @@ def histories_drawing(panels: Sequence[Panel], title: str, most: int = MOST_POIN
 
 def _range(panel: Panel) -> tuple[float, float]:
     """The range of a panel: bounds are seen for most of the record, and neither they nor what lies far beyond them flatten the rest."""
+    if panel.span is not None:
+        return axis_range([np.array(panel.span), *(c.y for c in panel.curves)])
     bounds = [c for c in panel.curves if c.kind in _BOUNDS]
     lines = [_settled(c.y, panel.settling) for c in panel.curves if c.kind not in _BOUNDS]
     if not bounds:
         return axis_range(lines)
     usual = np.array([np.nanmedian(_settled(c.y, panel.settling)) for c in bounds])
     first = lines[0]
-    if panel.curves[0].kind == "innovation":
+    if panel.curves[0].kind == _POINTS:
         first = np.clip(first, _MOST_BOUNDS * usual.min(), _MOST_BOUNDS * usual.max())
     return axis_range([np.concatenate([first, usual]), *lines[1:]])
 

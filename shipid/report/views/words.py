@@ -7,7 +7,6 @@ from importlib import metadata
 
 import shipid
 from shipid.declaration.units import pretty
-from shipid.foundation.numbers import number
 
 _NUMBERS = ("no", "one", "two", "three", "four", "five", "six")
 
@@ -58,17 +57,6 @@ def with_unit(text: str, unit: str) -> str:
         As declared.
     """
     return text if pretty(unit) == "1" else f"{text} {pretty(unit)}"
-
-
-def probability(p: float) -> str:
-    """Return a probability, and of a very small one only that it is small.
-
-    Parameters
-    ----------
-    p : float
-        The probability.
-    """
-    return "below 0.0001" if p < 1e-4 else number(p, 2)
 
 
 def versions_now() -> str:

@@ -37,6 +37,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     rates.examine_rate,
     frozen.examine_frozen_rates,
     heading.examine_heading,
+    heading.examine_heading_step,
     rates.examine_lag,
     course.examine_course,
     track.examine_track,

@@ -13,6 +13,12 @@ from shipid.trials.signals.series import smoothed
 _LEAST = np.radians(1.5)
 """Rudder angles below this are course keeping."""
 
+_LEAST_SWING = np.radians(0.7)
+"""A rudder that is reversed nearer to the course than this keeps it."""
+
+_STRAIGHT = 0.1
+"""Shares of a plate's angle by which a rudder on its way to the other side stays near a straight line, however slow its gear."""
+
 
 def find_manoeuvres(p: WorkingCopy) -> list[Stretch]:
     """Find the manoeuvres of a record.
@@ -27,13 +33,14 @@ def find_manoeuvres(p: WorkingCopy) -> list[Stretch]:
     list of Stretch
         In order of time, without gaps.
     """
-    name = "delta_order" if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p.rudder
+    ordered = p.has("delta_order") and np.ptp(p["delta_order"]) > 0 and not p.found("order-late")
+    name = "delta_order" if ordered else p.rudder
     if name is None or not p.has("psi") or len(p) < 30:
         return []
     delta = p[name] - _offset(p[name])
     held = _held(p.t, delta)
     taken: list[tuple[int, int, Stretch]] = []
-    for chain in _chains(held, p.t):
+    for chain in _chains(held, p.t, delta):
         taken += _zigzags(p, delta, chain)
     used = [(a, b) for a, b, _ in taken]
     for plate in held:
@@ -79,7 +86,7 @@ def _held(t: np.ndarray, delta: np.ndarray) -> list[Plate]:
     return sorted(result, key=lambda plate: plate.first)
 
 
-def _chains(held: list[Plate], t: np.ndarray) -> list[list[Plate]]:
+def _chains(held: list[Plate], t: np.ndarray, delta: np.ndarray) -> list[list[Plate]]:
     """Join stretches of alternating sides that follow one another without a pause."""
     chains: list[list[Plate]] = []
     for plate in held:
@@ -88,7 +95,12 @@ def _chains(held: list[Plate], t: np.ndarray) -> list[list[Plate]]:
             pause = t[plate.first] - t[before.last - 1]
             shorter = min(t[before.last - 1] - t[before.first], t[plate.last - 1] - t[plate.first])
             alike = 0.6 < abs(plate.angle / before.angle) < 1.7
-            if plate.side != before.side and alike and pause <= max(0.5 * shorter, 3 * float(np.median(np.diff(t)))):
+            # Slow gear takes long from one side to the other, and does not rest amidships.
+            over = slice(before.last - 1, plate.first + 1)
+            off = delta[over] - np.interp(t[over], t[over][[0, -1]], delta[over][[0, -1]])
+            crossing = len(off) > 5 and float(np.abs(off).max()) < _STRAIGHT * abs(plate.angle)
+            longest = max((2.0 if crossing else 0.5) * shorter, 3 * float(np.median(np.diff(t))))
+            if plate.side != before.side and alike and pause <= longest:
                 chains[-1].append(plate)
                 continue
         chains.append([plate])
@@ -122,9 +134,9 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
         spread = max(float(np.ptp(out)), float(np.ptp(back)))
     begin, end = _begin(delta, plates[0]), _end(delta, plates[-1])
     regular = swing > 0 and spread < 1.2 * swing and all(plate.dwell > 0.4 for plate in plates)
-    if swing <= 0 or swing > np.pi / 2 or spread > 2.5 * swing:
+    if swing <= _LEAST_SWING or swing > np.pi / 2 or spread > 2.5 * swing:
         return []
-    heading = _heading_change(p, plates, swing)
+    heading = _heading_change(p, delta, plates, swing)
     nominal = _nominal(max(abs(plate.angle) for plate in plates))
     return [
         (
@@ -137,21 +149,29 @@ def _zigzags(p: WorkingCopy, delta: np.ndarray, chain: list[Plate]) -> list[tupl
     ]  # fmt: skip
 
 
-def _heading_change(p: WorkingCopy, plates: list[Plate], swing: float) -> float:
+def _heading_change(p: WorkingCopy, delta: np.ndarray, plates: list[Plate], swing: float) -> float:
     """Heading change at the order: where the rudder begins to leave its plate, and not where it is half over."""
-    _t, psi = p.t, p["psi"]
-    first = np.array([_leaves(p, plate) for plate in plates[:-1]])
-    at = psi[first] * plates[0].side
+    t, psi = p.t, p["psi"]
+    at = np.interp([_leaves(t, delta, plate) for plate in plates[:-1]], t, psi) * plates[0].side
     if len(at) < 2:
         return float(at[0] - psi[plates[0].first] * plates[0].side)
     value = 0.5 * float(np.median(at[0::2]) - np.median(at[1::2]))
     return value if value > 0.3 * swing else swing
 
 
-def _leaves(p: WorkingCopy, plate: Plate) -> int:
-    delta = p["delta_order"] if p.has("delta_order") and np.ptp(p["delta_order"]) > 0 else p[p.rudder or "delta"]
-    near = plate.side * delta[plate.first : plate.last] >= 0.85 * abs(plate.angle)
-    return plate.first + int(np.flatnonzero(near)[-1]) if near.any() else plate.last - 1
+def _leaves(t: np.ndarray, delta: np.ndarray, plate: Plate) -> float:
+    """When the rudder leaves a plate [s]: the ramp between 0.85 and half of its angle, extended back to the plate."""
+    angle = abs(plate.angle)
+    share = plate.side * delta[plate.first : plate.last + 1]
+    near = np.flatnonzero(share >= 0.85 * angle)
+    if not near.size:
+        return float(t[plate.last - 1])
+    k = plate.first + int(near[-1])
+    end = min(plate.last, len(t) - 1)
+    fall = plate.side * float(delta[k] - delta[end])
+    if end - k < 2 or fall < 0.2 * angle:
+        return float(t[k])
+    return float(t[k] - max(angle - plate.side * float(delta[k]), 0.0) / fall * (t[end] - t[k]))
 
 
 def _nominal(angle: float) -> float:

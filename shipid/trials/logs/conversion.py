@@ -8,13 +8,16 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.vocabulary import FIELDS, angle
 from shipid.trials import columns
 from shipid.trials.filling import interpolated
+from shipid.trials.holding import held_on_change, repeats_of
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.positions import with_positions
 from shipid.trials.logs.record import LenientRecord
 
+#: What a ship's motion shows in every row if it is measured there.
+_MEASURED = ("x", "y", "psi", "r", "u", "v", "U", "SOG", "COG", "phi")
 GLITCH_WINDOW = 10.0
 """Heading glitches of up to half of this [s] can be distinguished from the motion of the ship."""
 
@@ -73,7 +76,48 @@ def in_si(record: LenientRecord, fmt: TrialFormat | None) -> LenientRecord:
     if fmt is not None and fmt.interval is not None:
         values = {"t": np.arange(len(record)) * fmt.interval} | {k: v for k, v in values.items() if k != "t"}
         notes.append(f"t was rebuilt as n × {fmt.interval:.6g} s: the record's own clock is not used.")
+    _hold_on_change(values, notes)
     return with_positions(replace(record, values=values, notes=tuple(notes)))
+
+
+def _hold_on_change(values: dict[str, np.ndarray], notes: list[str]) -> None:
+    """Hold what is written only when it changes, in place; the notes name it."""
+    t = values.get("t")
+    if t is None or not np.all(np.diff(t) > 0):
+        return
+    for name in [c for c in values if c in FIELDS and c != "t" and np.isnan(values[c]).any()]:
+        printed = unwrapped(values[name]) if FIELDS[name].unit == "rad" else values[name]
+        found = held_on_change(t, printed)
+        if found is not None:
+            filled = int(np.isfinite(found).sum() - np.isfinite(printed).sum())
+            values[name] = found
+            notes.append(
+                f"{name} is written only when it changes: its value holds until the next, in {filled} of {t.size} rows."
+            )
+
+
+def without_repeats(record: LenientRecord) -> LenientRecord:
+    """Count the values that a slow sensor repeats in a faster record as missing: they are old, and say nothing new.
+
+    Parameters
+    ----------
+    record : LenientRecord
+        As `in_si` returns it.
+
+    Returns
+    -------
+    LenientRecord
+        The notes name the channels.
+    """
+    values, notes = dict(record.values), []
+    for name in [c for c in _MEASURED if c in values]:
+        repeats = repeats_of(unwrapped(values[name]) if FIELDS[name].unit == "rad" else values[name])
+        if repeats is not None:
+            values[name] = np.where(repeats, np.nan, values[name])
+            notes.append(
+                f"{name} repeats the last value of a slower sensor: {int(repeats.sum())} of {len(repeats)} samples count as missing."
+            )
+    return replace(record, values=values, notes=(*record.notes, *notes)) if notes else record
 
 
 def put_right(record: LenientRecord, fmt: TrialFormat) -> LenientRecord:

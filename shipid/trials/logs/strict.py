@@ -10,7 +10,7 @@ import pandas as pd
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import checks, columns
 from shipid.trials.filling import usual_interval
-from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_trailing
+from shipid.trials.logs.conversion import in_si, put_right, unwrapped, without_repeats, without_trailing
 from shipid.trials.logs.drafting.names import open_columns, unread_columns
 from shipid.trials.logs.following import with_following
 from shipid.trials.logs.missing import with_missing
@@ -65,6 +65,7 @@ def sound_table(record: LenientRecord) -> SoundTable:
     checks.check_stamped(record.values, where, line)
     checks.check_clock(record.values["t"], where, line)
     checks.check_angles(record.values, record.stated, where)
+    record = without_repeats(record)
     if fmt is not None:
         record = put_right(record, fmt)
     values = dict(record.values)

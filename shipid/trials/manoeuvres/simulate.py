@@ -13,7 +13,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import FIELDS
+from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
@@ -159,8 +159,8 @@ def simulate(
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
-    shown = [logged if n == "delta" else n for n in (*RECORDED, *_WAVED.values()) if n in whole]
-    simulator = make_simulator(whole, shown, hold="zero", compiled=False)
+    columns_shown = [logged if n == "delta" else n for n in (*RECORDED, *_WAVED.values()) if n in whole]
+    simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
         steered = {"delta": run[logged]}
@@ -174,7 +174,7 @@ def simulate(
     if waves is not None:
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
-    noises = ", ".join(f"{n} {d:.4g} {FIELDS[n].unit}" for n, d in deviations.items()) or "none"
+    noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
         f"; {what} {w[0]} to {w[1]}"
         for what, w in (("current", current), ("wind", wind), ("waves", waves))

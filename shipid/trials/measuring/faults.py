@@ -13,6 +13,8 @@ from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
 _SHOW_NOTHING = ("frozen", "clipped", "outlier", "heading-glitch", "position-jump")
+#: The kind that makes headings before and behind it incomparable.
+_STEP = "heading-step"
 #: Kinds that spoil no identification, and are said beside the distances of a turn all the same.
 _BESIDE = ("track-inconsistent",)
 #: Kinds that are told at the numbers they touch.
@@ -58,6 +60,37 @@ class Faults:
             if start < b and end > a:
                 return f"{kind} {start:.5g} to {end:.5g} s in {_NAMES.get(name, name)}"
         return f"gap {a:.5g} to {b:.5g} s in {_NAMES.get(name, name)}"
+
+    def step(self, start: float, end: float) -> str | None:
+        """Return that the heading was set to another value between two times, in words; None where it was not.
+
+        Parameters
+        ----------
+        start, end : float
+            The times [s].
+        """
+        for when, _ in self._spans(_STEP, start, end):
+            return f"the heading is set to another value at {when:.5g} s"
+        return None
+
+    def jumps(self, start: float, end: float) -> list[tuple[float, float]]:
+        """Return the spans in which the positions jump, between two times [s].
+
+        Parameters
+        ----------
+        start, end : float
+            The times [s].
+        """
+        return self._spans("position-jump", start, end)
+
+    def _spans(self, kind: str, start: float, end: float) -> list[tuple[float, float]]:
+        return [
+            (when, until)
+            for found in self.diagnosis.findings
+            if found.kind == kind and found.confidence >= SURE
+            for when, until in found.spans or (found.seconds,)
+            if start < when <= end
+        ]
 
     def notes(self, names: Sequence[str]) -> list[str]:
         """Return what the doctor is sure of about these columns and what is not left out already.

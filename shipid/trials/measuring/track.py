@@ -124,3 +124,20 @@ def track_channels(trial: Trial, wrong: Mapping[str, np.ndarray]) -> tuple[Chann
     holes = () if lost is None else ((lost, float(trial["t"][-1])),)
     t = trial["t"]
     return Channel("x", t, path[0], holes, trial.sampling), Channel("y", t, path[1], holes, trial.sampling), path[2]
+
+
+def jumped(channel: Channel, start: float, end: float) -> float:
+    """Return how far a position has jumped in a span of time, beyond how it moved just before and behind it, in m.
+
+    Parameters
+    ----------
+    channel : Channel
+        A coordinate, m.
+    start, end : float
+        The span, s.
+    """
+    t, y = channel.t, channel.y
+    a, b = int(np.searchsorted(t, start)), int(np.searchsorted(t, end)) + 1
+    if not 1 <= a < b < len(t) - 1:
+        return 0.0
+    return float(y[b] - y[a] - 0.5 * (b - a) * (y[a] - y[a - 1] + y[b + 1] - y[b]))

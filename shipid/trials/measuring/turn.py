@@ -13,7 +13,7 @@ from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import drift, speed_channel, track_channels
+from shipid.trials.measuring.track import drift, jumped, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -31,8 +31,13 @@ _LEAST_DRIFT = 0.01
 """So is one below this share of the ship's speed."""
 _LEFT_THERE = np.radians(1.0)
 """In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
+#: Positions that jump by this share of a distance leave it unknown.
+_JUMP = 0.05
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
+
+_DRIVES = 0.5
+"""Below this share of the revolutions at the execute the propeller no longer drives the ship as it did."""
 
 
 def turning_plate(steering: Steering, psi: Channel) -> Plate | None:
@@ -101,7 +106,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
             "Widen the window to hold a stretch before the rudder moves."
         )
     side, when = plate.side, start[0].time
-    off = _released(steering, plate)
+    off = min(_released(steering, plate), _driven(trial, when))
     calm = max(5 * psi.interval, 0.01 * (off - when))
     psi = psi.bridged(_BRIDGED * (off - when) * pi / 2 / max(_turned(psi, when, off), pi / 2))
     reasons: dict[str, str] = {}
@@ -206,6 +211,20 @@ def _released(steering: Steering, plate: Plate) -> float:
     return float(steering.channel.t[int(on[-1])])
 
 
+def _driven(trial: Trial, when: float) -> float:
+    """When the propeller no longer drives the ship as at the execute, infinite where the log does not show it [s].
+
+    A record is often stopped by the propeller first, with the rudder still over: what the ship does then is no steady turn.
+    """
+    if not trial.has("n"):
+        return float("inf")
+    t, n = trial["t"], trial["n"]
+    before = n[(t <= when) & np.isfinite(n)]
+    usual = float(np.median(before[-50:])) if before.size else 0.0
+    stopped = np.flatnonzero((t > when) & (n * np.sign(usual) < _DRIVES * abs(usual)))
+    return float(t[stopped[0]]) if stopped.size else float("inf")
+
+
 class _Track:
     """The track along and across the initial course, from the execute on."""
 
@@ -240,7 +259,16 @@ class _Track:
             for when in (self.when, at):
                 if (hole := channel.hole(when)) is not None:
                     return self.faults.hole(channel.name, hole)
-        return None
+        return self.faults.step(self.when, at) or self._jump(at)
+
+    def _jump(self, at: float) -> str | None:
+        """Whether the positions have jumped on the way there, by a share of the distance that matters; there and back cancels."""
+        spans = self.faults.jumps(self.when, at)
+        north, east = (sum(jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
+        size = float(np.hypot(north, east))
+        if size <= _JUMP * float(np.hypot(*self.moved(at))):
+            return None
+        return f"the positions jump by {size:.3g} m at {spans[0][0]:.5g} s"
 
     def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
         """Advance, transfer and tactical diameter over the ground; writes why one is not known."""

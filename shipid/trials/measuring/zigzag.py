@@ -156,7 +156,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     at = np.array([heading for _, _, heading in found])
     course, notes = _course(psi, at, side, None if start is None else start[0].time)
     reasons: dict[str, str] = {}
-    known = [_unknown(steering, psi, executes, k, end, faults, reasons) for k in range(len(executes))]
+    known = [_unknown(steering, psi, executes, k, end, faults, reasons, found[k][1]) for k in range(len(executes))]
     signs = side * (-1.0) ** np.arange(len(at))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
     ordered = at
@@ -182,12 +182,14 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     cycles = [b - a for a, b in zip(shown, shown[2:]) if a is not None and b is not None]
     distance = beginning["initial_turning_distance"]
     angle_held = float(np.median([abs(plate.angle) for plate in held]))
+    # The middle between the sides: a rudder that reads some degrees to one side was ordered alike to both.
+    ordered_angle = 0.5 * sum(max(abs(plate.angle) for plate in held if plate.side == sign) for sign in (1, -1))
     switch = float(np.median(signs * (ordered - course)))
     return ZigZag(
         trial=trial.name,
         execute=steering.reading,
         read_from=steering.words,
-        nominal=f"{_nominal(max(abs(plate.angle) for plate in held))}/{_nominal(switch)}",
+        nominal=f"{_nominal(ordered_angle)}/{_nominal(switch)}",
         first_side="starboard" if side > 0 else "port",
         rudder=angle_held,
         rudder_rate=steering.rate,
@@ -248,6 +250,7 @@ def _unknown(
     end: float,
     faults: Faults,
     reasons: dict[str, str],
+    top: float | None,
 ) -> bool:
     """Whether the overshoot after reversal `k` is known; writes the reasons where something is not."""
     one, then = executes[k], executes[k + 1].time if k + 1 < len(executes) else end
@@ -266,6 +269,7 @@ def _unknown(
             if a < then and b > one.time and _turns_back(psi, a, b, end):
                 why = faults.hole("psi", (a, b))
                 break
+    why = why or faults.step(one.time, then if top is None else top)
     if why is None:
         return True
     for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -34,6 +34,8 @@ class Channel:
         The step of a sensor that writes only on change; None for one that writes regularly.
     spikes : tuple of float
         Times [s] of single wild samples that were left out.
+    grain : float or None
+        The step of a sensor of coarse digits that repeats a value until the next; None where values seldom repeat.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Channel:
     interval: float
     digit: float | None = None
     spikes: tuple[float, ...] = ()
+    grain: float | None = None
 
     def hole(self, start: float, end: float | None = None, longest: float = 0.0) -> tuple[float, float] | None:
         """Return the first hole longer than `longest` that a stretch of time touches, or None.
@@ -80,7 +83,7 @@ class Channel:
             return self
         t, y = np.concatenate(times), np.concatenate(values)
         t, order = np.unique(t, return_index=True)
-        return Channel(self.name, t, y[order], tuple(left), self.interval, self.digit, self.spikes)
+        return replace(self, t=t, y=y[order], holes=tuple(left))
 
 
 def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spikes: bool = True) -> Channel:
@@ -117,7 +120,7 @@ def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spik
         silent = np.abs(np.diff(y))[long] < 1.5 * digit
         holes = [hole for hole, held in zip(holes, silent) if not held]
         t, y = _held(t, y, long[silent], usual)
-    return Channel(name, t, y, tuple(holes), usual, digit, out)
+    return Channel(name, t, y, tuple(holes), usual, digit, out, _grain(y))
 
 
 def spikes_of(y: np.ndarray) -> np.ndarray:
@@ -149,6 +152,17 @@ def _digit(y: np.ndarray) -> float | None:
         return None
     digit = float(np.quantile(steps[steps > 0], 0.2))
     return digit if float(np.mean(steps < 1.5 * digit)) >= _SINGLE and digit > 0 else None
+
+
+def _grain(y: np.ndarray) -> float | None:
+    """The step of coarse digits: many samples repeat the one before, and all others are a whole number of steps away."""
+    steps = np.abs(np.diff(y))
+    moves = steps[steps > 0]
+    if len(moves) < 10 or len(moves) > 0.8 * len(steps):
+        return None
+    grain = float(np.quantile(moves, 0.02))
+    whole = np.abs(moves / grain - np.round(moves / grain)) < 0.02
+    return grain if float(np.mean(whole)) > 0.95 and float(np.median(moves)) < 10 * grain else None
 
 
 def _held(t: np.ndarray, y: np.ndarray, silent: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray]:

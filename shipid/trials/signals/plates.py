@@ -18,6 +18,16 @@ _LET_GO = 0.5
 """A rudder that is less than half over for this share of the usual plate was let go: what follows is another plate."""
 
 
+_TIP = 0.35
+"""A rudder that is within 10 % of its plate for less than this share of the time it is half over only touches it: 0.2 of two ramps."""
+
+_MOST = 0.6
+"""Share of the time on plates that is spent on those of one angle a side, where the two sides differ: no hand steering."""
+
+_LOPSIDED = 0.6
+"""Plates of the two sides of a zig-zag, the smaller over the larger, at least: a reading that is off by a quarter of the plate."""
+
+
 @dataclass(frozen=True)
 class Plate:
     """A stretch at one rudder angle.
@@ -71,7 +81,11 @@ def plates(rudder: np.ndarray) -> list[Plate]:
     result = []
     for first, last in zip(starts, [*starts[1:], len(rudder)]):
         stretch = np.abs(rudder[first:last])
-        angle = held_angle(stretch[stretch >= 0.5 * stretch.max()])
+        over_half = stretch[stretch >= 0.5 * stretch.max()]
+        angle = held_angle(over_half)
+        if float(np.mean(np.abs(over_half - angle) <= 0.1 * angle)) < _TIP:
+            # Slow gear turns back as soon as it is there: the plate is the tip of two ramps.
+            angle = float(np.quantile(over_half, 0.97))
         # After the last plate the rudder may lie amidships for long.
         put = stretch[: int(np.flatnonzero(stretch >= 0.5 * angle)[-1]) + 1]
         dwell = float(np.mean(np.abs(put - angle) <= 0.2 * angle))
@@ -100,6 +114,8 @@ def held_angle(values: np.ndarray) -> float:
 def regular(found: list[Plate]) -> list[Plate]:
     """Return the longest run of plates of about the same angle, each held and reversed: the zig-zag without hand steering.
 
+    A rudder that reads some degrees to one side throughout makes the plates of one side larger than those of the other.
+
     Parameters
     ----------
     found : list of Plate
@@ -112,16 +128,28 @@ def regular(found: list[Plate]) -> list[Plate]:
     steady = [plate for plate in found if plate.dwell >= _DWELL]
     if not steady:
         return []
+    nominal = _middle(steady)
+    sides = {side: _middle([plate for plate in steady if plate.side == side]) or nominal for side in (1, -1)}
+    alike = np.array([abs(abs(p.angle) - sides[p.side]) <= 0.1 * sides[p.side] for p in steady])
     weights = np.array([(p.last - p.first) * p.dwell for p in steady])
-    angles = np.array([abs(p.angle) for p in steady])
-    order = np.argsort(angles)
-    middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())
-    nominal = angles[order][middle]
+    if min(sides.values()) < _LOPSIDED * max(sides.values()) or float(weights @ alike) < _MOST * float(weights.sum()):
+        sides = dict.fromkeys(sides, nominal)
     best: list[Plate] = []
     run: list[Plate] = []
     for plate in found:
-        fits = plate.dwell >= _DWELL and abs(abs(plate.angle) - nominal) <= 0.25 * nominal
+        fits = plate.dwell >= _DWELL and abs(abs(plate.angle) - sides[plate.side]) <= 0.25 * sides[plate.side]
         reversed_from = bool(run) and run[-1].idle <= _IDLE and run[-1].side != plate.side
         run = [] if not fits else [*run, plate] if reversed_from else [plate]
         best = run if len(run) > len(best) else best
     return best
+
+
+def _middle(steady: list[Plate]) -> float:
+    """Median angle of plates, each with the weight of how long it is held [rad]; 0 of none."""
+    if not steady:
+        return 0.0
+    weights = np.array([(p.last - p.first) * p.dwell for p in steady])
+    angles = np.array([abs(p.angle) for p in steady])
+    order = np.argsort(angles)
+    middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * weights.sum())
+    return float(angles[order][middle])

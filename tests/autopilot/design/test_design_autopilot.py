@@ -208,7 +208,7 @@ def test_a_result_says_what_it_is(container, integral):
     assert container.to_frame().shape == (8, 3)
     found = integral.to_dict()
     assert set(found["gains"]) == {"Kp", "Kd", "Ki"}
-    assert len(found["poles"]) == len(found["speeds"]) and len(found["poles"][0]) == 3
+    assert len(found["poles"]["value"]) == len(found["speeds"]["value"]) and len(found["poles"]["value"][0]) == 3
     assert "autopilot of soesterberg (de-keizer), pid" in integral.text()
     assert pickle.loads(pickle.dumps(container)).to_dict() == container.to_dict()
 

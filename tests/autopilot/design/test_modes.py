@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import control
 import numpy as np
 import pytest
 
@@ -45,6 +46,30 @@ def test_a_rate_is_held(turning):
     assert run["r"][-1] == pytest.approx(np.deg2rad(0.3), rel=1e-3)
     assert np.abs(run["delta"]).max() <= turning.rudder_limit + 1e-9
     assert to_control(turning, U)(1e-7j)[1, 0] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("which", "order", "seen"), [("integral", "psi_order", ["psi", "r"]), ("turning", "r_order", ["r"])]
+)
+def test_the_controller_and_the_ship_connected_by_names_are_the_loop(which, order, seen, request):
+    """python-control connects the two; poles of the loop that is declared as one model."""
+    pilot = request.getfixturevalue(which)
+    controller, ship = pilot.to_control("8 m/s", "controller"), pilot.to_control("8 m/s", "ship")
+    assert controller.input_labels == [order, *seen]
+    joined = control.interconnect([controller, ship], inputs=[order], outputs=["psi", "r", "delta"])
+    loop = pilot.to_control("8 m/s")
+    np.testing.assert_allclose(np.sort_complex(joined.poles()), np.sort_complex(loop.poles()), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(joined(0.03j), loop(0.03j), rtol=1e-9)
+    assert pilot.to_control("15.55 kn", "controller").D[0, 0] == pytest.approx(controller.D[0, 0], rel=1e-4)
+
+
+def test_the_nonlinear_controller_orders_no_more_than_its_limit(integral):
+    law = integral.to_control(of="controller", nonlinear=True)
+    at = {"psi_order": 2.0, "u": 8.0}
+    found = law.output(0.0, [0.0], [at.get(n, 0.0) for n in law.input_labels])
+    assert float(found[0]) == pytest.approx(integral.rudder_limit)
+    with pytest.raises(UnknownNameError, match="controller, loop, ship"):
+        integral.to_control(of="plant")
 
 
 def test_the_integral_of_the_rate_stands_at_the_limit():

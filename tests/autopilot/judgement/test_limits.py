@@ -29,7 +29,7 @@ def test_limits_and_weather_are_those_stated(judged):
     assert judged.weather["wave_heading_rms_deg"] == pytest.approx(0.1) and judged.weather["current_m_s"] == 0.0
     points = {p.what: p for p in judged.points()}
     assert points["disk margin"].limit == 1.9 and points["steady error in wind"].limit == pytest.approx(1.0)
-    assert judged.to_dict()["limits"]["disk margin"] == 1.9
+    assert judged.to_dict()["limits"]["disk margin"] == {"value": 1.9, "unit": "1"}
     assert any(w.startswith("disk margin") and "below 1.9" in w for w in judged.warnings)
     assert any(w.startswith("sea filter: while it is on") and "below 1.9" in w for w in judged.warnings)
 

@@ -166,7 +166,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
         assert len(found["margins"][name]) == count
     for name, unit in (("phase", "deg"), ("delay", "s"), ("bandwidth", "rad/s")):
         assert len(found["margins"][name]["value"]) == count and found["margins"][name]["unit"] == unit
-    assert len(found["poles"]) == count and len(found["poles"][0][0]) == 2
+    assert len(found["poles"]["value"]) == count and len(found["poles"]["value"][0][0]) == 2
     assert found["robust"]["samples"] == 50 and found["robust"]["disk_worst"] > 0
     assert {"speed", "change", "overshoot", "settling"} <= set(found["steps"][0])
     assert {"what", "where", "value"} <= set(found["weakest"])

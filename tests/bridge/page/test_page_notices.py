@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 
 def alarm(number: int, kind: str, text: str, since: float = 250.0) -> dict:
     return {"id": number, "kind": kind, "text": text, "since": since, "acknowledged": False}
@@ -95,20 +97,27 @@ def test_a_frame_that_is_no_json_is_told_and_survived(bridge, open_page, until):
     page.wait_for_selector("#lost", state="hidden")
 
 
+HEARD = """
+window.heard = [];
+new MutationObserver(() => heard.push(performance.now()))
+  .observe(document.getElementById("state-region"), { childList: true, characterData: true, subtree: true });
+"""
+
+
 def test_the_state_is_spoken_at_most_once_in_ten_seconds(bridge, open_page, until):
+    """By the page's own clock, which is set forward: neither waiting nor a slow machine has a part in it."""
     page = open_page(bridge.address)
     page.clock.install()
     page.reload()
-    page.clock.run_for(1000)
     until(page, "document.getElementById('state-region').textContent.startsWith('Heading 007.5 degrees')")
-    spoken = page.locator("#state-region").inner_text()
-    assert "wheel-over in 1:42, off track 12 m to starboard" in spoken
-    bridge.state["own"]["psi"] = 1.0
-    until(page, "document.querySelector('.readout .number').textContent === '057.3'")
-    page.clock.run_for(5000)
-    assert page.locator("#state-region").inner_text() == spoken
-    page.clock.run_for(6000)
-    until(page, "document.getElementById('state-region').textContent.startsWith('Heading 057.3 degrees')")
+    assert "wheel-over in 1:42, off track 12 m to starboard" in page.locator("#state-region").inner_text()
+    page.evaluate(HEARD)
+    for degrees in range(10, 70, 10):
+        bridge.state["own"]["psi"] = np.radians(degrees)
+        until(page, f"document.querySelector('.readout .number').textContent === '0{degrees}.0'")
+        page.clock.fast_forward(4000)
+    heard = page.evaluate("heard")
+    assert len(heard) >= 2 and np.diff(heard).min() >= 10_000
 
 
 def test_source_and_experiment_are_named(bridge, open_page, until):

@@ -202,7 +202,7 @@ def test_ttm(tmp_path):
     log.write_text("\n".join([lost, *(ttm(k) for k in range(T.size))]))
     found = read_detections(log)
     is_the_target(found, 8.0)
-    assert any("1 targets left out" in n for n in found.plots.notes)
+    assert any("1 target left out" in n for n in found.plots.notes)
 
 
 def test_ttm_from_the_bow_needs_the_heading(tmp_path):
@@ -308,3 +308,55 @@ def test_json_that_is_not_as_its_format_says(tmp_path, text, error, words):
     (tmp_path / "log.json").write_text(text)
     with pytest.raises(error, match=words):
         read_detections(tmp_path / "log.json", format=tmp_path / "f.toml")
+
+
+def test_a_table_over_midnight_goes_on(tmp_path):
+    t = np.arange(86390.0, 86410.0, 1.0)
+    rows = "".join(f"{at % 86400},{10 * k},{k}\n" for k, at in enumerate(t))
+    (tmp_path / "night.csv").write_text("t [s],x [m],y [m]\n" + rows)
+    found = read_detections(tmp_path / "night.csv")
+    assert [s.z[0, 0] for s in found.plots] == [10.0 * k for k in range(20)]
+    assert found.plots.span == (0.0, 19.0) and "clock-midnight" in {n.kind for n in found.plots.notes}
+
+
+def test_degrees_that_say_rad_are_told(tmp_path):
+    (tmp_path / "bearing.csv").write_text(
+        "t [s],range [m],bearing [rad]\n" + "".join(f"{k},900,{150 + k}\n" for k in range(9))
+    )
+    (said,) = [n for n in read_detections(tmp_path / "bearing.csv").plots.notes if n.kind == "bearing-unit"]
+    assert said.serious and "25 turns" in said
+
+
+def test_a_plot_beyond_the_earth_is_left_out(tmp_path):
+    (tmp_path / "far.csv").write_text("t [s],x [m],y [m]\n0,1,2\n1,1e300,2\n2,3,4\n")
+    found = read_detections(tmp_path / "far.csv")
+    assert len(found.plots) == 2 and "plots-beyond" in {n.kind for n in found.plots.notes}
+
+
+def test_a_log_without_a_plot_says_what_became_of_them(tmp_path):
+    (tmp_path / "own.csv").write_text("t [s],range [m],bearing [deg]\n0,0,0\n1,0,0\n")
+    with pytest.raises(EmptyFileError, match="2 plots at the position of the sensor itself"):
+        read_detections(tmp_path / "own.csv")
+
+
+def test_times_of_day_in_sentences_go_on_over_midnight(tmp_path):
+    lines = []
+    for k in range(8):
+        at = (86388 + 3 * k) % 86400
+        clock = f"{at // 3600:02d}{at % 3600 // 60:02d}{at % 60:02d}.00"
+        body = f"RATTM,01,{1 + 0.01 * k:.3f},45.0,T,12.0,20.0,T,1.0,2.0,N,,T,,{clock},A"
+        lines.append(f"${body}*{checksum(body)}")
+    (tmp_path / "night.nmea").write_text("\n".join(lines))
+    assert read_detections(tmp_path / "night.nmea").plots.span == (0.0, 21.0)
+
+
+def test_ais_takes_the_time_of_the_clock_before_it(tmp_path):
+    encode = pytest.importorskip("pyais.encode").encode_dict
+    lines = []
+    for k in range(4):
+        body = f"GPZDA,1200{3 * k:02d}.00,01,06,2024,00,00"
+        report = {"type": 1, "mmsi": 244000001, "lat": 52 + 1e-3 * k, "lon": 4.0}
+        lines += [f"${body}*{checksum(body)}", *encode(report, talker_id="AI", sentence_type="VDM")]
+    (tmp_path / "ais.nmea").write_text("\n".join(lines))
+    found = read_detections(tmp_path / "ais.nmea")
+    assert [s.t for s in found.plots] == [0.0, 3.0, 6.0, 9.0]

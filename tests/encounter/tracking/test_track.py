@@ -109,7 +109,7 @@ def test_a_latency_that_nothing_shows_is_said(scene):
 def test_one_plot_is_no_track():
     found = track(make_plots(np.array([1.0]), np.array([10.0]), np.array([20.0])))
     assert not found.tracks and "no-track" in [w.kind for w in found.warnings]
-    assert "1 plot in 1 scans" in found.text()
+    assert "1 plot in 1 scan," in found.text()
     assert found.to_frame().empty and list(found.to_frame().columns)[:3] == ["track", "t", "x"]
 
 

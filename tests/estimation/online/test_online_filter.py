@@ -166,7 +166,7 @@ def test_names_and_plain_values(setup: Any, swing: Any) -> None:
     assert estimate["psi"] == run["psi"][-1] and estimate.std_of("psi") == run.std_of("psi")[-1]
     plain = json.loads(json.dumps(estimate.to_dict(), allow_nan=False))
     assert set(plain["estimates"]) == {"psi", "r", "K", "tau"} and plain["taken"] == ["psi", "r"]
-    assert plain["t"] == online.t == record["t"][-1]
+    assert plain["t"] == {"value": online.t, "unit": "s"} and online.t == record["t"][-1]
 
 
 @pytest.mark.parametrize("single", [False, True])

@@ -131,7 +131,7 @@ def test_record_and_samples_agree_to_the_last_bit(method, trial):
         assert estimate[name] == pytest.approx(result[name][199], rel=1e-15)
         assert estimate.std_of(name) == pytest.approx(result.std_of(name)[199], rel=1e-12)
     plain = json.loads(json.dumps(estimate.to_dict(), allow_nan=False))
-    assert plain["t"] == trial["t"][199] and plain["estimates"]["K"]["value"] == estimate["K"]
+    assert plain["t"] == {"value": trial["t"][199], "unit": "s"} and plain["estimates"]["K"]["value"] == estimate["K"]
     with pytest.raises(UnknownNameError, match="estimated parameter 'gamma'"):
         estimate["gamma"]
 

@@ -200,11 +200,13 @@ def test_beliefs_scale_with_the_ship(steered):
 
 
 def test_beliefs_cost_what_normal_densities_say(steered):
-    """Rudder biases of three trials share a mean; the second trial begins in the middle of a manoeuvre."""
+    """Rudder biases of three trials share a mean; the second begins in the middle of a manoeuvre, the third has no approach."""
     model, prepared = steered
     trials = [prepared(seed) for seed in range(3)]
     trials = [
-        replace(s, start_std=dict(zip(model.states, 1e-3 * (1 + i + np.arange(4.0)))), settled=i != 1)
+        replace(
+            s, start_std=dict(zip(model.states, 1e-3 * (1 + i + np.arange(4.0)))), settled=i != 1, approached=i != 2
+        )
         for i, s in enumerate(trials)
     ]
     parameters = {"K": (0.1, 0.03), "tau": (20.0, 4.0)}
@@ -229,7 +231,7 @@ def test_beliefs_cost_what_normal_densities_say(steered):
         # Of a trial without a steady beginning twenty times less is believed, but of what is measured there.
         far, at = 1.0 if s.settled else 20.0, s.start_std
         for deviation, believed, noise in (
-            (cruise[i], 0.03 * far, s.cruise_std),
+            (cruise[i], 0.03 * (1.0 if s.approached else 20.0), s.cruise_std),
             (initial["r"][i], 0.001, at["r"]),
             (initial["w"][i], 0.004 * far, at["w"]),
         ):

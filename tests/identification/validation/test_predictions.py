@@ -44,6 +44,17 @@ def test_what_comes_after_the_first_seconds_does_not_touch_the_prediction(fit, s
     assert second.rmse["psi"] > 10 * first.rmse["psi"]
 
 
+def test_a_heading_that_comes_late_starts_the_prediction_where_it_would_have_been(fit, sail):
+    """The compass is silent for the first 60 s: four of its samples, and what the rest shows of the turn, are enough."""
+    trial = sail("norrbin", "zeefakkel", "zigzag:10/10", seed=2)
+    table = trial.table.copy()
+    table.loc[trial["t"] < 60.0, "psi"] = np.nan
+    whole, late = (fit.validate([t]).validation[0] for t in (trial, replace(trial, table=table)))
+    assert abs(np.rad2deg(late.initial["psi"] - whole.initial["psi"])) < 1.0
+    table.loc[np.flatnonzero(trial["t"] >= 60.0)[4] :, "psi"] += 0.5
+    assert fit.validate([replace(trial, table=table)]).validation[0].initial == pytest.approx(late.initial, rel=1e-4)
+
+
 @pytest.mark.parametrize(("interval", "samples"), [("0.5 s", 50), ("2 s", 13), ("5 s", 10)])
 def test_the_first_seconds_are_a_quarter_of_the_ship_s_time(sail, interval, samples):
     """Of L/U = 100 s they are 25 s, and never fewer than ten samples."""
@@ -117,7 +128,7 @@ def test_a_prediction_that_runs_away_is_said_without_nan(sail):
     assert not np.isfinite(fit.validation[0].rmse["psi"])
     text = json.dumps(fit.to_dict(), allow_nan=False)
     name = fit.validation[0].trial.name
-    assert json.loads(text)["validation"][name]["psi"]["rmse"] is None
+    assert json.loads(text)["validation"][name]["psi"]["rmse"]["value"] is None
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="the real trials are not on this machine")

@@ -7,12 +7,14 @@ import dataclasses
 import numpy as np
 import pytest
 
+from shipid.foundation.errors import UsageError
 from shipid.parameters.parameter_set import Value
 from shipid.prediction.following.past_predictions import past_errors, situation_with_past
 from shipid.prediction.predict_track import predict_track
 from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.past import APART, LOOKED_AT, errors_of, told_of
 from shipid.prediction.situations.trial_situation import known_before
+from shipid.prediction.tracks.track_predictor import TrackPredictor
 
 NOISE = {"psi": "0.2 deg", "r": "0.02 deg/s", "u": "0.1 m/s", "x": "3 m", "y": "3 m"}
 
@@ -82,3 +84,24 @@ def test_only_the_rudder_that_was_laid_is_replayed(pilot, trial):
     assert past_errors(pilot, past).track.max() < 1.1
     mirrored = dataclasses.replace(past, delta=-past.delta)
     assert past_errors(pilot, mirrored).track.max() > 2.0
+
+
+def test_a_past_prediction_that_is_lost_is_told_and_widens_the_band(pilot, trial, monkeypatch):
+    _, _, past = known_before(pilot.model, pilot.ship, trial, 600.0)
+    whole = TrackPredictor.along
+    begins = {s.t for s in past.situations[2:4]}
+
+    def along(self, situations, rudders, horizon):
+        if any(s.t == past.situations[0].t for s in situations):
+            raise UsageError("this one cannot be made")
+        tracks = whole(self, situations, rudders, horizon)
+        short = [s.t in begins for s in situations]
+        return [dataclasses.replace(t.part(0, 8), ended="it runs away") if cut else t for t, cut in zip(tracks, short)]
+
+    monkeypatch.setattr(TrackPredictor, "along", along)
+    found = past_errors(pilot, past)
+    assert found.lost == 3 and found.count == len(past.situations)
+    assert found.track.max() > 1.5 and found.heading.max() > 1.5
+    lost, widened = told_of(found)
+    assert lost.kind == "past-predictions-lost" and widened.kind == "band-widened"
+    assert f"3 of the last {found.count} predictions of her ran away or could not be made" in lost

@@ -193,3 +193,31 @@ def test_a_propeller_that_is_stopped_in_a_zigzag_is_told(logged):
     assert "The propeller is stopped at 120 s: no zig-zag does that" in measure(Trial.from_frame(frame)).notes
     frame["n [rps]"] = 2.0
     assert not any("propeller" in note for note in measure(Trial.from_frame(frame)).notes)
+
+
+def test_measured_as_if_the_slow_heading_were_alone(logged):
+    """A heading of every 4 s repeated at 2 Hz is 2 s old on average, and 2.6 degrees behind at the execute."""
+    trial, _, overshoots = logged(0.5)
+    frame = trial.to_frame()
+    rows = np.arange(len(frame))
+    frame["psi [deg]"] = frame["psi [deg]"].to_numpy()[(rows // 8) * 8]
+    slow = Trial.from_frame(pd.DataFrame(frame))
+    assert any("psi repeats" in note for note in slow.source.notes)
+    measured = measure(slow)
+    assert not measured.reasons
+    found = np.degrees(measured.leading_overshoots)
+    assert len(found) >= 3
+    np.testing.assert_allclose(found, overshoots[: len(found)], atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("column", "by", "word"), [("x [m]", 200.0, "positions jump by 200 m"), ("psi [deg]", 10.0, "another value")]
+)
+def test_distances_across_a_jump_are_unknown(circle_log, column, by, word):
+    trial = circle_log()
+    frame = trial.to_frame()
+    frame[column] += np.where(trial["t"] > 120.0, by, 0.0)
+    found = measure(Trial.from_frame(frame))
+    # 90 deg are reached at 144 s.
+    assert found.advance is None and found.tactical_diameter is None
+    assert word in found.reasons["advance"]

@@ -172,3 +172,18 @@ def test_speed_drift_and_track_from_what_there_is():
 def test_importing_the_package_costs_nothing():
     code = "import sys, shipid.trials; assert not {'pandas', 'numpy', 'pint'} & set(sys.modules), 'eager'"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_propeller_that_stops_with_the_rudder_over_ends_the_steady_turn():
+    """The ship coasts on after three quarters of the record, at a fifth of its rate; what the rudder does is the same."""
+    frame = circle(turns=3.0).to_frame()
+    t = frame["t [s]"].to_numpy()
+    stopped = 50.0 + 0.75 * (t[-1] - 50.0)
+    rate = 5 / 300
+    psi = frame["psi [deg]"].to_numpy()
+    frame["psi [deg]"] = np.where(t < stopped, psi, np.interp(stopped, t, psi) + np.degrees(0.2 * rate * (t - stopped)))
+    frame["n [1/s]"] = np.where(t < stopped, 1.5, 0.0)
+    driven = measure(Trial.from_frame(frame))
+    assert driven.steady_rate == pytest.approx(rate, rel=1e-3)
+    # A log without the shaft speed cannot show it.
+    assert measure(Trial.from_frame(frame.drop(columns="n [1/s]"))).steady_rate < 0.5 * rate

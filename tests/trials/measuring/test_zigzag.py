@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.trials import errors as e
+from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.zigzag import overshoots_of
 from shipid.trials.trial import Trial
@@ -245,3 +246,58 @@ def test_rudder_reversed_by_a_clock_is_no_zigzag():
     with pytest.raises(e.NotAManoeuvreError, match="regular headings"):
         measure(trial)
     assert measure(trial, "zig-zag").kind == "zig-zag"
+
+
+@pytest.mark.parametrize(("step", "when"), [(5.0, 100.0), (-2.0, 45.0), (15.0, 40.0)])
+@pytest.mark.parametrize("rate", [True, False])
+def test_across_a_heading_that_was_set_nothing_is_measured(logged, step, when, rate):
+    trial, orders, overshoots = logged(0.5, noise=0.05)
+    frame = trial.to_frame()
+    frame["psi [deg]"] += np.where(frame["t [s]"] > when, step, 0.0)
+    if rate:
+        frame["r [deg/s]"] = np.gradient(trial["psi"], trial["t"]) * 180 / np.pi
+    found = measure(Trial.from_frame(frame))
+    swing = int(np.searchsorted(orders, when)) - 2
+    for k, beyond in enumerate(found.overshoots):
+        if k == swing:
+            assert beyond is None and "set to another value" in found.reasons[f"overshoots[{k + 1}]"]
+        else:
+            assert np.degrees(beyond) == pytest.approx(overshoots[k], abs=0.15)
+
+
+@pytest.mark.parametrize(("size", "off"), [(20.0, 3.0), (20.0, -4.0), (10.0, 2.0)])
+def test_a_rudder_that_reads_to_one_side(logged, size, off):
+    trial, orders, overshoots = logged(0.5, switch=size)
+    frame = trial.to_frame()
+    frame["delta [deg]"] += off
+    found = measure(Trial.from_frame(frame))
+    assert found.nominal == f"20/{size:.0f}" and found.first_execute == pytest.approx(orders[0], abs=0.1)
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.1)
+
+
+@pytest.mark.parametrize(("rate", "size"), [(0.5, 20.0), (1.5, 10.0)])
+def test_slow_gear_is_listed_and_measured_as_ordered(logged, rate, size):
+    trial, orders, overshoots = logged(0.5, rudder_rate=rate, switch=size, duration=400.0)
+    found = measure(trial)
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.4)
+    listed = [m for m in check_trial(trial).manoeuvres if m.kind == "zigzag"]
+    assert len(listed) == 1 and (listed[0].rudder_deg, listed[0].heading_deg) == (20.0, size)
+    assert listed[0].start == pytest.approx(orders[0], abs=6.0)
+
+
+@pytest.mark.parametrize("late", [2.0, 6.0])
+def test_an_order_logged_late_is_not_measured_by(logged, late):
+    trial, _, overshoots = logged(0.5, order=True)
+    frame = trial.to_frame()
+    rows = np.arange(len(frame))
+    frame["delta_order [deg]"] = frame["delta_order [deg]"].to_numpy()[np.maximum(rows - round(2 * late), 0)]
+    late_trial = Trial.from_frame(frame)
+    found = measure(late_trial)
+    assert "after the rudder has moved" in found.read_from
+    np.testing.assert_allclose(np.degrees(found.overshoots), overshoots[: len(found.overshoots)], atol=0.1)
+    assert "order-late" in {f.kind for f in check_trial(late_trial).findings}
+    frame["delta_order [deg]"] *= -1.0
+    kinds = {(f.kind, f.channel) for f in check_trial(Trial.from_frame(frame)).findings}
+    assert ("rudder-sign", "delta_order") in kinds
+    frame["delta_order [deg]"] = 0.0
+    assert "order-stands" in {f.kind for f in check_trial(Trial.from_frame(frame)).findings}

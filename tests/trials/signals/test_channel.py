@@ -41,7 +41,7 @@ def test_a_sensor_that_writes_on_change_has_no_hole_where_it_holds():
     written = np.concatenate(([True], np.diff(y) != 0))
     sparse = np.where(written, y, np.nan)
     channel = channel_of(trial_of(t, sparse), "psi")
-    assert channel.holes == () and np.degrees(channel.digit) == pytest.approx(1.0)
+    assert channel.holes == () and np.degrees(channel.grain) == pytest.approx(1.0)
     # It holds its value until it is next written.
     assert np.degrees(np.interp(30.0, channel.t, channel.y)) == 0.0
     # The same sensor, silent while the value changes by more than a digit, has a hole.

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.foundation.numbers import probability
 from shipid.foundation.statistics import NORMAL_95
 from shipid.report.figures.trials import Curve, Panel
 from shipid.report.page import Row
 from shipid.report.typography.quantities import Shown
 from shipid.report.views.filter.parameters import SETTLING
-from shipid.report.views.words import probability
 
 #: Probability below which innovations are called coloured.
 COLOURED = 0.01

@@ -10,14 +10,14 @@ from scipy.special import chdtri
 
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
-from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.numbers import fixed, probability, uncertain
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import probability, versions_now, with_unit
+from shipid.report.views.words import versions_now, with_unit
 
 #: Samples over which the normalised innovations squared are averaged in the figure, as a part of the record.
 _WINDOW = 0.05
@@ -77,7 +77,14 @@ def _cautions(run: FilterRun) -> list[str]:
             said.append(f"{i.rejected} of {i.t.size} samples of {name} were outside the gate and were rejected.")
         if i.limited:
             said.append(f"{i.limited} samples of {name} were outside the sensor's range and were left out.")
-        if i.nis_mean is not None and i.nis_band is not None and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]:
+        # The filter warns of sizes that are far off in words of its own.
+        warned = any(n.kind == "noise-does-not-fit" and n.known.get("sensor") == name for n in run.warnings)
+        if (
+            not warned
+            and i.nis_mean is not None
+            and i.nis_band is not None
+            and not i.nis_band[0] <= i.nis_mean <= i.nis_band[1]
+        ):
             size, cause = (
                 ("larger", "its standard deviations are too small")
                 if i.nis_mean > 1

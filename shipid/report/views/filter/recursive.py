@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shipid.foundation.numbers import fixed, uncertain
+from shipid.foundation.numbers import fixed, probability, uncertain
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Section
@@ -14,7 +14,7 @@ from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
 from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
-from shipid.report.views.words import probability, sentence, versions_now, with_unit
+from shipid.report.views.words import sentence, versions_now, with_unit
 
 #: The sections of the page, in order; one that has nothing to say is None. A new one is a line here and a template.
 SECTIONS: list[Callable[[RecursiveIdentification], Section | None]] = [

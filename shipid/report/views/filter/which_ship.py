@@ -46,7 +46,7 @@ def _probabilities(found: WhichShip) -> Section:
         for j, n in enumerate(run.modes)
     ]
     panels = [
-        Panel(f"probability of {n}", "1", [Curve("estimate", run.t, run.probabilities[:, j])])
+        Panel(f"probability of {n}", "1", [Curve("estimate", run.t, run.probabilities[:, j])], span=(0.0, 1.0))
         for j, n in enumerate(run.modes)
     ]
     figures = halves(panels, "ships", "Along the record")

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.declaration.units import pretty
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, number, probability
 from shipid.identification.fit import Fit
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown
-from shipid.report.views.words import probability
 
 _OUTPUT_ERROR = (
     "Output error: the model is run over the recorded rudder from an initial state of its own in each trial, and the "

@@ -27,8 +27,6 @@ _JUDGED = [
 ]  # fmt: skip
 #: Tracks whose speeds are drawn: the ones that were held longest.
 _MOST = 4
-#: Below this speed a course says nothing, m/s.
-_STILL = 0.5
 
 
 def tracking_page(found: Tracking) -> Page:
@@ -82,7 +80,9 @@ def _closest(held: list[TargetTrack]) -> str:
     closing = [(n, a) for n, a in near if a.motion == "closing"]
     if closing:
         number, first = min(closing, key=lambda pair: pair[1].nearest)
-        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour."
+        ends = first.nearest_interval
+        between = "" if ends is None else f", between {fixed(ends[0], 0)} and {fixed(ends[1], 0)} m with 95 %"
+        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour{between}."
     if near:
         number, first = min(near, key=lambda pair: pair[1].range)
         return f"No track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m."
@@ -100,8 +100,8 @@ def _row(one: TargetTrack) -> Row:
         "x": fixed(one.x[-1, 0], 0),
         "y": fixed(one.x[-1, 1], 0),
         "spread": fixed(float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0))), 0),
-        "speed": fixed(float(one.speed[-1]), 1),
-        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}",
+        "speed": f"{fixed(float(one.speed[-1]), 1)} ± {fixed(float(one.speed_std[-1]), 1)}",
+        "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}" if one.moves[-1] else "none",
         "cpa": "not known" if near is None else fixed(near.cpa, 0),
         "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
     }
@@ -119,14 +119,14 @@ def _motion(shown: list[TargetTrack]) -> Markup:
 
 
 def course_shown(one: TargetTrack) -> np.ndarray:
-    """Return the course without jumps at north, in deg, its median between 0 and 360; NaN where the target hardly moves.
+    """Return the course without jumps at north, in deg, its median between 0 and 360; NaN where the target may lie still.
 
     Parameters
     ----------
     one : TargetTrack
         The track.
     """
-    moving = one.speed > _STILL
+    moving = one.moves
     course = np.full(one.t.size, np.nan)
     course[moving] = np.rad2deg(np.unwrap(one.course[moving]))
     return course - 360.0 * np.floor(np.median(course[moving]) / 360.0) if moving.any() else course
@@ -143,7 +143,6 @@ def _modes(found: Tracking, one: TargetTrack) -> Markup | None:
 
 
 def _judged(score: TrackingScore) -> dict[str, object]:
-    rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
     rows: list[Row] = []
     for ship in score.ships:
         if ship.held is None:
@@ -153,14 +152,19 @@ def _judged(score: TrackingScore) -> dict[str, object]:
         rows.append(
             {"name": ship.name, "visible": ship.visible, "held": fixed(100 * ship.held, 0), "nees": nees, **errors}
         )
-    false = score.false_tracks
-    moving = (
-        f"{count(false, 'confirmed track')} {'moves' if false == 1 else 'move'}"
-        if false
-        else "No confirmed track moves"
-    )
     words = (
-        f"{moving} where no ship is within 250 m{rate if false else ''}. A track within "
-        f"{fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; far above it, the error is larger than stated."
+        f"{_false(score)} A track within {fixed(score.near, 0)} m is a ship's. The stated spread fits the error where the NEES is 2; "
+        "far above it, the error is larger than stated."
     )
     return {"words": words, "columns": _JUDGED, "rows": rows}
+
+
+def _false(score: TrackingScore) -> str:
+    """What moves where no ship is."""
+    false, surely = score.false_tracks, score.false_movers
+    if not false:
+        return "No confirmed track moves where no ship is within 250 m."
+    rate = "" if score.false_rate is None else f", {fixed(score.false_rate, 2)} a minute"
+    rest = "" if surely == false else f", {count(surely, 'track')} surely; the others may lie still"
+    moves = "moves" if false == 1 else "move"
+    return sentence(f"{count(false, 'confirmed track')} {moves} where no ship is within 250 m{rate}{rest}.")

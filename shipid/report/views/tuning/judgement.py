@@ -253,12 +253,14 @@ def on_board_section(judged: Judgement, figures: Mapping[str, Markup]) -> Sectio
         f"Course changes one after the other, with a sample every {number(found.interval, 3)} s: by the instruments ({sensors}), "
         f"and by the Kalman filter {found.kalman}; {_ADAPTATIONS[found.adaptation]}."
     )
-    rows = [
-        {"feedback": r.feedback, "weather": r.weather, **_on_board_row(c, r.weather)}
+    groups = [
+        (
+            f"By the {r.feedback}, {'in calm' if r.weather == 'calm' else r.weather}",
+            [_on_board_row(c, r.weather) for c in r.changes],
+        )
         for r in found.runs
-        for c in r.changes
     ]
-    return Section("On board", "tuning/on_board.html", {"head": head, "rows": rows, "figure": figures["on_board"]})
+    return Section("On board", "tuning/on_board.html", {"head": head, "groups": groups, "figure": figures["on_board"]})
 
 
 def _on_board_row(c: CourseChange, weather: str) -> Row:

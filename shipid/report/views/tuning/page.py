@@ -12,7 +12,7 @@ from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.schedule import GAINS
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement
 from shipid.declaration.units import pretty
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, given, number
 from shipid.report.figures.tuning import design_figures, tuning_figures
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown_field
@@ -186,8 +186,8 @@ def _method(pilot: Autopilot) -> Section:
     rudder = shown_field("delta")
     facts = {
         "Design": _DESIGNS[pilot.design],
-        **{names[n][0]: f"{number(v, 4)} {names[n][1]}".strip() for n, v in pilot.request.items()},
-        "Ship's own speed": f"{number(pilot.service_speed, 4)} m/s",
+        **{names[n][0]: f"{given(float(f'{v:.4g}'))} {names[n][1]}".strip() for n, v in pilot.request.items()},
+        "Ship's own speed": f"{given(pilot.service_speed)} m/s",
         "Rudder limit of the autopilot": f"{fixed(pilot.rudder_limit * rudder.factor, 1)} {rudder.unit}",
         "Largest rudder angle": f"{fixed(pilot.limits['delta_max'] * rudder.factor, 1)} {rudder.unit}",
         "Largest rudder rate": f"{fixed(pilot.limits['delta_rate'] * rudder.factor, 2)} {rudder.unit}/s",

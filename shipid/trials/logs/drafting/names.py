@@ -9,20 +9,24 @@ from dataclasses import dataclass
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials.columns import split_header
 
-#: Names in use by field of the vocabulary, in small letters without blanks and signs: English, German, Dutch and Scandinavian.
+#: Names in use by field of the vocabulary, in small letters without blanks and signs: English, German, Dutch, Scandinavian, French,
+#: Spanish, Italian, Portuguese, Polish, Russian, Turkish, Finnish, Japanese, Chinese and Korean.
 _IN_USE: dict[str, str] = {
     "x": "xpositionmid north northing xnorth posnorth positionnorth xpos posx x0 xposition nordwert hochwert",
     "y": "ypositionmid e east easting yeast poseast positioneast ypos posy y0 yposition ostwert rechtswert",
     "psi": "psihat heading hdg hdt headingtrue trueheading hdgtrue gyro gyroheading compass compassheading yaw yawangle psi steuerkurs "
-    "kompasskurs kompass kreisel kreiselkompass headingtru shipheading vesselheading stevning koers",
+    "kompasskurs kompass kreisel kreiselkompass headingtru shipheading vesselheading stevning koers rumbo prora proa capvrai keula "
+    "pruva 方位 船首方位 艏向 船首向 航向 선수각 선수방위",
     "r": "rangvelo rot rateofturn turnrate yawrate yawvelocity rate gyrorate drehrate gierrate wendegeschwindigkeit drehgeschwindigkeit rotation "
-    "angvelz rz",
+    "angvelz rz girhastighet girhastighed draaisnelheid vitessederotation tauxdegiration tauxderotation velocidaddegiro velocitadivirata "
+    "角速度 回頭角速度 转首角速度 轉首角速度 회두각속도",
     "u": "uvelo stw speedthroughwater waterspeed logspeed surge surgespeed surgevelocity vx fdw fahrtdurchswasser longspeed sogwater",
     "v": "vmvelo sway swayspeed swayvelocity vy transspeed transversespeed",
     "SOG": "sog speedoverground groundspeed gpsspeed fug fahrtüberground fahrtübergrund vog",
     "COG": "cog courseoverground gpscourse kug kursübergrund trackmadegood tmg",
     "delta": "deltarudder rudder rudderangle rudderfeedback rudderactual rudderposition rudderpos rud rsa ruder ruderwinkel ruderlage ruderistwert "
-    "helmangle rorvinkel ror roer roerhoek roerstand delta azimuth azimuthangle azi",
+    "helmangle rorvinkel ror roer roerhoek roerstand delta azimuth azimuthangle azi roder rodervinkel barre angledebarre gouvernail safran "
+    "timón timon angulodetimon ángulodetimón timone angolotimone leme angulodeleme ster руль рульугол peräsin peräsinkulma dümen dumen 舵角 타각",
     "delta_order": "rudderorder ruddercommand ruddercmd ruddersetpoint ruddersp rudderdemand orderedrudder commandedrudder rudderset "
     "rudersollwert sollruder ruderbefehl deltaorder deltac deltacmd",
     "n": "nprop rpm shaftrpm propellerrpm proprpm shaftspeed propspeed rev revs revolutions drehzahl wellendrehzahl propellerdrehzahl "
@@ -47,13 +51,16 @@ AMBIGUOUS: dict[str, tuple[str, ...]] = {
     "kurs": ("psi", "COG"), "course": ("psi", "COG"), "cap": ("psi", "COG"), "track": ("COG", "psi"),
     "windspeed": ("wind_speed_relative", "wind_speed"), "winddirection": ("wind_direction_relative", "wind_direction"),
     "windangle": ("wind_direction_relative", "wind_direction"), "enginerpm": ("n",), "enginespeed": ("n",),
-    "n": ("n", "x"),
+    "n": ("n", "x"), "vitesse": ("u", "SOG"), "velocidad": ("u", "SOG"), "velocidade": ("u", "SOG"), "velocità": ("u", "SOG"),
+    "velocita": ("u", "SOG"), "prędkość": ("u", "SOG"), "скорость": ("u", "SOG"), "nopeus": ("u", "SOG"), "hız": ("u", "SOG"),
+    "船速": ("u", "SOG"), "航速": ("u", "SOG"), "선속": ("u", "SOG"), "rota": ("psi", "COG"), "rotta": ("psi", "COG"), "rumo": ("psi", "COG"),
+    "route": ("COG", "psi"), "курс": ("psi", "COG"), "針路": ("psi", "COG"), "suunta": ("psi", "COG"),
 }  # fmt: skip
 #: Words at the end of a name that say its unit.
 _UNITS = {
     "deg": "deg", "degs": "deg/s", "degmin": "deg/min", "degpermin": "deg/min", "degpersec": "deg/s", "degrees": "deg", "grad": "deg",
     "rad": "rad", "rads": "rad/s", "kn": "kn", "kt": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "ms": "m/s", "kmh": "km/h",
-    "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn",
+    "degps": "deg/s", "dps": "deg/s", "degpmin": "deg/min", "rpm": "rpm", "rps": "rps", "m": "m", "meter": "m", "metres": "m", "meters": "m", "knoten": "kn",
 }  # fmt: skip
 _SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
 

@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.signals.channel import Channel, channel_of
+from shipid.trials.signals.order import order_against_feedback
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
@@ -39,6 +40,8 @@ class Steering:
         The rudder angle beside the logged order: its ramp tells when, within the interval in which the order stepped.
     answers : tuple of Plate
         The plates of that rudder.
+    doubt : str
+        Why the logged order is not what is read, in words; empty where it is, or where none is logged.
     """
 
     channel: Channel
@@ -49,6 +52,7 @@ class Steering:
     end: float
     feedback: Steering | None = None
     answers: tuple[Plate, ...] = ()
+    doubt: str = ""
 
     @property
     def words(self) -> str:
@@ -62,15 +66,13 @@ class Steering:
                 "the middle of the interval of its step" if self.rate is None else "within it by the ramp of the rudder"
             )
             return f"the order, as logged every {self.channel.interval:.3g} s ({where})"
+        why = self.doubt or "the order is not logged"
         if self.rate is None:
             return (
                 f"the step of the rudder, recorded every {self.channel.interval:.3g} s (the middle of the interval of "
-                "the step); the order is not logged"
+                f"the step); {why}"
             )
-        return (
-            f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the plate it leaves; "
-            "the order is not logged"
-        )
+        return f"the ramp of the rudder ({angle(self.rate, 3)}/s), extended back to the plate it leaves; {why}"
 
     def after(self, plate: Plate) -> float:
         """Return when a plate ends: the rudder is half over to the other side, or the record ends [s].
@@ -114,8 +116,12 @@ def steering_of(
     if execute not in (None, *READINGS):
         raise UsageError(f"execute is '{execute}'. Write 'moved' (the rudder has left its plate) or 'order'.")
     moved = execute == "moved"
+    doubt = ""
     if column is None:
         ordered = trial.has("delta_order") and (not trial.has("delta") or _moves(trial["delta_order"]))
+        if ordered and trial.has("delta"):
+            doubt = order_against_feedback(trial["t"], trial["delta_order"], trial["delta"])
+            ordered = not doubt
         if not ordered and not trial.has("delta"):
             raise UnknownColumnError(
                 f"trial '{trial.name}' has no rudder angle, neither 'delta' nor 'delta_order': a manoeuvre cannot "
@@ -141,7 +147,9 @@ def steering_of(
         if feedback is None
         else feedback.rate
     )
-    return Steering(channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers))
+    return Steering(
+        channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt
+    )
 
 
 def _moves(order: np.ndarray) -> bool:

@@ -1,4 +1,4 @@
-"""The heading: wrapped, interpolated across 0/360, glitching."""
+"""The heading: wrapped, interpolated across 0/360, glitching, set to another value."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ _PERIODS = (2 * np.pi, 360.0, np.radians(2 * np.pi))
 
 _SMALL = np.radians(0.25)
 """Glitches below this are no matter of concern."""
+
+_STEP, _AROUND = np.radians(1.0), 7
+"""A heading that is set to a value nearer than this is none of concern; samples on either side that show that it stays."""
 
 
 def examine_wrap(p: WorkingCopy) -> None:
@@ -114,6 +117,58 @@ def examine_heading(p: WorkingCopy) -> None:
     mended[index] = turned + np.interp(t, t[good], slow)
     p["psi"] = mended
     p.void("psi", np.zeros(len(p), dtype=bool))
+
+
+def examine_heading_step(p: WorkingCopy) -> None:
+    """Find where the heading is set to another value and goes on from there: a compass that slipped or was set, a second source.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record, the rate of turn in the heading's unit and sign, single wild headings mended.
+    """
+    if not p.has("psi") or p.found("resampled"):
+        return
+    index = p.own("psi")
+    if len(index) < 60:
+        return
+    t, psi = p.t[index], p["psi"][index]
+    rest = psi - robust.integral(p.t, p["r"])[index] if p.has("r") and not p.found("frozen") else psi
+    step, usual = np.diff(rest), np.diff(t) < 1.5 * p.interval("psi")
+    off = step - median_filter(step, 9, mode="mirror")
+    grid, still = robust.resolution(psi)
+    # A ship's rate of turn changes little within a sample; coarse digits step by themselves.
+    limit = max(8 * robust.spread(off), 6 * robust.noise(rest), 4 * float(np.quantile(np.abs(off), 0.98)), _STEP)
+    limit += 2 * grid if still > 0.2 else 0.0
+    found = []
+    for k in np.flatnonzero((np.abs(off) > limit) & usual):
+        before, after = rest[max(k - _AROUND, 0) : k + 1], rest[k + 1 : k + 1 + _AROUND]
+        if min(len(before), len(after)) < 4 or psi[k] == psi[k - 1]:
+            continue
+        # It stays: the motion on either side, continued to the step, lies that far apart.
+        gap = _at_step(after, 1) - _at_step(before, -1)
+        if abs(gap - off[k]) < 0.3 * abs(off[k]) and abs(gap) > 0.7 * limit:
+            found.append(k)
+    if not found or len(found) > max(3, 0.005 * len(psi)):
+        return
+    largest = max(found, key=lambda k: abs(off[k]))
+    p.add(
+        "heading-step", "psi", robust.confidence_of(float(np.abs(off[largest])) / limit, 0.9, 1.5),
+        f"the heading is set to another value {len(found)} time{'s' * (len(found) > 1)}, by {angle(float(off[largest]), 3)} at "
+        f"{t[largest + 1]:.6g} s within a sample, and goes on from there",
+        "Headings on either side cannot be compared: an overshoot or an advance across it is wrong by as much, and so are "
+        "residuals.",
+        "Use the stretches on either side (FILE@A:B), or another source of the heading.", at=index[np.array(found) + 1],
+    )  # fmt: skip
+
+
+def _at_step(values: np.ndarray, side: int) -> float:
+    """The value at the step, half a sample before the first or behind the last, on a straight line through the samples of one side."""
+    if side < 0:
+        values = values[::-1]
+    x = np.arange(len(values)) + 0.5
+    slope = float(np.median(np.diff(values)))
+    return float(np.median(values - slope * x))
 
 
 def _widened(core: np.ndarray, skirt: np.ndarray) -> np.ndarray:

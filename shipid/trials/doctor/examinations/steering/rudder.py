@@ -9,8 +9,7 @@ from shipid.declaration.vocabulary import angle, shown
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
-
-_GRAVITY = 9.81
+from shipid.trials.signals.order import order_against_feedback
 
 
 def examine_movement(p: WorkingCopy) -> None:
@@ -203,6 +202,8 @@ def examine_order(p: WorkingCopy) -> None:
     if not p.has("delta") or p.found("no-rudder-movement") or len(p) < 40:
         return
     delta = p["delta"]
+    if p.has("delta_order"):
+        _order_beside(p)
     if p.has("delta_order") and float(np.abs(delta - p["delta_order"]).max()) <= 1e-9 and np.ptp(delta) > 0:
         _order(p, 0.95, "delta equals delta_order in every sample", np.arange(len(p)))
     else:
@@ -222,6 +223,33 @@ def examine_order(p: WorkingCopy) -> None:
                     f"{shown(rate, 'r', digits=3)}, faster than the {shown(fastest, 'r', digits=3)} of a fast steering gear",
                     start,
                 )  # fmt: skip
+
+
+def _order_beside(p: WorkingCopy) -> None:
+    """Find an order that cannot be the one the rudder followed: of the other sign, later than the rudder, or one that never moves."""
+    order, delta = p["delta_order"], p["delta"]
+    effect = "What is steered by it, and what is measured from it, is not what the ship did."
+    if float(np.ptp(order)) == 0:
+        p.add(
+            "order-stands", "delta_order", 0.95,
+            f"delta_order stays at {angle(float(order[0]), 3)} while the rudder moves by {angle(float(np.ptp(delta)), 3)}",
+            effect, "Leave the column out: the executes are read back from the ramp of the rudder.", spoils=False,
+        )  # fmt: skip
+        return
+    known = ~p.blind("delta", "delta_order")
+    why = order_against_feedback(p.t[known], order[known], delta[known])
+    if "other side" in why:
+        if p.add(
+            "rudder-sign", "delta_order", 0.97, f"{why}, whose sign is the ship's", effect,
+            "Change the sign of delta_order; in a format file: sign = -1.",
+            fix={"action": "scale", "column": "delta_order", "factor": -1.0}, spoils=False,
+        ):  # fmt: skip
+            p["delta_order"] = -order
+    elif "after the rudder" in why:
+        p.add(
+            "order-late", "delta_order", 0.95, why, effect,
+            "Take the rudder angle: the executes are read back from its ramp.", spoils=False,
+        )  # fmt: skip
 
 
 def _order(p: WorkingCopy, confidence: float, message: str, at: np.ndarray) -> None:
