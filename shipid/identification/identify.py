@@ -24,11 +24,11 @@ from shipid.identification.evidence.marginal_likelihood import Weighing, conclud
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
+from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
-from shipid.identification.problem.loading import with_load_part
 from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import INDEPENDENT, prior_of, structural_errors
 from shipid.identification.problem.setting import Setting, check_length, search_box, settle
@@ -43,8 +43,8 @@ from shipid.identification.uncertainty.covariance import correlation_of, covaria
 from shipid.identification.uncertainty.estimates import estimates_of, unseen_words, without_values
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
+from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parts.loading import measure_of
 from shipid.trials.doctor.autopilot_steers import autopilot_steers
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.trial import Trial

@@ -24,9 +24,9 @@ from shipid.declaration.component import Component, declared_quantities, slug
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
+from shipid.parameters.loading import MEASURES, at_loading
 from shipid.parameters.parameter_file import read_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parts.loading import MEASURES, at_loading
 from shipid.parts.planar_motion import PlanarMotion
 from shipid.parts.rudder_delay import RudderDelay
 
@@ -104,7 +104,7 @@ def find_model(name: str) -> Model:
     name : str
         ``"de-keizer"``, or a file and the name of a model or a component class in it. With ``-wind`` after it, any model of yaw is
         joined with the moment of the true wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it; with
-        ``-draught`` or ``-displacement``, the coefficients of any depend on the loading (`shipid.parts.loading`).
+        ``-draught`` or ``-displacement``, the coefficients of any depend on the loading (`shipid.parameters.loading`).
 
     Raises
     ------

@@ -15,10 +15,10 @@ import numpy as np
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.statistics import plain
-from shipid.identification.problem.loading import loading_of
+from shipid.identification.loading import loading_of
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes
-from shipid.parts.loading import load_parts, measure_of
+from shipid.parameters.loading import load_parts, measure_of
 from shipid.trials.conditions import one_loading
 from shipid.trials.trial import Trial
 

@@ -13,9 +13,9 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor, to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
+from shipid.identification.loading import reference_loading
 from shipid.identification.problem.box import Box, box_of
 from shipid.identification.problem.dead_time import DEAD_TIME, usual_delay
-from shipid.identification.problem.loading import reference_loading
 from shipid.identification.problem.ship_scale import scale_of, usual_speed
 from shipid.parameters.catalogue import delayed, model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet, missing_values

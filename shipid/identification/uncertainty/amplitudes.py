@@ -8,10 +8,10 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.notices import Notice
-from shipid.identification.problem.loading import loading_of
+from shipid.identification.loading import loading_of
+from shipid.parameters.loading import MEASURES
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond
-from shipid.parts.loading import MEASURES
 from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.trial import Trial
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
-from shipid.identification.problem.loading import loading_of
+from shipid.identification.loading import loading_of
 from shipid.identification.problem.setting import Setting
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes, recorded_speeds, speed_before_of
 from shipid.identification.uncertainty.estimates import is_as_stated
 from shipid.parameters.correlation import Joint
+from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
-from shipid.parts.loading import measure_of
 from shipid.trials.trial import Trial
 
 #: Source of a value that the trials say nothing about, and that the ship states in other coefficients, or the model as a prior.

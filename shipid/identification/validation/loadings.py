@@ -15,7 +15,7 @@ from shipid.generation.system import generate
 from shipid.identification.evidence.load_part import LoadPart
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.estimates import published_names
-from shipid.parts.loading import REFERENCE, load_parts, measure_of, value_at_loading
+from shipid.parameters.loading import REFERENCE, load_parts, measure_of, value_at_loading
 from shipid.trials.conditions import Conditions, different_loadings
 
 #: Kind of the notice.

@@ -10,10 +10,10 @@ import pytest
 import shipid
 from shipid.identification.validation.loadings import coefficients_at
 from shipid.parameters.held_inputs import hold_inputs
+from shipid.parameters.loading import load_parts
 from shipid.parameters.parameter_file import read_parameter_set, write_parameter_set
 from shipid.parameters.parameter_set import ParameterSet, Value
 from shipid.parameters.validity import BEYOND, beyond
-from shipid.parts.loading import load_parts
 from shipid.trials.conditions import Conditions
 
 TRUE = {"K": 0.06, "K_draught": 0.6, "tau": 40.0, "tau_draught": 1.2, "draught_ref": 7.0}

@@ -18,6 +18,7 @@ from shipid.declaration.component import Component, declared_equations, declared
 from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity, constant, derived, given, parameter
+from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import UsageError
 
 #: What says the loading, and with a hyphen before it the ending of the name of a model whose coefficients depend on it.
@@ -57,12 +58,12 @@ class CoefficientAtLoading(Component):
     by_line = derived("1", "a coefficient that may have either sign")
 
     @by_power.equals
-    def follows_a_power(self):
+    def follows_a_power(self) -> Expression:
         """A derivative of the hull is a power of the draught over the length, times a constant (Clarke et al. 1982); the power is free here."""
         return self.at_reference * np.exp(self.power * np.log(self.loading / self.reference))
 
     @by_line.equals
-    def changes_in_a_line(self):
+    def changes_in_a_line(self) -> Expression:
         """The first order of any smooth dependence (this project's own)."""
         return self.at_reference + self.change * (self.loading / self.reference - 1)
 

@@ -10,7 +10,7 @@ import pytest
 import shipid
 from shipid.foundation.errors import UsageError
 from shipid.generation.system import generate
-from shipid.parts.loading import at_loading, load_parts, value_at_loading
+from shipid.parameters.loading import at_loading, load_parts, value_at_loading
 
 
 def test_a_coefficient_keeps_its_sign_by_a_power_or_changes_in_a_line():

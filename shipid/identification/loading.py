@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.errors import UsageError
-from shipid.parts.loading import MEASURES, REFERENCE, at_loading, measure_of
+from shipid.parameters.loading import MEASURES, REFERENCE, at_loading, measure_of
 from shipid.trials.conditions import one_loading
 from shipid.trials.trial import Trial
 
