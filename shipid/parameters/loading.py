@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from shipid.declaration.component import Component, declared_equations, declared_quantities
+from shipid.declaration.component import Component, declared_quantities
 from shipid.declaration.joining.unit_check import check_units
 from shipid.declaration.model import Entry, Model
 from shipid.declaration.quantity import Equation, Quantity, constant, derived, given, parameter
@@ -54,17 +54,16 @@ class CoefficientAtLoading(Component):
         "1", "power of the loading that the coefficient follows", start=0.0, low=-_FAR, high=_FAR, spread=1.0
     )
     change = parameter("1", "change of the coefficient per relative change of the loading", start=0.0, spread=1.0)
-    by_power = derived("1", "a coefficient that keeps its sign")
-    by_line = derived("1", "a coefficient that may have either sign")
 
-    @by_power.equals
     def follows_a_power(self) -> Expression:
-        """A derivative of the hull is a power of the draught over the length, times a constant (Clarke et al. 1982); the power is free here."""
+        """Return a coefficient that keeps its sign.
+
+        A derivative of the hull is a power of the draught over the length, times a constant (Clarke et al. 1982); the power is free.
+        """
         return self.at_reference * np.exp(self.power * np.log(self.loading / self.reference))
 
-    @by_line.equals
     def changes_in_a_line(self) -> Expression:
-        """The first order of any smooth dependence (this project's own)."""
+        """Return a coefficient that may have either sign: the first order of any smooth dependence (this project's own)."""
         return self.at_reference + self.change * (self.loading / self.reference - 1)
 
 
@@ -171,7 +170,9 @@ class _Changed:
         low, high = entry.number("low"), entry.number("high")
         keeps_sign = (low is not None and low >= 0) or (high is not None and high <= 0)
         pattern = declared_quantities(CoefficientAtLoading)
-        kind, source = ("by_power", "power") if keeps_sign else ("by_line", "change")
+        source = "power" if keeps_sign else "change"
+        own = CoefficientAtLoading
+        equation = own.follows_a_power if keeps_sign else own.changes_in_a_line
         self.at_loading = f"{name}_at_{measure}"
         part = replace(
             pattern[source], name=f"{name}_{measure}", meaning=f"{pattern[source].meaning}: of {name}, by the {measure}"
@@ -180,17 +181,11 @@ class _Changed:
             size = max(abs(entry.number("start") or 0.0), entry.number("spread") or 0.0) or 1.0
             part = replace(part, unit=entry.unit, prime=quantity.prime, spread=size, low=-_FAR * size, high=_FAR * size)
         self.part: Quantity = part
-        value = replace(
-            pattern[kind],
-            name=self.at_loading,
-            unit=entry.unit,
-            meaning=f"{quantity.meaning}, at the {measure} of the ship",
+        value: Quantity = replace(
+            derived(entry.unit, f"{quantity.meaning}, at the {measure} of the ship"), name=self.at_loading
         )
-        equation = declared_equations(CoefficientAtLoading)[kind]
         reads = {"loading": measure, "reference": measure + REFERENCE, "at_reference": name, source: part.name}
-        self.entry = Entry(
-            value, CoefficientAtLoading, Equation(value, "equals", equation.function), tuple(reads.items())
-        )
+        self.entry = Entry(value, CoefficientAtLoading, Equation(value, "equals", equation), tuple(reads.items()))
 
 
 def _of_hull(model: Model) -> list[str]:
