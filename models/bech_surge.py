@@ -102,6 +102,7 @@ class SlipstreamYaw(BechYaw):
         high=2.5,
         spread=0.4,
     )
+    same_at_any_loading = ("m",)
 
     def rudder(self):
         """Effective rudder angle: its force is proportional to u^(2-m) U0^m."""

@@ -79,6 +79,7 @@ class CrossFlow(SpeedScaled):
         nominal=0.01,
         latex=r"\delta_p",
     )
+    same_at_any_loading = ("m", "t_delta", "delta_p")
     X0 = parameter("1", "resistance and thrust", start=0.06, low=0.002, high=2.0, latex="X_0")
     X_vr = parameter("1", "resistance of the turn", start=1.65, low=0.0, high=20.0, spread=0.12, latex="X_{vr}")
     w_0 = constant(

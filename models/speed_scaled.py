@@ -72,6 +72,7 @@ class WindMoment(Component):
         nominal=0.002,
         latex="w_2",
     )
+    same_at_any_loading = ("w1", "w2")
     r_disturbance = derived("rad/s^2", "yaw acceleration by the wind and by what else acts", latex=r"\dot r_d")
 
     @r_disturbance.equals
@@ -126,6 +127,7 @@ class ActuatorLag(Component):
     # In seconds: the lag of an actuator does not depend on the ship's speed, and runs at two speeds showed one lag in
     # seconds and not one in ship lengths. Below the bound, Runge-Kutta steps of half a second are unstable.
     t_delta = parameter("s", "lag of the actuator", start=1.0, low=0.25, high=20.0, spread=1.0, latex=r"\tau_\delta")
+    same_at_any_loading = ("t_delta",)
 
     @delta_lagged.rate
     def actuator(self):

@@ -23,7 +23,7 @@ HOMES = {n.name: (module, n) for module, tree in TREES.items() for n in tree.bod
 LAID_OUT = {
     "BiasSpread", "BiasStanding", "Box", "Buoy", "Campaign", "Contour", "Covariance", "Criterion", "CriterionSide", "CycleLayout",
     "CycleSettings", "DepthArea", "Entry", "Equation", "Equations", "Finding", "FirstEstimates", "Hole", "Instruments",
-    "Joint", "Judged", "Line", "Loop", "Measure", "Mode", "ModeMap", "Prior", "Problem", "Quantity", "Record", "RecursionLayout", "Runs", "Solution",
+    "Joint", "Judged", "Line", "LoadPart", "Loop", "Measure", "Mode", "ModeMap", "Prior", "Problem", "Quantity", "Record", "RecursionLayout", "Runs", "Solution",
     "Standing", "StateRegression", "StepLayout", "StepSettings", "StructureError", "System", "TrialData", "Typeset", "UnseenDirection",
     "Value", "Waypoint",
 }  # fmt: skip

@@ -26,6 +26,8 @@ class Component:
     equation. Components are never instantiated: `shipid.join` makes a model of them.
     """
 
+    #: Coefficients that a loading of the ship does not change: those of her gear and of a logger.
+    same_at_any_loading: ClassVar[tuple[str, ...]] = ()
     __quantities__: ClassVar[dict[str, Quantity]] = {}
     __equations__: ClassVar[dict[str, Equation]] = {}
 

@@ -32,11 +32,14 @@ class Entry:
         The component that states it (for an input: the first that reads it).
     equation : Equation or None
         What defines it.
+    reads : tuple of tuple of str
+        What the equation reads under another name: its own name for it, and the one in the model.
     """
 
     quantity: Quantity
     owner: type[Component]
     equation: Equation | None = None
+    reads: tuple[tuple[str, str], ...] = ()
 
     @property
     def name(self) -> str:
@@ -47,6 +50,18 @@ class Entry:
     def unit(self) -> str:
         """Its declared SI unit."""
         return self.quantity.unit
+
+    def value(self, lookup: Callable[[str], Expression]) -> Expression:
+        """Return the right-hand side of its equation.
+
+        Parameters
+        ----------
+        lookup : callable
+            Returns the value of a quantity of the model by its name.
+        """
+        assert self.equation is not None, self.name
+        names = dict(self.reads)
+        return self.equation.function(Scope(self.owner, lambda n: lookup(names.get(n, n))))
 
     def number(self, attribute: str) -> float | None:
         """Return a declared number in SI, or None where the declaration says none.
@@ -285,8 +300,7 @@ class Evaluation:
         entry : Entry
             A quantity that an equation defines.
         """
-        assert entry.equation is not None
-        return entry.equation.function(Scope(entry.owner, self.__getitem__))
+        return entry.value(self.__getitem__)
 
     def right_hand_sides(self, kind: str) -> dict[str, Any]:
         """Return ``{name: right-hand side}`` of all equations of one kind.
@@ -321,9 +335,8 @@ def reads_of(model: Model, entry: Entry) -> frozenset[str]:
         read.add(name)
         return np.float64(0.7311)
 
-    assert entry.equation is not None
     with np.errstate(all="ignore"):
-        entry.equation.function(Scope(entry.owner, lookup))
+        entry.value(lookup)
     return frozenset(read)
 
 

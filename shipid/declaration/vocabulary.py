@@ -85,6 +85,8 @@ _FIELDS = (
     Field("torque", "N*m", "kN*m", "Torque", "propeller torque"),
     Field("beta", "rad", "deg", "Drift angle", "drift angle, positive when the flow comes from port: atan2(-v, u)"),
     Field("cruise", "m/s", "m/s", "Speed before the manoeuvre", "speed before the manoeuvre", "mean speed before the first execute"),
+    Field("draught", "m", "m", "Mean draught", "mean draught of the ship", _REFUSED),
+    Field("displacement", "kg", "t", "Displacement", "displacement of the ship", _REFUSED),
     Field("current_north", "m/s", "m/s", "Current to the north", "current, component TO the north", _NO_CURRENT),
     Field("current_east", "m/s", "m/s", "Current to the east", "current, component TO the east", _NO_CURRENT),
 )  # fmt: skip

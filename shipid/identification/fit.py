@@ -45,7 +45,7 @@ from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
 from shipid.identification.uncertainty.profiles import Profile, profile_of
 from shipid.identification.validation.comparison import Comparison
-from shipid.identification.validation.loadings import LOADINGS, loading_notices
+from shipid.identification.validation.loadings import LOADINGS, loading_lines, loading_notices
 from shipid.identification.validation.predicted_manoeuvre import in_degrees
 from shipid.identification.validation.predictions import predictions
 from shipid.identification.validation.trial_findings import lines_of
@@ -283,6 +283,7 @@ class Fit(DrawnResult):
             "checked": findings is not None,
             "warnings": [*plain_notices(self.warnings), *(f.to_dict() for f in findings or ())],
             "parameters": {n: e.to_dict() for n, e in self.parameters.items()},
+            "load_part": None if (part := self.identified.load_part) is None else part.to_dict(),
             "seen": seen_by(self.ship.joint.get(self.model.name)),
             "fixed": {n: {"value": v, "unit": self.model[n].unit} for n, v in self.fixed.items()},
             "fit": {
@@ -359,7 +360,8 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
-        found += loading_notices({c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)})
+        stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
+        found += loading_notices(stated, self.identified.load_part)
         for c in self.validation:
             found += [
                 n.about(c.trial.name) for n in beyond_of_record(self.model, self.ship, c.trial) if n.kind == BEYOND
@@ -380,6 +382,7 @@ class Fit(DrawnResult):
                 *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
                 *coefficient_lines(self.parameters),
                 *dead_time_lines(self.model),
+                *loading_lines(self.identified),
                 *prior_lines(self.prior_shares),
                 *range_lines(self.model, self.ship.joint.get(self.model.name)),
                 *comparison_lines(self.fitted, "fitted"),

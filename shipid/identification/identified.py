@@ -15,6 +15,7 @@ from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.result import Result
+from shipid.identification.evidence.load_part import LoadPart
 from shipid.identification.methods import Method
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
@@ -46,6 +47,8 @@ class Identified(Result):
         Standard deviation of each signal, SI: that of its residuals where it was estimated. The weights of the search may differ.
     spreads : mapping of str to float
         Standard deviation, stated beforehand, of coefficients about which the trials say nothing.
+    load_part : LoadPart or None
+        What the trials say of coefficients that change with the loading; None where it was not asked.
     """
 
     ship: ParameterSet
@@ -56,6 +59,7 @@ class Identified(Result):
     method: Method
     noise: np.ndarray
     spreads: Mapping[str, float] = field(default_factory=dict)
+    load_part: LoadPart | None = None
 
     @property
     def problem(self) -> Problem:

@@ -19,10 +19,12 @@ from shipid.foundation.statistics import plain
 from shipid.generation.system import generate
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import least_unexplained, nothing_explained
+from shipid.identification.evidence.load_part import LoadPart, weigh_load_part
 from shipid.identification.evidence.marginal_likelihood import Weighing, conclude
 from shipid.identification.fit import Fit
 from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
+from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
@@ -41,6 +43,7 @@ from shipid.identification.uncertainty.covariance import correlation_of, covaria
 from shipid.identification.uncertainty.estimates import estimates_of, unseen_words, without_values
 from shipid.identification.uncertainty.identified_ship import identified_ship
 from shipid.identification.validation.predictions import fitted_comparisons
+from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.autopilot_steers import autopilot_steers
 from shipid.trials.fitness import check_identifiable_input
@@ -134,10 +137,24 @@ def identify(
         method = "prediction-error"
     for trial in trials:
         check_identifiable_input(trial)
-    setting = settle(
-        with_dead_time(model, trials) if free and not steered and not (estimate or fixed) else model,
-        trials, ship, estimate, fixed or {},
-    )  # fmt: skip
+    load_part = None
+    if free and not steered and not (estimate or fixed):
+        model = with_dead_time(model, trials)
+        if (loaded := with_load_part(model, trials)) is not None:
+            fit = identify(
+                loaded,
+                trials,
+                ship=ship,
+                signals=signals,
+                rudder_bias=rudder_bias,
+                starts=starts,
+                seed=seed,
+                progress=progress,
+            )
+            load_part = fit.identified.load_part
+            if load_part is not None and load_part.kept:
+                return fit.validate(validate) if validate else fit
+    setting = settle(model, trials, ship, estimate, fixed or {})
     shown = fitted_signals(setting.model, [*trials, *validate], signals)
     for trial in trials:
         check_answer(trial, shown)
@@ -170,7 +187,7 @@ def identify(
         found = searched(problem, search_box(setting), method, how, records)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
-        fit = _result(setting, found, [t for _, t in pairs], noise is not None)
+        fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
         return fit.validate(validate) if validate else fit
 
 
@@ -224,7 +241,9 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
     return result
 
 
-def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_given: bool) -> Fit:
+def _result(
+    setting: Setting, found: _Found, records: Sequence[Trial], noise_given: bool, load_part: LoadPart | None
+) -> Fit:
     solution, rungs, box = found.solution, found.rungs, found.box
     problem, covariance = solution.problem, covariance_of(solution)
     noise = problem.sigma if noise_given or solution.covariance is not None else residual_levels(solution)
@@ -249,6 +268,9 @@ def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_giv
     names = ", ".join(t.name for t in trials)
     source = f"identified by {used.method.replace('-', ' ')} from {names} (shipid {shipid.__version__})"
     ship = identified_ship(setting, parameters, trials, source, correlation, unseen)
+    if measure_of(setting.model) is not None:
+        structural = found.spread is not None and found.spread.structural
+        load_part = weigh_load_part(problem, solution.parameters, block, structural)
     return Fit(
         model=setting.model,
         ship=ship,
@@ -266,7 +288,9 @@ def _result(setting: Setting, found: _Found, records: Sequence[Trial], noise_giv
         chi_square=_chi_square(solution, noise),
         evaluations=solution.evaluations,
         provenance=_provenance(setting.model, trials),
-        identified=Identified(ship, setting.scale, solution, covariance, parameters, used.method, noise, spreads),
+        identified=Identified(
+            ship, setting.scale, solution, covariance, parameters, used.method, noise, spreads, load_part
+        ),
         ladder=rungs,
         loss=problem.loss,
         levels=solution.levels,

@@ -13,6 +13,7 @@ import importlib.util
 import pkgutil
 import sys
 import traceback
+from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +24,7 @@ from shipid.declaration.component import Component, declared_quantities, slug
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.foundation.errors import DeclarationError, ShipidError, UnknownNameError, UsageError, nearest
+from shipid.parameters.loading import MEASURES, at_loading
 from shipid.parameters.parameter_file import read_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.planar_motion import PlanarMotion
@@ -35,6 +37,8 @@ IN_WIND, _WIND = "-wind", "WindMoment"
 _PUSHES, _PUSHED = "WindForces", ("u_disturbance", "v_disturbance")
 #: What stands at the end of the name of a model whose rudder acts later than it is recorded.
 DELAYED = "-delay"
+#: What stands at the end of the name of a model whose coefficients depend on the loading, and what makes it.
+_LOADED = {f"-{measure}": functools.partial(at_loading, measure=measure) for measure in MEASURES}
 
 
 def modules() -> list[ModuleType]:
@@ -99,7 +103,8 @@ def find_model(name: str) -> Model:
     ----------
     name : str
         ``"de-keizer"``, or a file and the name of a model or a component class in it. With ``-wind`` after it, any model of yaw is
-        joined with the moment of the true wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it.
+        joined with the moment of the true wind; with ``-delay`` at the end, any that reads the rudder has a dead time of it; with
+        ``-draught`` or ``-displacement``, the coefficients of any depend on the loading (`shipid.parameters.loading`).
 
     Raises
     ------
@@ -108,10 +113,9 @@ def find_model(name: str) -> Model:
     DeclarationError
         If the file cannot be loaded, with the line that fails.
     """
-    if name.endswith(DELAYED) and names_a_file(name):
-        return delayed(_from_file(name.removesuffix(DELAYED)))
     if names_a_file(name):
-        return _from_file(name)
+        ending = next((e for e in (DELAYED, *_LOADED) if name.endswith(e)), None)
+        return _from_file(name) if ending is None else _ENDINGS[ending](find_model(name.removesuffix(ending)))
     for module in _mentioning(f'"{name}"'):
         for thing in vars(module).values():
             if isinstance(thing, Model) and thing.name == name:
@@ -119,7 +123,7 @@ def find_model(name: str) -> Model:
     models = known_models()
     if name in models:
         return models[name]
-    for ending, complete in ((DELAYED, delayed), (IN_WIND, in_wind)):
+    for ending, complete in _ENDINGS.items():
         if name.endswith(ending):
             with contextlib.suppress(UnknownNameError):
                 model = complete(find_model(name.removesuffix(ending)))
@@ -155,6 +159,10 @@ def in_wind(model: Model) -> Model:
     name = model.name + IN_WIND
     forces = [known_component(_PUSHES)] if set(_PUSHED) <= set(model.inputs) else []
     return known_models().get(name) or join(name, model, known_component(_WIND), *forces)
+
+
+#: What the name of a model may end in, and what makes that model of the one without it.
+_ENDINGS: dict[str, Callable[[Model], Model]] = {DELAYED: delayed, IN_WIND: in_wind, **_LOADED}
 
 
 def names_a_file(name: str) -> bool:

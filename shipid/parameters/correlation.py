@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from shipid.declaration.units import factor, to_si
 from shipid.foundation.aliases import Plain
@@ -12,9 +12,11 @@ from shipid.foundation.errors import ParameterSetError, UnitError
 
 #: The table of a parameter set in which it stands, one inner table a model.
 IDENTIFIED = "identified"
-_KEYS = {"names", "correlation", "speeds", "speed_unit", "speed", "rudder", "rate", "drift"}
+_KEYS = {"names", "correlation", "speeds", "speed_unit", "speed", "rudder", "rate", "drift", "draught", "displacement"}
 #: What the trials say in one number, their speed before the manoeuvre and largest amplitudes: entry, SI unit, unit that is written.
 _SINGLE = (("speed", "m/s", "m/s"), ("rudder", "rad", "deg"), ("rate", "rad/s", "deg/s"), ("drift", "rad", "deg"))
+#: What says a loading of the trials, lowest and highest: entry, SI unit, unit that is written.
+_LOADINGS = (("draught", "m", "m"), ("displacement", "kg", "t"))
 #: A value of each unit, for messages.
 _EXAMPLES = {"m/s": "8 m/s", "rad": "20 deg", "rad/s": "1 deg/s"}
 
@@ -35,6 +37,8 @@ class Joint:
         Mean speed before the manoeuvre of the trials in m/s, to which coefficients with a dimension belong.
     rudder, rate, drift : float or None
         Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad of the trials, where they are known.
+    loadings : mapping of str to tuple of float
+        Lowest and highest ``draught`` in m, or ``displacement`` in kg, of the trials, for coefficients that change with it.
     """
 
     names: tuple[str, ...]
@@ -44,6 +48,7 @@ class Joint:
     rudder: float | None = None
     rate: float | None = None
     drift: float | None = None
+    loadings: Mapping[str, tuple[float, float]] = field(default_factory=dict, hash=False)
 
     @property
     def belongs_to(self) -> float | None:
@@ -102,7 +107,22 @@ def _one(where: str, raw: Mapping[str, Plain]) -> Joint:
             )
         speeds = (low, high)
     reached = {name: _single(where, name, raw.get(name), unit) for name, unit, _ in _SINGLE}
-    return Joint(tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds, **reached)
+    loadings = {name: _pair(where, name, raw[name], unit) for name, unit, _ in _LOADINGS if name in raw}
+    return Joint(
+        tuple(names), tuple(tuple(float(v) for v in row) for row in matrix), speeds, **reached, loadings=loadings
+    )
+
+
+def _pair(where: str, name: str, texts: Plain, unit: str) -> tuple[float, float]:
+    try:
+        low, high = (to_si(v, unit, f"'{name}' in {where}") for v in texts)
+    except (TypeError, ValueError, AttributeError, UnitError):
+        low, high = 0.0, -1.0
+    if not 0 < low <= high < math.inf:
+        raise ParameterSetError(
+            f"{where}: '{name}' is {texts!r}, and has to be two rising numbers with their units, the lowest and the highest."
+        )
+    return low, high
 
 
 def _single(where: str, name: str, text: Plain, unit: str) -> float | None:
@@ -156,5 +176,10 @@ def joint_table(joint: Mapping[str, Joint]) -> dict[str, Plain]:
         written = {
             n: f"{reached[n] * factor(unit, shown):.4g} {shown}" for n, unit, shown in _SINGLE if reached[n] is not None
         }
-        tables[model] = {"names": list(one.names), "correlation": rows, **speeds, **written}
+        loaded = {
+            n: [f"{v * factor(unit, shown):.4g} {shown}" for v in span]
+            for n, unit, shown in _LOADINGS
+            if (span := one.loadings.get(n)) is not None
+        }
+        tables[model] = {"names": list(one.names), "correlation": rows, **speeds, **written, **loaded}
     return {IDENTIFIED: tables} if tables else {}

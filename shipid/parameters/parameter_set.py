@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from shipid.declaration.component import Scope, slug
+from shipid.declaration.component import slug
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
@@ -261,10 +261,9 @@ def _instead(model: Model, name: str, known: Mapping[str, float], path: tuple[st
             return _instead(model, wanted, known, (*path, name))
         raise _AbsentError(wanted)
 
-    equation = model[name].equation
-    if equation is None:
+    if model[name].equation is None:
         raise _AbsentError(name)
-    return float(equation.function(Scope(model[name].owner, lookup)))
+    return float(model[name].value(lookup))
 
 
 def parse_value(model: Model, assignment: str) -> tuple[str, float]:

@@ -15,6 +15,8 @@ from shipid.parameters.parameter_set import ParameterSet
 
 #: Share of a limit by which it may be passed without a word.
 MARGIN = 0.1
+#: The same of a loading, of which trials usually show two: as far as loadings are one.
+_LOADED = 0.03
 #: What the range says in one number: entry, words, field and unit.
 _AMPLITUDES = (
     ("rudder", "rudder angles", "delta", "rad"),
@@ -84,6 +86,7 @@ def beyond(
     rate: float | None = None,
     drift: float | None = None,
     grown: float = 1.0,
+    loading: Mapping[str, float] | None = None,
 ) -> list[Notice]:
     """Return what has to be said where a model is used beyond the range its coefficients come from.
 
@@ -100,6 +103,8 @@ def beyond(
         Largest rudder angle in rad, rate of turn in rad/s and drift angle in rad.
     grown : float
         How many times as large the error of the model is taken in the band that is shown, see `growth_beyond`; 1 where it is not.
+    loading : mapping of str to float, optional
+        ``draught`` in m or ``displacement`` in kg of a record; by default what the model holds it at (`hold_inputs`).
 
     Returns
     -------
@@ -151,6 +156,9 @@ def beyond(
         say("The ship turns at", rate, "r", "rad/s")
     if known.drift is not None and drift is not None and drift > (1 + MARGIN) * known.drift:
         say("The drift angle is", drift, "beta", "rad")
+    notices += [
+        _other_loading(section, ship, m, value, span) for m, value, span in _loadings(model, known, loading or {})
+    ]
     return notices
 
 
@@ -206,6 +214,27 @@ def growth_in_run(model: Model, ship: ParameterSet, speed: float, run: Mapping[s
     """
     rudder, rate = (_largest(np.abs(run[n])) if n in run else None for n in ("delta", "r"))
     return growth_beyond(model, ship, rudder, rate, [speed])
+
+
+def _loadings(model: Model, known: Joint, loading: Mapping[str, float]) -> list[tuple[str, float, tuple[float, float]]]:
+    """What says a loading, the one that a model is run at, and those it was fitted at, where the first is outside."""
+    found = []
+    for measure in ("draught", "displacement"):
+        held = model[f"{measure}_held"].number("default") if f"{measure}_held" in model else None
+        value, span = loading.get(measure, held), known.loadings.get(measure)
+        if span is not None and value is not None and not (1 - _LOADED) * span[0] <= value <= (1 + _LOADED) * span[1]:
+            found.append((measure, value, span))
+    return found
+
+
+def _other_loading(section: str, ship: ParameterSet, measure: str, value: float, span: tuple[float, float]) -> Notice:
+    low, high = (shown(v, measure, digits=3) for v in span)
+    return Notice(
+        f"The {measure} is {shown(value, measure, digits=3)}: the [{section}] coefficients of ship {ship.name} were found at {low} to "
+        f"{high}. Outside what was fitted their change with the loading is extrapolated, and no band contains that error.",
+        BEYOND,
+        quantity=measure,
+    )
 
 
 def beyond_in_run(

@@ -23,6 +23,7 @@ class RudderDelay(Component):
     delta = given("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
     # In ship lengths sailed, like the responses it has to be told from. Negative where the rudder is logged late.
     delay = parameter("s", _DEAD_TIME, start=0.0, low=-0.5, high=1.0, prime=True, latex=r"\tau_0", delays="delta")
+    same_at_any_loading = ("delay",)
 
 
 class LateRudder(Component):

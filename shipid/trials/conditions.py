@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
@@ -95,6 +95,13 @@ class Conditions(Result):
         value = self.values.get(name)
         return None if value is None else float(value)
 
+    @property
+    def loading(self) -> dict[str, float]:
+        """What is stated of the loading in one number, SI: ``draught``, the mean of forward and aft as far as they are stated, and ``displacement``."""
+        ends = [d for n in ("draught_forward", "draught_aft") if (d := self.number(n)) is not None]
+        found = {"draught": sum(ends) / len(ends) if ends else None, "displacement": self.number("displacement")}
+        return {n: v for n, v in found.items() if v is not None}
+
     def shown(self, name: str) -> str | None:
         """Return a stated value with its unit as a reader expects it, or None for a blank.
 
@@ -177,6 +184,17 @@ def conditions_of(table: Table) -> Conditions:
     return Conditions(values)
 
 
+def one_loading(numbers: Sequence[float]) -> bool:
+    """Return whether numbers that say a loading are those of one: they agree within 3 %.
+
+    Parameters
+    ----------
+    numbers : sequence of float
+        Draughts or displacements, SI.
+    """
+    return max(numbers) <= (1 + _SAME_LOADING) * min(numbers)
+
+
 def different_loadings(stated: Mapping[str, Conditions]) -> str | None:
     """Return what trials state of different loadings, in words, or None where those that state any agree.
 
@@ -195,7 +213,7 @@ def different_loadings(stated: Mapping[str, Conditions]) -> str | None:
     for entry in (e for e in _ENTRIES if e.group == "loading"):
         known = {trial: c.values[entry.name] for trial, c in stated.items() if entry.name in c.values}
         numbers = [v for v in known.values() if isinstance(v, float)]
-        if numbers and max(numbers) <= (1 + _SAME_LOADING) * min(numbers):
+        if numbers and one_loading(numbers):
             continue
         if not numbers and len({str(v).casefold() for v in known.values()}) < 2:
             continue

@@ -46,6 +46,8 @@ NONSENSE = [
     ({"speeds": [9.5, 4.5]}, "greater than zero and rising"),
     ({"speed_unit": "deg"}, "in a unit of speed"),
     ({"name": 1}, "entry 'name' it does not know"),
+    ({"draught": ["9 m", "5 m"]}, "two rising numbers with their units"),
+    ({"displacement": [5, 9]}, "two rising numbers with their units"),
 ]
 
 

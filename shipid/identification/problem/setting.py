@@ -13,6 +13,7 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import factor, to_si
 from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.identification.errors import TrialTooShortError
+from shipid.identification.loading import reference_loading
 from shipid.identification.problem.box import Box, box_of
 from shipid.identification.problem.dead_time import DEAD_TIME, usual_delay
 from shipid.identification.problem.ship_scale import scale_of, usual_speed
@@ -114,7 +115,7 @@ def settle(
     published = [n for n in held if whole[n].quantity.kind == "derived"]
     whole = whole.impose(published) if published else whole
 
-    known = given.values(whole, speed=usual_speed(given, trials)) | held
+    known = reference_loading(whole, trials) | given.values(whole, speed=usual_speed(given, trials)) | held
     length = known.get("L", given.particular("L", "m"))
     if length is not None and not length > 0:
         raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; it must be greater than zero.")

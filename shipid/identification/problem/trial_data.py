@@ -306,7 +306,8 @@ def prepare(
     if model.guards:
         check_way(columns, trial.name, model.name)
     given: dict[str, float | np.ndarray] = {
-        n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER
+        **trial.source.conditions.loading,
+        **{n: _everywhere(t, trial[n]) for n in model.inputs if trial.has(n) and n not in _ONE_NUMBER},
     }
     for name in _ONE_NUMBER:
         if before is not None:

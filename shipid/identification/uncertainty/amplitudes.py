@@ -8,6 +8,8 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.notices import Notice
+from shipid.identification.loading import loading_of
+from shipid.parameters.loading import MEASURES
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import beyond
 from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
@@ -146,4 +148,5 @@ def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> l
         reached.get("rudder"),
         rate=reached.get("rate"),
         drift=reached.get("drift"),
+        loading={m: v for m in MEASURES if (v := loading_of(trial, m)) is not None},
     )

@@ -160,10 +160,11 @@ def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None,
 def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: Scale) -> dict[str, Estimate]:
     """Coefficients of the literature that follow from fitted ones, with the standard deviation by first order."""
     model = problem.model
-    wanted = published_names(model)
+    system = generate(model)
+    # At the loading of the ship a coefficient is no number (`shipid.identification.validation.loadings`).
+    wanted = [n for n in published_names(model) if not system.inputs_behind([n])]
     if not wanted:
         return {}
-    system = generate(model)
     expression = system.expression(wanted)
     function = ca.Function("published", [system.p], [expression, ca.jacobian(expression, system.p)])
     numbers, slopes = function(coefficient_vector(model, problem.values(q)))

@@ -7,11 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from shipid.declaration.model import Model
 from shipid.estimation.estimate import Estimate
+from shipid.identification.loading import loading_of
 from shipid.identification.problem.setting import Setting
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes, recorded_speeds, speed_before_of
 from shipid.identification.uncertainty.estimates import is_as_stated
 from shipid.parameters.correlation import Joint
+from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import PARTICULARS, ParameterSet, Value
 from shipid.trials.trial import Trial
 
@@ -78,6 +81,23 @@ def identified_ship(
     even = np.clip(0.5 * (correlation + correlation.T), -1.0, 1.0)
     np.fill_diagonal(even, 1.0)
     matrix = tuple(tuple(float(f"{v:.6g}") for v in row) for row in even)
-    joint = Joint(tuple(names), matrix, recorded_speeds(trials), speed_before_of(trials), **largest_amplitudes(trials))
+    reached = largest_amplitudes(trials)
+    joint = Joint(
+        tuple(names),
+        matrix,
+        recorded_speeds(trials),
+        speed_before_of(trials),
+        reached.get("rudder"),
+        reached.get("rate"),
+        reached.get("drift"),
+        _loadings(model, trials),
+    )
     sections = {**given.sections, PARTICULARS: particulars, model.name: section}
     return replace(given, sections=sections, joint={**given.joint, model.name: joint})
+
+
+def _loadings(model: Model, trials: Sequence[Trial]) -> dict[str, tuple[float, float]]:
+    """The lowest and the highest loading of the trials, for a model whose coefficients depend on it."""
+    measure = measure_of(model)
+    stated = [] if measure is None else [v for t in trials if (v := loading_of(t, measure)) is not None]
+    return {measure: (min(stated), max(stated))} if measure is not None and stated else {}
