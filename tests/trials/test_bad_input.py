@@ -49,7 +49,7 @@ def test_header_that_names_a_column_twice(log, table):
 
 
 def test_one_column(log, table):
-    refused(e.SeparatorError, log(table.replace(",", "|").replace(" ", "")), "one column", "comma, semicolon")
+    refused(e.SeparatorError, log(table.replace(",", "~").replace(" ", "")), "one column", "comma, semicolon")
 
 
 def test_wrong_separator_in_the_format_file(log, table, tmp_path):

@@ -184,7 +184,12 @@ def whole(t: np.ndarray, at: np.ndarray) -> np.ndarray:
     -------
     ndarray of bool, shape (m,)
     """
-    gaps = np.concatenate(([0], np.cumsum(np.diff(t) > GAP * usual_interval(t)))) if len(t) > 1 else np.zeros(len(t))
+    if len(t) < 2:
+        return np.ones(len(at) - 1, dtype=bool)
+    step = np.diff(t)
+    # Several sensors that write one after the other pause between their bursts.
+    longest = GAP * max(usual_interval(t), float(np.quantile(step, 0.9)))
+    gaps = np.concatenate(([0], np.cumsum(step > longest)))
     return np.asarray(np.diff(gaps[at]) == 0)
 
 
