@@ -161,8 +161,10 @@ def _grain(y: np.ndarray) -> float | None:
     if len(moves) < 10 or len(moves) > 0.8 * len(steps):
         return None
     grain = float(np.quantile(moves, 0.02))
-    whole = np.abs(moves / grain - np.round(moves / grain)) < 0.02
-    return grain if float(np.mean(whole)) > 0.95 and float(np.median(moves)) < 10 * grain else None
+    if float(np.median(moves)) >= 10 * grain:
+        return None
+    count = moves / grain
+    return grain if float(np.mean(np.abs(count - np.round(count)) < 0.02)) > 0.95 else None
 
 
 def _held(t: np.ndarray, y: np.ndarray, silent: np.ndarray, usual: float) -> tuple[np.ndarray, np.ndarray]:
