@@ -14,6 +14,8 @@ _FEWEST = 4
 _ON_RAMPS, _PLATES = 0.5, 2.0
 #: The smallest of the steps over the usual one, from which on a threshold decides whether a value is written.
 _SMALLEST = 0.6
+#: A digit goes into the smallest step fewer times than this.
+_FINEST = 8
 #: Share of the steps to the same side as the one before that come after a repeated value, where a threshold decides.
 _REPEATED = 0.25
 
@@ -58,9 +60,10 @@ def threshold_of(values: np.ndarray) -> float | None:
 
 
 def _printed(moves: np.ndarray, digit: float) -> bool:
-    """Whether steps are whole numbers of a digit."""
-    count = moves / digit
-    return float(np.mean(np.abs(count - np.round(count)) < 0.02)) > 0.9
+    """Whether steps are whole numbers of this digit, or of a half, a third, ... of it."""
+    count = np.outer(np.arange(1, _FINEST), moves / digit)
+    near = np.abs(count - np.round(count)) < 0.02
+    return bool(np.any(near.mean(axis=1) > 0.9))
 
 
 def ramps_of(t: np.ndarray, y: np.ndarray) -> Ramps | None:
@@ -87,7 +90,7 @@ def ramps_of(t: np.ndarray, y: np.ndarray) -> Ramps | None:
         return None
     # A rudder that is held at one angle after the other, as in a spiral, is on no ramp: ramps are short, and plates are long.
     plates = apart[~onward]
-    if float(apart[ramp].sum()) > _ON_RAMPS * len(y) or (plates.size and float(np.median(plates)) < _PLATES * usual):
+    if float(apart[ramp].sum()) > _ON_RAMPS * len(y) or (plates.size and float(np.quantile(plates, 0.9)) < _PLATES * usual):
         return None
     inside = np.zeros(len(y), dtype=bool)
     for first, last in zip(changed[:-1][ramp], changed[1:][ramp]):
