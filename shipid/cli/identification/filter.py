@@ -20,8 +20,8 @@ from shipid.cli.frame.options import (
     optional_ship_given,
     reading,
     set_option,
-    ships_given,
     ship_option,
+    ships_given,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
