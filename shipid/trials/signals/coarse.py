@@ -10,9 +10,13 @@ import numpy as np
 _STAYS = 3.0
 #: Stays on ramps, of two samples at least, from which on a rudder is coarse.
 _FEWEST = 4
+#: Share of the record that is spent on ramps at most, and how many times as long as a step of a ramp a plate is held at least.
+_ON_RAMPS, _PLATES = 0.5, 2.0
 #: The smallest of the steps over the usual one, from which on a threshold decides whether a value is written.
 _SMALLEST = 0.6
-#: Share of the samples, between two steps that are not far apart, that repeat the one before where a threshold decides.
+#: A digit goes into the smallest step fewer times than this.
+_FINEST = 8
+#: Share of the steps to the same side as the one before that come after a repeated value, where a threshold decides.
 _REPEATED = 0.25
 
 
@@ -44,7 +48,10 @@ def threshold_of(values: np.ndarray) -> float | None:
     """
     step = np.abs(np.diff(values))
     moves = step[step > 0]
-    if moves.size < 12 or np.mean(step == 0) < _REPEATED:
+    changed = np.flatnonzero(np.diff(values))
+    # What moves on to the same side after a sample without a move: a ramp without noise moves in every sample.
+    onward = np.diff(np.sign(np.diff(values)[changed])) == 0
+    if moves.size < 12 or not onward.any() or np.mean(np.diff(changed)[onward] > 1) < _REPEATED:
         return None
     small, usual = float(np.quantile(moves, 0.03)), float(np.median(moves))
     if small < _SMALLEST * usual or _printed(moves, small):
@@ -53,9 +60,10 @@ def threshold_of(values: np.ndarray) -> float | None:
 
 
 def _printed(moves: np.ndarray, digit: float) -> bool:
-    """Whether steps are whole numbers of a digit."""
-    count = moves / digit
-    return float(np.mean(np.abs(count - np.round(count)) < 0.02)) > 0.9
+    """Whether steps are whole numbers of this digit, or of a half, a third, ... of it."""
+    count = np.outer(np.arange(1, _FINEST), moves / digit)
+    near = np.abs(count - np.round(count)) < 0.02
+    return bool(np.any(near.mean(axis=1) > 0.9))
 
 
 def ramps_of(t: np.ndarray, y: np.ndarray) -> Ramps | None:
@@ -79,6 +87,10 @@ def ramps_of(t: np.ndarray, y: np.ndarray) -> Ramps | None:
     # Where the rudder goes on to the same side after a long stay it was held there.
     ramp = onward & (apart <= _STAYS * usual)
     if usual < 2 or int(ramp.sum()) < _FEWEST:
+        return None
+    # A rudder that is held at one angle after the other, as in a spiral, is on no ramp: ramps are short, and plates are long.
+    plates = apart[~onward]
+    if float(apart[ramp].sum()) > _ON_RAMPS * len(y) or (plates.size and float(np.quantile(plates, 0.9)) < _PLATES * usual):
         return None
     inside = np.zeros(len(y), dtype=bool)
     for first, last in zip(changed[:-1][ramp], changed[1:][ramp]):

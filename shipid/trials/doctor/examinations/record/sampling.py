@@ -196,6 +196,15 @@ def examine_sampling(p: WorkingCopy) -> None:
             )  # fmt: skip
 
 
+def _levels_off(p: WorkingCopy) -> bool:
+    """Whether the rate of turn has settled by the end of the record: gain and time constant are both seen then."""
+    rate = p["r"] if p.has("r") else np.gradient(p["psi"], p.t)
+    edges = np.linspace(0, len(rate), 13).astype(int)
+    means = np.array([float(rate[a:b].mean()) for a, b in zip(edges[:-1], edges[1:])])
+    reach = float(np.ptp(means))
+    return reach > 8 * robust.noise(rate) and float(np.ptp(means[-3:])) < 0.1 * reach
+
+
 def examine_length(p: WorkingCopy) -> None:
     """Find records that end before the ship has answered the rudder.
 
@@ -226,12 +235,15 @@ def examine_length(p: WorkingCopy) -> None:
     released = n - 1 - last > 0.5 * (last - first + 1)
     if reversals >= 2 or turned > np.pi / 2 or released:
         return
+    if _levels_off(p):
+        return
     back = reversals == 1 and turned > 0 and abs(p["psi"][-1] - p["psi"][first]) < 0.7 * turned
     if back:
         return
+    begins = "its beginning, with the rudder over," if first < 3 else "the first execute,"
     p.add(
         "short", "t", 0.9 if reversals == 0 else 0.7,
-        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {angle(turned, 3)} into the turn"
+        f"the record ends {p.t[-1] - p.t[first]:.4g} s after {begins} {angle(turned, 3)} into the turn"
         + (" and after one reversal" if reversals else ""),
         "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
         "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,
