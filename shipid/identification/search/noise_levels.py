@@ -12,6 +12,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.identification.noise.gusts import Gust
+from shipid.identification.noise.lasting_sensors import LastingSensors
 
 #: Probability below which innovations are not white.
 WHITE = 0.01
@@ -48,6 +49,8 @@ class NoiseLevels(Result):
         Degrees of freedom of each variance (`shipid.identification.noise.small_sample`).
     whiteness : mapping of str to float
         For each signal the probability of innovations as correlated as these, were they white (Ljung and Box 1978).
+    lasting : LastingSensors or None
+        Where noise of the sensors that lasts explains the record better: the likelihoods of both.
     """
 
     parameters: np.ndarray
@@ -62,6 +65,7 @@ class NoiseLevels(Result):
     gusts: Mapping[str, Gust] = field(default_factory=dict)
     degrees: np.ndarray | None = None
     whiteness: Mapping[str, float] = field(default_factory=dict)
+    lasting: LastingSensors | None = None
 
     def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.
@@ -80,4 +84,5 @@ class NoiseLevels(Result):
             },
             "whiteness": {n: {"p_value": p, "white": p >= WHITE} for n, p in self.whiteness.items()},
             "log_likelihood": self.log_likelihood,
+            "lasting_sensors": None if self.lasting is None else self.lasting.to_dict(),
         }

@@ -140,6 +140,31 @@ def fit_levels(
     return search.result(replace(found, evaluations=spent))
 
 
+def levels_at(
+    problem: Problem, values: np.ndarray, unit_time: float, tell: Callable[[str], None] = lambda _: None
+) -> NoiseLevels:
+    """Maximise the likelihood over biases and white noise levels, at given coefficients.
+
+    Parameters
+    ----------
+    problem : Problem
+        As for `fit_levels`.
+    values : ndarray, shape (parameters,)
+        The coefficients, SI.
+    unit_time : float
+        L/U in s.
+    tell : callable
+        Called with a line of text as it goes.
+
+    Returns
+    -------
+    NoiseLevels
+        Its covariance is not that of the coefficients, which were not searched.
+    """
+    search = _Search(problem, Box(values, values, values), values, unit_time)
+    return replace(search.result(search.climbed(search.first, tell)), degrees=None)
+
+
 @dataclass(frozen=True, eq=False)
 class _Found:
     """Where a search for the maximum ended."""
