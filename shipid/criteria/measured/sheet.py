@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from shipid.criteria.measured.form import FormEntry
 from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
@@ -82,6 +83,8 @@ class TrialSheet(DrawnResult):
         Logs and manoeuvres without numbers, with the reason.
     warnings : tuple of Notice
         What has to be known beside the numbers.
+    form : tuple of FormEntry
+        Ratios that the form of MSC/Circ.1053 states, as far as what they are made of is known.
     """
 
     conditions: Conditions
@@ -90,6 +93,7 @@ class TrialSheet(DrawnResult):
     criteria: tuple[MeasuredCriterion, ...]
     not_measured: tuple[NotMeasured, ...]
     warnings: tuple[Notice, ...]
+    form: tuple[FormEntry, ...] = ()
 
     def circles(self) -> Iterator[tuple[SheetManoeuvre, TurningCircle]]:
         """Yield the turning circles: those of the wheelhouse poster."""
@@ -102,6 +106,7 @@ class TrialSheet(DrawnResult):
         return {
             "conditions": self.conditions.to_dict(),
             "length": {"value": self.length, "unit": "m"},
+            "form": [entry.to_dict() for entry in self.form],
             "manoeuvres": [{"number": m.number, "title": m.title, **m.measures.to_dict()} for m in self.manoeuvres],
             "criteria": [row.to_dict() for row in self.criteria],
             "not_measured": [{"trial": one.trial, "why": one.why} for one in self.not_measured],

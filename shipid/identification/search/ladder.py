@@ -198,7 +198,7 @@ def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray
     regression = make_regression(thin, how.unit_time)
     if not regression.covered:
         return None, None
-    result = least_squares(regression, box)
+    result = least_squares(regression, box, _ROUGH)
     method: Method = "equation-error"
     found = result
     if result.converged:

@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.identification.noise.gusts import Gust
 from shipid.identification.noise.lasting_sensors import LastingSensors
@@ -88,10 +89,10 @@ class NoiseLevels(Result):
             For the units.
         """
         return {
-            "process": {n: {"density": v, "unit": f"{model[n].unit}/s^0.5"} for n, v in self.process.items()},
-            "sensors": {n: {"std": v, "unit": model[n].unit} for n, v in self.sensors.items()},
+            "process": {n: quantity(v, f"{model[n].unit}/s^0.5") for n, v in self.process.items()},
+            "sensors": {n: quantity(v, model[n].unit) for n, v in self.sensors.items()},
             "gusts": {
-                n: {"std": g.size, "unit": f"({model[n].unit})/s", "time": g.time, "time_unit": "s"}
+                n: {"size": quantity(g.size, f"({model[n].unit})/s"), "time": quantity(g.time, "s")}
                 for n, g in self.gusts.items()
             },
             "whiteness": {n: {"p_value": p, "white": p >= WHITE} for n, p in self.whiteness.items()},

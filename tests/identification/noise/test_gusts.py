@@ -82,7 +82,7 @@ def test_size_and_time_of_gusts_are_found():
         # Student's quantile is beyond the normal one.
         assert estimate.ci95[1] - estimate.value > 1.97 * estimate.std
     plain = fit.to_dict()["filter_noise"]
-    assert plain["gusts"]["r"]["std"] == gust.size and plain["whiteness"]["psi"]["white"]
+    assert plain["gusts"]["r"]["size"]["value"] == gust.size and plain["whiteness"]["psi"]["white"]
     assert "drives r: gusts of" in fit.text() and "innovations are white" in fit.text()
 
 

@@ -16,6 +16,8 @@ from shipid.foundation.result import Result
 
 #: From here on four digits are too few.
 _LARGE = 1e3
+#: Decimals of a measured number at the most, in the unit shown: what is smaller is noise of the arithmetic.
+_DECIMALS = 3
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -31,6 +33,20 @@ def quantity(unit: str, meaning: str) -> Plain:
         What it is.
     """
     return field(default=None, metadata={"unit": unit, "meaning": meaning})
+
+
+def measured(value: float) -> str:
+    """Return a measured number as it is shown everywhere: four digits, and at most three decimals.
+
+    Parameters
+    ----------
+    value : float
+        In the unit shown.
+    """
+    if abs(value) >= _LARGE:  # A moment of a clock that counts from long ago keeps its hundredths.
+        return f"{value:.2f}"
+    rounded = round(value, _DECIMALS) + 0.0
+    return f"{rounded:.4g}"
 
 
 def words() -> Plain:
@@ -151,10 +167,9 @@ class Measures(Result):
             # Three digits, as a course is spoken: 359.98 deg is 000 deg.
             return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
-            # A moment of a clock that counts from long ago keeps its hundredths.
-            return f"{value:.2f}{tail}" if abs(value) >= _LARGE else f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
+            return f"{measured(value)}{tail}"
         numbers = [
-            f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
+            measured(v) if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)
         ]
         reason = self.reason(name)
