@@ -73,11 +73,11 @@ def lasting_sensors(
     white, count = 0.0, sum(int(t.any(axis=0).sum()) for t in there)
     for k, unit in enumerate(sigma):
         each = np.concatenate([e[k][t[k]] for e, t in zip(residuals, there)])
-        if each.size:
+        if each.any():
             white -= 0.5 * each.size * float(np.log(2 * np.pi * np.mean(each**2) * unit**2) + 1)
     series = [e[:, t.all(axis=0)] for e, t in zip(residuals, there)]
-    series = [e for e in series if e.shape[1] >= _FEWEST]
-    if not series or not np.isfinite(white):
+    series = [e for e in series if e.shape[1] >= _FEWEST and e.any(axis=1).all()]
+    if not series or not np.isfinite(log_likelihood):
         return None
     price = 0.5 * np.log(count)
     # The signals together, as waves move heading and rate, or each with a drift of its own.
@@ -85,7 +85,7 @@ def lasting_sensors(
     together, alone = _gain(series, price), sum(_gain([e[k : k + 1] for e in series], price) for k in range(signals))
     gain = max(together, alone)
     found = LastingSensors(white + gain - price * (unknowns + signals), log_likelihood - price * levels)
-    return found if gain > 0 and found.sensors > found.ship + _STRONG else None
+    return found if gain > 0 and np.inf > found.sensors > found.ship + _STRONG else None
 
 
 def _gain(series: Sequence[np.ndarray], price: float) -> float:

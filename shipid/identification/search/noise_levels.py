@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.identification.noise.gusts import Gust
@@ -16,6 +17,8 @@ from shipid.identification.noise.lasting_sensors import LastingSensors
 
 #: Probability below which innovations are not white.
 WHITE = 0.01
+#: Kind of the notice that the coefficients are biased by noise of the sensors that lasts.
+LASTING = "lasting-sensors"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -66,6 +69,16 @@ class NoiseLevels(Result):
     degrees: np.ndarray | None = None
     whiteness: Mapping[str, float] = field(default_factory=dict)
     lasting: LastingSensors | None = None
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is wrong with coefficients that come with these levels."""
+        if self.lasting is None:
+            return ()
+        words = (
+            f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
+        )
+        return (Notice(words, LASTING, serious=True),)
 
     def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.
