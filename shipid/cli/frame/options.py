@@ -65,16 +65,12 @@ def ship_given(name: str, values: Mapping[str, str], *models: Model) -> Paramete
 
 
 def ships_given(names: Sequence[str], values: Mapping[str, str], *models: Model) -> list[ParameterSet]:
-    """Return the ships of a command that compares several, each under a name of its own.
-
-    Ships of one name are called as they were typed: two files of one ship are two ships here.
+    """Return the ships of a command that compares several; those of one name, as two files of a ship, are called as they were typed.
 
     Parameters
     ----------
-    names : sequence of str
-        Names of ships, and paths of parameter sets.
-    values, *models
-        As for `ship_given`.
+    names, values, *models
+        As for `ship_given`, a name for each ship.
     """
     found = [ship_given(n, values, *models) for n in names]
     called = [s.name for s in found]
