@@ -52,7 +52,7 @@ from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
-from shipid.trials.trial import Trial
+from shipid.trials.logs.reading import Trials, trials_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,13 +147,13 @@ class Fit(DrawnResult):
         """Share of the information on a coefficient that its prior is and not the trials, by coefficient that has a prior."""
         return prior_shares(self.identified.problem.prior, self.parameters)
 
-    def validate(self, trials: Sequence[Trial]) -> Fit:
+    def validate(self, trials: Trials) -> Fit:
         """Return the same fit with its prediction of trials that were not fitted.
 
         Parameters
         ----------
-        trials : sequence of Trial
-            Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
+        trials : Trial, str, Path or sequence of them
+            Trials, or their files. Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
             trials'. Reported apart: the same with rudder bias and initial state refitted on the record.
 
         Returns
@@ -166,7 +166,7 @@ class Fit(DrawnResult):
         NoStretchError
             If what drives the model has so many holes that no stretch of a trial is long enough.
         """
-        compared = predictions(self.identified, trials)
+        compared = predictions(self.identified, trials_of(trials))
         records = {c.trial.name: {**c.trial.source.to_dict(), "samples": len(c.trial)} for c in compared}
         provenance = {**self.provenance, "trials": {**self.provenance["trials"], **records}}
         return replace(self, validation=self.validation + compared, provenance=provenance, assessment=None)

@@ -48,19 +48,20 @@ from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.autopilot_steers import autopilot_steers
 from shipid.trials.fitness import check_identifiable_input
+from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.trial import Trial
 
 
 def identify(
     model: Model | type[Component] | str,
-    trials: Sequence[Trial],
+    trials: Trials,
     *,
     ship: ParameterSet | str | None = None,
     estimate: Sequence[str] | None = None,
     fixed: Mapping[str, str | float] | None = None,
     signals: Sequence[str] | None = None,
     noise: Mapping[str, str | float] | None = None,
-    validate: Sequence[Trial] = (),
+    validate: Trials = (),
     purpose: Purpose | None = None,
     method: Method | None = None,
     loss: Loss = "linear",
@@ -75,8 +76,8 @@ def identify(
     ----------
     model : Model, component class or str
         What to fit; a component is joined with planar motion, a name is looked up.
-    trials : sequence of Trial
-        Fitted jointly: the parameters are shared, and each trial has its own initial state and rudder bias.
+    trials : Trial, str, Path or sequence of them
+        Trials, or their files. Fitted jointly: the parameters are shared, and each trial has its own initial state and rudder bias.
     ship : ParameterSet or str, optional
         Particulars (and known coefficients, where the search starts).
     estimate : sequence of str, optional
@@ -88,7 +89,7 @@ def identify(
         predicted.
     noise : mapping of str to str, optional
         Standard deviation of each signal, with units; estimated from the residuals when not given.
-    validate : sequence of Trial, optional
+    validate : Trial, str, Path or sequence of them, optional
         Trials to predict.
     purpose : {"prediction", "filter"}, optional
         For prediction is the default: rudder biases of the trials are spread about a common mean, by a standard deviation that
@@ -131,9 +132,9 @@ def identify(
         method = PURPOSES["filter"]
     if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
         raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
+    trials, validate = _named_apart(trials_of(trials), trials_of(validate))
     if not trials:
         raise UsageError("identify needs at least one trial.")
-    trials, validate = _named_apart(trials, validate)
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:

@@ -65,12 +65,12 @@ def ship_given(name: str, values: Mapping[str, str], *models: Model) -> Paramete
 
 
 def ships_given(names: Sequence[str], values: Mapping[str, str], *models: Model) -> list[ParameterSet]:
-    """Return the ships of a command that compares several: those of one name are called as they were typed.
+    """Return the ships of a command that compares several; those of one name, as two files of a ship, are called as they were typed.
 
     Parameters
     ----------
     names, values, *models
-        As for `ship_given`, for each ship.
+        As for `ship_given`, a name for each ship.
     """
     found = [ship_given(n, values, *models) for n in names]
     called = [s.name for s in found]

@@ -13,7 +13,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import DrawnResult, Result
 from shipid.trials.conditions import Conditions
-from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
@@ -147,7 +147,7 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
 
     def number(name: str) -> str:
         value, unit = shown[name]
-        return "not known" if value is None else f"{value:.4g} {unit}"
+        return "not known" if value is None else f"{measured(value, unit)} {unit}"
 
     if isinstance(measures, TurningCircle):
         for name in ("advance", "transfer", "tactical_diameter"):

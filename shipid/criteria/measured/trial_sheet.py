@@ -146,7 +146,8 @@ def _conditions(given: Conditions | None, trials: Sequence[Trial], ship: Paramet
             own[name] = value if own.get(name, value) == value else None
     whole = (given or Conditions()).with_defaults(own)
     starts = {trial.source.start for trial in trials}
-    whole = whole.with_defaults({"date": starts.pop() if len(starts) == 1 else None})
+    begin = starts.pop() if len(starts) == 1 else None
+    whole = whole.with_defaults({"date": begin and begin.replace("T", " ")})
     if ship is None:
         return whole
     return whole.with_defaults(

@@ -141,7 +141,7 @@ def _value(name: str, value: float | None, unit: str) -> str:
         return "not known"
     # A course is written with three digits, 000 to 359.
     compass = name in ("course", "drift_direction")
-    shown = f"{round(value, 1) % 360:05.1f}" if compass else measured(value).replace("-", "−")
+    shown = f"{round(value, 1) % 360:05.1f}" if compass else measured(value, unit).replace("-", "−")
     return shown if unit == "1" else f"{shown} {pretty(unit)}"
 
 

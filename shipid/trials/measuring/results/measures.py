@@ -18,6 +18,8 @@ from shipid.foundation.result import Result
 _LARGE = 1e3
 #: Decimals of a measured number at the most, in the unit shown: what is smaller is noise of the arithmetic.
 _DECIMALS = 3
+#: Units of which no instrument of a trial shows more than three digits; an angle and a time have four.
+_THREE = ("m", "m/s", "1", "deg/s")
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -35,18 +37,19 @@ def quantity(unit: str, meaning: str) -> Plain:
     return field(default=None, metadata={"unit": unit, "meaning": meaning})
 
 
-def measured(value: float) -> str:
-    """Return a measured number as it is shown everywhere: four digits, and at most three decimals.
+def measured(value: float, unit: str) -> str:
+    """Return a measured number as it is shown everywhere: three or four digits, and at most three decimals.
 
     Parameters
     ----------
     value : float
         In the unit shown.
+    unit : str
+        That unit.
     """
-    if abs(value) >= _LARGE:  # A moment of a clock that counts from long ago keeps its hundredths.
+    if unit == "s" and abs(value) >= _LARGE:  # A moment of a clock that counts from long ago keeps its hundredths.
         return f"{value:.2f}"
-    rounded = round(value, _DECIMALS) + 0.0
-    return f"{rounded:.4g}"
+    return f"{float(f'{round(value, _DECIMALS):.{3 if unit in _THREE else 4}g}') + 0.0:.12g}"
 
 
 def words() -> Plain:
@@ -167,9 +170,9 @@ class Measures(Result):
             # Three digits, as a course is spoken: 359.98 deg is 000 deg.
             return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
-            return f"{measured(value)}{tail}"
+            return f"{measured(value, unit)}{tail}"
         numbers = [
-            measured(v) if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
+            measured(v, unit) if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)
         ]
         reason = self.reason(name)
