@@ -16,7 +16,7 @@ from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.doubts import late_by, late_words, setting_out, silent_in
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import distance_between, speed_channel
+from shipid.trials.measuring.track import distance_between, over_ground_notes, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -156,6 +156,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         start = None
     at = np.array([heading for _, _, heading in found])
     course, notes = _course(psi, at, side, None if start is None else start[0].time)
+    notes = [*notes, *over_ground_notes(trial)]
     reasons: dict[str, str] = {}
     known = [_unknown(steering, psi, executes, k, end, faults, reasons, found[k][1]) for k in range(len(executes))]
     signs = side * (-1.0) ** np.arange(len(at))
