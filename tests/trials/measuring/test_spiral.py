@@ -115,16 +115,7 @@ def test_a_zigzag_is_no_spiral(logged):
 
 def test_the_way_back_to_midships_is_no_stage():
     """A direct spiral after a straight approach, which ends with the rudder put amidships at once from its largest angle."""
-    frame = direct().to_frame()
-    t, psi = frame["t [s]"].to_numpy(), frame["psi [deg]"].to_numpy()
-    count, step = 800, t[1] - t[0]
-    before = pd.DataFrame([frame.iloc[0]] * count).assign(
-        **{"t [s]": t[0] + step * np.arange(-count, 0), "delta [deg]": 0.0}
-    )
-    after = pd.DataFrame([frame.iloc[-1]] * count).assign(
-        **{"t [s]": t[-1] + step * np.arange(1, count + 1), "delta [deg]": 0.0}
-    )
-    rate = float(np.polyfit(t[-100:], psi[-100:], 1)[0])
-    after["psi [deg]"] = psi[-1] + 12.0 * rate * (1 - np.exp(-(after["t [s]"] - t[-1]) / 12.0))
-    found = measure(Trial.from_frame(pd.concat([before, frame, after], ignore_index=True)))
+    trial = sail(np.repeat([0.0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], 160), b1=0.08, b3=0.0)
+    found = measure(trial)
     assert found.title == "direct spiral"
+    np.testing.assert_allclose(np.degrees(found.rudders), [0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], atol=0.01)
