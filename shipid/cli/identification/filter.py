@@ -20,8 +20,8 @@ from shipid.cli.frame.options import (
     optional_ship_given,
     reading,
     set_option,
-    ship_given,
     ship_option,
+    ships_given,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
@@ -125,7 +125,7 @@ def filter_trial(
             "several ships are compared by --method imm, and it needs two or more: --ship LOADED --ship BALLAST."
         )
     found = find_model(model)
-    every = [ship_given(s, values, found) for s in ships]
+    every = ships_given(ships, values, found)
     known = every[0] if every else optional_ship_given(None, values)
     names = parameters_to_estimate(found) if estimate is None else () if estimate == ["none"] else tuple(estimate)
     settings: dict[str, Plain] = {
