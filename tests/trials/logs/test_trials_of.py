@@ -42,3 +42,10 @@ def test_a_report_has_the_name_of_a_page(tmp_path):
     with pytest.raises(UsageError, match="end in .html or .pdf, and not as 'trial.docx'"):
         shipid.write_report(shipid.read_trial(LOG), tmp_path / "trial.docx")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["trial.xlsx", "trial.csv.gz", "trial.nmea", "trial.MAT"])
+def test_a_table_is_not_written_under_the_name_of_another_kind_of_file(tmp_path, name):
+    with pytest.raises(UsageError, match="a trial is written as CSV or Parquet"):
+        shipid.write_trial(shipid.read_trial(LOG), tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
