@@ -39,7 +39,7 @@ from shipid.identification.fit_text import (
 )
 from shipid.identification.identified import Identified
 from shipid.identification.problem.prior_shares import prior_shares
-from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.noise_levels import LASTING, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
@@ -359,6 +359,7 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
+        found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)
         for c in self.validation:
@@ -378,7 +379,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING)),
                 *coefficient_lines(self.parameters),
                 *dead_time_lines(self.model),
                 *loading_lines(self.identified),

@@ -36,6 +36,7 @@ from shipid.identification.problem.signals import check_answer, fitted_signals, 
 from shipid.identification.problem.trial_data import prepare, with_whole_inputs
 from shipid.identification.search.ladder import SearchSettings, climb
 from shipid.identification.search.least_squares import Progress
+from shipid.identification.search.prediction_error import levels_at
 from shipid.identification.search.prediction_weights import independent_samples
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution, residual_levels
@@ -125,13 +126,15 @@ def identify(
     for what, name, known in (("purpose", purpose, PURPOSES), ("method", method, METHODS), ("loss", loss, LOSSES)):
         if name is not None and name not in known:
             raise UnknownNameError(what, name, known)
-    if purpose == "filter" and method is None:
-        method = PURPOSES[purpose]
-    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
-        raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
     trials, validate = _named_apart(trials_of(trials), trials_of(validate))
     if not trials:
         raise UsageError("identify needs at least one trial.")
+    # Under an autopilot the rudder answers the noise, and output error is biased.
+    unasked = purpose == "filter" and method is None and not any(autopilot_steers(t) is not None for t in trials)
+    if purpose == "filter" and method is None:
+        method = PURPOSES["filter"]
+    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
+        raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:
@@ -186,6 +189,8 @@ def identify(
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         records = len({id(t) for _, t in pairs})
         found = searched(problem, search_box(setting), method, how, records)
+        if unasked and found.solution.levels is not None and found.solution.levels.lasting is not None:
+            found = _by_lasting_sensors(problem, search_box(setting), how, records, found)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
@@ -221,6 +226,21 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
 def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings, _: int) -> _Found:
     """A method that minimises no residuals of whole records."""
     return _Found(*climb(problem, box, method, how), box)
+
+
+def _by_lasting_sensors(problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found) -> _Found:
+    """Output error with the noise levels of a filter at its coefficients, where what the sensors show lasts and moves no ship."""
+    found = _by_residuals(problem, box, None, how, records)
+    levels, solution = before.solution.levels, found.solution
+    assert levels is not None and levels.lasting is not None, "both descriptions of the record were compared"
+    if not solution.converged:
+        return before
+    seen = replace(problem, sigma=residual_levels(solution))
+    at = replace(levels_at(seen, solution.parameters, how.unit_time, how.tell), lasting=levels.lasting)
+    words = levels.lasting.words
+    rungs = [replace(r, used=False) if r.method == "prediction-error" else r for r in before.rungs]
+    used = [replace(r, reason=f"{words[0].upper()}{words[1:]}. {r.reason}") for r in found.rungs if r.used]
+    return replace(found, solution=replace(solution, levels=at), rungs=(*rungs, *used))
 
 
 def _for_autopilots(rungs: tuple[Rung, ...], steered: Sequence[str]) -> tuple[Rung, ...]:

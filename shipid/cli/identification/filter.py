@@ -173,7 +173,9 @@ def _filter(
     # the day and not of the model: it is found.
     kept = [f"sensor:{n}" for n in measured or ()]
     given = settings["noise"]
-    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)]
+    kept += [
+        f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)
+    ]
     run, levels = filter_by_record(kalman, record, kept, tell)
     for notice in beyond_of_record(model, ship, record):
         warn(notice)

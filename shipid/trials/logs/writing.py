@@ -19,6 +19,7 @@ _OTHERS = {
     ".gz", ".bz2", ".xz", ".zip", ".xls", ".xlsx", ".mat", ".h5", ".hdf5", ".json", ".toml", ".nmea", ".html", ".pdf",
 }  # fmt: skip
 
+
 def write_trial(
     trial: Trial,
     path: str | Path,
