@@ -169,9 +169,13 @@ def _filter(
     sensors = _sensors(model, record) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    # What the user gave stays, and so does what a model declares to drive its states.
+    # What the user gave stays, and so does what a model declares to drive its states. What drives an input, such as waves, is of
+    # the day and not of the model: it is found.
     kept = [f"sensor:{n}" for n in measured or ()]
-    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    given = settings["noise"]
+    kept += [
+        f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)
+    ]
     run, levels = filter_by_record(kalman, record, kept, tell)
     for notice in beyond_of_record(model, ship, record):
         warn(notice)
