@@ -17,7 +17,9 @@ def test_one_trial_or_several_in_memory_or_as_files():
     trial = shipid.read_trial(LOG)
     assert trials_of(trial) == [trial] and trials_of((trial, trial)) == [trial, trial]
     for given in (LOG, str(LOG), [LOG], [trial, f"{LOG}@0:300"]):
-        assert [t.name.partition("@")[0] for t in trials_of(given)] == [trial.name] * (len(given) if isinstance(given, list) else 1)
+        assert [t.name.partition("@")[0] for t in trials_of(given)] == [trial.name] * (
+            len(given) if isinstance(given, list) else 1
+        )
     assert trials_of(()) == []
     assert shipid.measure(LOG).to_dict() == shipid.measure(trial).to_dict()
 

@@ -37,7 +37,7 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     if not len(stands):
         return
     leaps = _leaps(t, values)
-    found = [(a, b) for a, b in stands if b < len(leaps) and leaps[b] or _turns_back(p, index[a], index[b])]
+    found = [(a, b) for a, b in stands if (b < len(leaps) and leaps[b]) or _turns_back(p, index[a], index[b])]
     if not found:
         return
     longest = max(float(t[b] - t[a]) for a, b in found)
