@@ -163,7 +163,7 @@ class CurrentMoves:
         self._late: deque[tuple[float, np.ndarray, np.ndarray]] = deque(maxlen=self._COUNT)
 
     def add(self, known: Situation) -> float:
-        """Take what a filter knows now, and return by how much the current has moved of late, in m/s.
+        """Return by how much the current has moved of late, in m/s, with what a filter knows now, which is kept.
 
         Parameters
         ----------

@@ -60,7 +60,6 @@ def prediction_page(found: Prediction) -> Page:
         [
             Section("Track", "prediction/plan.html", _plan(found)),
             Section("Stages", "prediction/stages.html", {"columns": _COLUMNS, "rows": _stages(found)}),
-            Section("Along the track", "prediction/along.html", {"figure": _along(found)}),
             Section(
                 "Where it begins", "prediction/situation.html", {"origin": found.origin, "rows": _situation(found)}
             ),
@@ -76,7 +75,12 @@ def _plan(found: Prediction) -> Row:
     turn, chart, track = found.turn, found.chart, found.track
     now = None if turn is None or turn.wheel_over is None or turn.wheel_over.due else turn.now
     figure = track_figure(track, "track", turn=turn, chart=chart, now=now)
-    return {"figure": figure, "route": turn is not None, "chart": None if chart is None else chart.name}
+    return {
+        "figure": figure,
+        "along": _along(found),
+        "route": turn is not None,
+        "chart": None if chart is None else chart.name,
+    }
 
 
 def _away(metres: float, forward: str, back: str) -> str:
