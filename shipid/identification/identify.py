@@ -126,15 +126,15 @@ def identify(
     for what, name, known in (("purpose", purpose, PURPOSES), ("method", method, METHODS), ("loss", loss, LOSSES)):
         if name is not None and name not in known:
             raise UnknownNameError(what, name, known)
+    trials, validate = _named_apart(trials_of(trials), trials_of(validate))
+    if not trials:
+        raise UsageError("identify needs at least one trial.")
     # Under an autopilot the rudder answers the noise, and output error is biased.
     unasked = purpose == "filter" and method is None and not any(autopilot_steers(t) is not None for t in trials)
     if purpose == "filter" and method is None:
         method = PURPOSES["filter"]
     if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
         raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
-    trials, validate = _named_apart(trials_of(trials), trials_of(validate))
-    if not trials:
-        raise UsageError("identify needs at least one trial.")
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:
