@@ -416,7 +416,7 @@ def order_early(log: Log, size: float) -> None:
 
 
 Plant = tuple[Callable[[Log, float], None], tuple[float, float, float], str, str]
-#: Row: what plants it, mild, clear and gross, the kind asked for, and what it needs ("zigzag", or "v": a sway).
+#: Row: what plants it, mild, clear and gross, the kind asked for, and what it needs ("zigzag", "stamps": little noise, or "v": a sway).
 FAULTS: dict[str, Plant] = {
     "clock-quantised": (clock_quantised, (0.4, 1.5, 5.0), "clock-quantised", ""),
     "clock-repeats": (clock_repeats, (0.001, 0.01, 0.1), "clock-repeats", ""),
@@ -432,7 +432,7 @@ FAULTS: dict[str, Plant] = {
     "frozen": (frozen, (0.02, 0.06, 0.15), "frozen", ""),
     "frozen rudder": (frozen_rudder, (0.03, 0.06, 0.1), "frozen", "zigzag"),
     "clock-set": (clock_set, (5, 60, 3600), "clock-set", ""),
-    "clock-jitter": (clock_jitter, (0.1, 0.3, 0.45), "clock-jitter", "positions"),
+    "clock-jitter": (clock_jitter, (0.1, 0.3, 0.45), "clock-jitter", "stamps"),
     "written-on-change": (written_on_change, (0.005, 0.02, 0.06), "written-on-change", "zigzag"),
     "unit of the positions": (unit_positions, (1, 2, 3), "unit", "positions"),
     "order-early": (order_early, (1.2, 2, 4), "order-early", "zigzag"),

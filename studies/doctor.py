@@ -66,6 +66,12 @@ def fits(need: str, manoeuvre: str, trial: shipid.Trial, ship: str) -> bool:
         way = float(np.sum(np.abs(trial["u"])) * trial.sampling)
         rough = float(np.std(np.diff(trial["x"], 3))) / np.sqrt(20)
         return rough < 0.003 * way and (need != "turn" or manoeuvre == "turn")
+    if need == "stamps":
+        # A sample late by a part of its interval shows where the way meanwhile is longer than the noise of the positions.
+        if not trial.has("x", "u"):
+            return False
+        rough = float(np.std(np.diff(trial["x"], 3))) / np.sqrt(20)
+        return rough < 0.15 * float(np.median(trial["u"])) * trial.sampling
     if need == "zigzag":
         return manoeuvre == "zigzag"
     if need == "order":

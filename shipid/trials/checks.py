@@ -44,8 +44,9 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
         advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
-        if bad.size == 1 and t[k + 1] < t[k]:
-            first = t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
+        # The second of two logs begins where the first did; rows that were exchanged have stamps of their own.
+        first = k > FEWEST_SAMPLES and t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
+        if bad.size == 1 and t[k + 1] < t[k] and (first or np.unique(t).size < t.size):
             advice = (
                 "Two logs stand in one file: cut it between these rows and read each part by itself."
                 if first

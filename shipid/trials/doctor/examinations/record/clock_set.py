@@ -84,9 +84,12 @@ def _goes_on(p: WorkingCopy, k: int, usual: float) -> bool:
             return False
     for name in [c for c in ("r", "delta", "u") if p.has(c)]:
         values = p[name]
-        reach = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
-        if not abs(float(values[k + 1] - values[k])) <= 2 * _STEP * reach + 5 * robust.noise(
-            values[np.isfinite(values)]
-        ):
+        sound = values[np.isfinite(values)]
+        if not sound.size or not np.isfinite(values[[k, k + 1]]).all():
+            continue
+        # A rudder that is under way moves as it did in the samples around.
+        around = np.r_[np.diff(values[before]), np.diff(values[after])]
+        usual_step = max(_STEP * float(np.ptp(sound)), float(np.nanmax(np.abs(around))))
+        if abs(float(values[k + 1] - values[k])) > 2 * usual_step + 5 * robust.noise(sound):
             return False
     return clear > 0
