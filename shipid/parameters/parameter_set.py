@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 PARTICULARS = "particulars"
 
+#: Lengths of ships and of models of ships in m.
+_SHORTEST, _LONGEST = 0.1, 2000.0
+
 
 @dataclass(frozen=True)
 class Value:
@@ -156,9 +159,20 @@ class ParameterSet(Result):
             The particular.
         unit : str
             The unit of the result.
+
+        Raises
+        ------
+        ParameterSetError
+            If it is a length that no ship or model of a ship has: times and distances are measured in it.
         """
         value = self.sections.get(PARTICULARS, {}).get(name)
-        return None if value is None else value.at(None, unit, f"ship {self.name}")
+        if value is None:
+            return None
+        if name == "L" and not _SHORTEST <= (length := value.at(None, "m", f"ship {self.name}")) <= _LONGEST:
+            raise ParameterSetError(
+                f"the length L of ship {self.name} is {length:g} m; it must lie between {_SHORTEST:g} m, a small model, and {_LONGEST:g} m."
+            )
+        return value.at(None, unit, f"ship {self.name}")
 
     def values(self, model: Model, speed: float | None = None) -> dict[str, float]:
         """Return SI numbers of the parameters and constants of a model that the set determines.
@@ -178,8 +192,9 @@ class ParameterSet(Result):
         UnitError
             If a unit does not fit.
         ParameterSetError
-            If a table does not cover the speed.
+            If a table does not cover the speed, or the length is that of no ship.
         """
+        self.particular("L", "m")
         return resolve(model, _Lookup(self, model, speed))
 
     def to_frame(self) -> pd.DataFrame:

@@ -13,6 +13,7 @@ from shipid import (
     ParameterSet,
     derived,
     find_model,
+    find_ship,
     join,
     parameter,
     read_parameter_set,
@@ -20,6 +21,7 @@ from shipid import (
 )
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError, UnknownNameError
 from shipid.parameters.parameter_set import Value, missing_values, parse_value, resolve
+from shipid.parameters.replaced import with_values
 from shipid.parts.wind import Wind
 
 SHIP = """
@@ -248,3 +250,13 @@ def test_a_message_about_lacking_values_shows_how_they_are_stated():
     assert "--set 'K=1.0 1/s'" in str(
         missing_values(windy, {"L": 100.0, "tau": 10.0, "N_w": 0.0, "F_w": 0.0}, "ship x")
     )
+
+
+@pytest.mark.parametrize("length", ["1e-9 m", "1e9 m", "-20 m", "0 m"])
+def test_a_length_of_no_ship_is_refused(length: str) -> None:
+    own = with_values(find_ship("soesterberg"), {"L": length}, (), "stated by --set")
+    words = "must lie between 0.1 m, a small model, and 2000 m"
+    with pytest.raises(ParameterSetError, match=words):
+        own.particular("L", "m")
+    with pytest.raises(ParameterSetError, match=words):
+        own.values(find_model("nomoto"), speed=9.5)

@@ -118,7 +118,7 @@ def settle(
     known = reference_loading(whole, trials) | given.values(whole, speed=usual_speed(given, trials)) | held
     length = known.get("L", given.particular("L", "m"))
     if length is not None and not length > 0:
-        raise ParameterSetError(f"the length L of ship {given.name} is {length:g} m; it must be greater than zero.")
+        raise ParameterSetError(f"the length L that is held is {length:g} m; it must be greater than zero.")
     scale = scale_of(given, trials, length)
     estimated = estimated_parameters(whole, estimate, held)
     notes = []
