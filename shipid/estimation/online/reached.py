@@ -20,16 +20,15 @@ _FIRST = 10
 
 
 class Reached:
-    """The speed before the manoeuvre, and the largest rudder angle, rate of turn and drift angle so far."""
+    """The speed before the manoeuvre, and the largest rudder angle, rate of turn and drift angle so far.
+
+    Parameters
+    ----------
+    inputs : mapping of str to float, optional
+        Inputs that are held at a value, SI: a speed among them goes before that of the samples.
+    """
 
     def __init__(self, inputs: Mapping[str, float] | None = None) -> None:
-        """Begin with nothing.
-
-        Parameters
-        ----------
-        inputs : mapping of str to float, optional
-            Inputs that are held at a value, SI: a speed among them goes before that of the samples.
-        """
         given = speed_given(inputs or {})
         self._speeds: list[float] = [] if given is None else [given] * _FIRST
         self._last = {n: deque[float](maxlen=_IN_A_ROW) for n in ("rudder", "rate", "drift")}
