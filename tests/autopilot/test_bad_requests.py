@@ -120,6 +120,8 @@ def test_a_model_without_heading_rudder_or_rate():
         shipid.design_autopilot(join("steered", shipid.find_model("nomoto"), SteeringMachine), "soesterberg")
     with pytest.raises(NotSteerableError, match="no rate of turn 'r'"):
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
+    with pytest.raises(NotSteerableError, match=r"has a dead time of the rudder, 'delay'.*one with a lag"):
+        shipid.design_autopilot("norrbin-delay", "zeefakkel")
 
 
 def test_a_sampled_model_is_refused_with_the_states_that_are():

@@ -82,7 +82,7 @@ def check_steerable(model: Model) -> None:
     Raises
     ------
     NotSteerableError
-        If it has no heading, no rate of turn, or reads no rudder.
+        If it has no heading, no rate of turn, or reads no rudder, or one behind a dead time.
     """
     if "psi" not in model.states:
         raise NotSteerableError(f"model {model.name} has no heading 'psi' among its states: join it with PlanarMotion.")
@@ -98,6 +98,12 @@ def check_steerable(model: Model) -> None:
         )
     if "delta" not in model.inputs:
         raise NotSteerableError(f"model {model.name} reads no rudder angle 'delta', so an autopilot cannot steer it.")
+    if "delta" in model.delays:
+        raise NotSteerableError(
+            f"model {model.name} has a dead time of the rudder, '{model.delays['delta']}', and an autopilot is designed for a ship without "
+            "one. Identify the same model without it, or one with a lag, on the same trials; the delay margin of that design says "
+            "which dead time it bears."
+        )
 
 
 @functools.lru_cache(maxsize=64)
