@@ -15,7 +15,7 @@ truth.
 
 Asked: 93 to 97 % of all truths, for each ship, noise and purpose in which the model is right. Output error (no purpose, and
 prediction) has no noise that drives the states: under gusts the model of the noise is wrong, and its coverage is printed, not
-asked; so is that of a filter under drift and waves, because its sensors are white and its gusts are of first order. A single
+asked. For a filter drift and waves are told from gusts by the likelihood, and the coefficients are then output error's. A single
 parameter of 400 runs scatters by 1.1 % itself, so that one in fifteen leaves that band by chance where the intervals are exact;
 each is printed with its standard error, and is asked to lie in the band widened by two of them.
 
@@ -184,7 +184,7 @@ def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> di
     """Identify so many campaigns and count."""
     own = sailed(ship, kind == "structure")
     gust = tuple(map(float, kind.split(":")[1:])) if kind.startswith("gust:") else None
-    right = kind == "white" or (kind in ("drift", "waves") if purpose != "filter" else gust is not None)
+    right = kind in ("white", "drift", "waves") or (purpose == "filter" and gust is not None)
     begin, names, inside, errors, spreads, lost = time.perf_counter(), (), [], [], [], 0
     for run in range(runs):
         rng = np.random.default_rng([2026, run])

@@ -54,7 +54,7 @@ def complaints(function: ast.FunctionDef) -> Iterator[str]:
         yield f"Parameters list {sorted(listed)}, and the arguments are {sorted(wanted)}"
     returns = "None" if function.returns is None else ast.unparse(function.returns)
     told = section(doc, "Returns") or section(doc, "Yields") or re.match(r"(Return|Yield)\b", doc)
-    if returns != "None" and not told and not any("property" in d for d in decorators):
+    if returns not in ("None", "NoReturn") and not told and not any("property" in d for d in decorators):
         yield "it returns something, and neither a Returns section nor the summary says what"
     if lacking := raised(function) - described(doc, "Raises"):
         yield f"it raises {', '.join(sorted(lacking))}, which Raises does not list"

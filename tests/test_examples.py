@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+import tomllib
 from pathlib import Path
 
 import click
@@ -85,6 +86,25 @@ def test_the_readme_does_what_it_says(clone, capsys):
     (python,) = blocks(ROOT / "README.md", "python")
     exec(compile(python, "README.md", "exec"), {})
     assert (clone / "report.html").is_file()
+
+
+def test_the_tour_can_be_walked(clone, capsys):
+    """Each command takes what those before it wrote; those that take long are run by the tests of their rooms."""
+    walked = ("simulate", "report", "identify", "filter")
+    for call in commands(ROOT / ".docs" / "tour.md"):
+        if call[0] in walked:
+            assert run(call) == 0, (call, capsys.readouterr().err)
+    for name in ("sheet/report.html", "found/ship.toml", "turn.csv", "filtered/estimates.csv"):
+        assert (clone / name).is_file(), name
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_the_python_of_a_page_is_python(path):
+    for kind in ("python", "py"):
+        for text in blocks(path, kind):
+            compile(text, path.name, "exec")
+    for text in blocks(path, "toml"):
+        tomllib.loads(text)
 
 
 def test_a_bare_number_is_refused_as_the_readme_prints_it(clone, capsys):

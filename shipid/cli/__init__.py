@@ -11,7 +11,7 @@ import sys
 from typing import Any
 
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.processes.stopping import Terminated, ignore_from_now, watched
+from shipid.foundation.processes.stopping import Terminated, end_now, ignore_from_now, watched
 
 
 def __getattr__(name: str) -> Any:  # noqa: ANN401 - whatever has that name
@@ -31,4 +31,6 @@ def entry() -> None:
         print("shipid: interrupted; nothing more was written.", file=sys.stderr)
     except Terminated:
         code = ExitCode.TERMINATED
+    if code in (ExitCode.INTERRUPTED, ExitCode.TERMINATED):
+        end_now(code)
     sys.exit(code)

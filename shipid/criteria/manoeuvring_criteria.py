@@ -46,8 +46,8 @@ _FULL = np.deg2rad(35.0)
 
 def manoeuvring_criteria(
     model_or_fit: Model | type[Component] | Fit | str,
-    *,
     ship: ParameterSet | str | None = None,
+    *,
     speed: str | float | None = None,
     draws: int = DRAWS,
 ) -> Criteria:

@@ -274,7 +274,8 @@ def _to_si(value: str | float | tuple[float, str], wanted: str, what: str) -> fl
         if unit(wanted).dimensionless and not angle_exponent(wanted):
             return number
         needed = pretty(wanted)
-        choices = [needed, needed.replace("rad", "deg")] if "rad" in needed else [needed]
+        other = {"m/s": "kn"}.get(needed, needed.replace("rad", "deg"))
+        choices = list(dict.fromkeys([needed, other]))
         raise UnitError(
             f"{what} is the bare number {number:g}, with no unit, where the unit {needed} is needed. "
             f"Write {' or '.join(f'{number:g} {choice}' for choice in choices)}: shipid does not guess."

@@ -264,6 +264,8 @@ class ExtendedKalmanFilter:
         return observability(run)
 
     def _check_own(self, run: FilterRun) -> None:
+        if not isinstance(run, FilterRun):
+            raise UsageError(f"this takes what filter(record) returned, a FilterRun, and not a {type(run).__name__}.")
         if run.design is not self.design and run.design.fingerprint != self.design.fingerprint:
             raise UsageError(f"the run of record {run.record} is of another filter, {run.design!r}; use that filter.")
 

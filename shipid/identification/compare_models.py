@@ -23,6 +23,7 @@ from shipid.identification.choice.trying import Attempt, Tried
 from shipid.identification.search.least_squares import Progress
 from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.measuring.measure import measure
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.trial import Trial
@@ -33,11 +34,11 @@ _OVERSHOOTS = 4
 
 def compare_models(
     models: Sequence[Model | type[Component] | str] | None,
-    trials: Sequence[Trial],
+    trials: Trials,
     *,
     ship: ParameterSet | str | None = None,
     inputs: Mapping[str, str] | None = None,
-    validate: Sequence[Trial] = (),
+    validate: Trials = (),
     starts: int = 5,
     seed: int = 0,
     workers: int | None = None,
@@ -50,14 +51,14 @@ def compare_models(
     models : sequence of Model, component class or str, or None
         The candidates; None for those of `shipid.identification.choice.candidates.CANDIDATES`. Where every trial holds the true
         wind a candidate is taken with the moment of the wind, and where its rudder is an order with a lag.
-    trials : sequence of Trial
-        Left out in turn; a single one is cut in two halves.
+    trials : Trial, str, Path or sequence of them
+        Trials, or their files. Left out in turn; a single one is cut in two halves.
     ship : ParameterSet or str, optional
         Particulars and first values.
     inputs : mapping of str to str, optional
         Inputs that no trial records, held at a value with its unit in every candidate that reads them: the depth of the water, the
         revolutions.
-    validate : sequence of Trial
+    validate : Trial, str, Path or sequence of them
         Trials kept apart: reported for each model, never used for the score. The spread of the coefficients is taken over what
         their rudder does, which is known before a manoeuvre is sailed.
     starts, seed
@@ -82,6 +83,7 @@ def compare_models(
         models = CANDIDATES
     if not models or not trials:
         raise UsageError("a comparison needs at least one model and one trial.")
+    trials, validate = trials_of(trials), trials_of(validate)
     whole = completed(models, [*trials, *validate])
     pieces = _pieces(trials)
     held = dict(inputs or {})

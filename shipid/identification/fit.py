@@ -39,7 +39,7 @@ from shipid.identification.fit_text import (
 )
 from shipid.identification.identified import Identified
 from shipid.identification.problem.prior_shares import prior_shares
-from shipid.identification.search.noise_levels import NoiseLevels
+from shipid.identification.search.noise_levels import LASTING, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
@@ -52,7 +52,7 @@ from shipid.identification.validation.trial_findings import lines_of
 from shipid.parameters.correlation import seen_by
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.validity import BEYOND
-from shipid.trials.trial import Trial
+from shipid.trials.logs.reading import Trials, trials_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,13 +147,13 @@ class Fit(DrawnResult):
         """Share of the information on a coefficient that its prior is and not the trials, by coefficient that has a prior."""
         return prior_shares(self.identified.problem.prior, self.parameters)
 
-    def validate(self, trials: Sequence[Trial]) -> Fit:
+    def validate(self, trials: Trials) -> Fit:
         """Return the same fit with its prediction of trials that were not fitted.
 
         Parameters
         ----------
-        trials : sequence of Trial
-            Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
+        trials : Trial, str, Path or sequence of them
+            Trials, or their files. Only the initial state is taken from the first seconds of each; the rudder bias is the mean of the fitted
             trials'. Reported apart: the same with rudder bias and initial state refitted on the record.
 
         Returns
@@ -166,7 +166,7 @@ class Fit(DrawnResult):
         NoStretchError
             If what drives the model has so many holes that no stretch of a trial is long enough.
         """
-        compared = predictions(self.identified, trials)
+        compared = predictions(self.identified, trials_of(trials))
         records = {c.trial.name: {**c.trial.source.to_dict(), "samples": len(c.trial)} for c in compared}
         provenance = {**self.provenance, "trials": {**self.provenance["trials"], **records}}
         return replace(self, validation=self.validation + compared, provenance=provenance, assessment=None)
@@ -321,11 +321,10 @@ class Fit(DrawnResult):
                 }
                 for c in compared
             },
-            "rudder_bias": {
-                c.trial.name: {"value": c.bias, "refitted": c.refitted_bias, "unit": "rad"} for c in compared
-            },
+            "rudder_bias": {c.trial.name: quantity(c.bias, "rad") for c in compared},
+            "rudder_bias_refitted": {c.trial.name: quantity(c.refitted_bias, "rad") for c in self.validation},
             "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
-            "noise": {s: {"std": v, "unit": units[s]} for s, v in self.noise.items()},
+            "noise": {s: quantity(v, units[s]) for s, v in self.noise.items()},
             **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),
             "diagnostics": {
                 "condition_number": self.condition_number,
@@ -360,6 +359,7 @@ class Fit(DrawnResult):
                 found.append(Notice(words, "not-sailed", serious=True, trial=c.trial.name))
         if self.bias_spread is not None and self.bias_spread.notice is not None:
             found.append(self.bias_spread.notice)
+        found += self.levels.notices if self.levels is not None and self.identified.method == "prediction-error" else ()
         stated = {c.trial.name: c.trial.source.conditions for c in (*self.fitted, *self.validation)}
         found += loading_notices(stated, self.identified.load_part)
         for c in self.validation:
@@ -379,7 +379,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind == NOT_DETERMINED),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING)),
                 *coefficient_lines(self.parameters),
                 *dead_time_lines(self.model),
                 *loading_lines(self.identified),

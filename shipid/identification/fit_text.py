@@ -191,6 +191,8 @@ def noise_lines(levels: NoiseLevels, model: Model) -> list[str]:
     for name, level in levels.sensors.items():
         std = shown(level, name, model[name].unit, digits=3)
         lines.append(f"  noise     sensor of {name}: {std} in one sample")
+    if levels.lasting is not None:
+        lines.append(f"  noise     {levels.lasting.words}")
     coloured = [n for n, p in levels.whiteness.items() if p < WHITE]
     if levels.whiteness:
         words = (

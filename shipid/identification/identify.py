@@ -36,6 +36,7 @@ from shipid.identification.problem.signals import check_answer, fitted_signals, 
 from shipid.identification.problem.trial_data import prepare, with_whole_inputs
 from shipid.identification.search.ladder import SearchSettings, climb
 from shipid.identification.search.least_squares import Progress
+from shipid.identification.search.prediction_error import levels_at
 from shipid.identification.search.prediction_weights import independent_samples
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution, residual_levels
@@ -47,19 +48,20 @@ from shipid.parameters.loading import measure_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor.autopilot_steers import autopilot_steers
 from shipid.trials.fitness import check_identifiable_input
+from shipid.trials.logs.reading import Trials, trials_of
 from shipid.trials.trial import Trial
 
 
 def identify(
     model: Model | type[Component] | str,
-    trials: Sequence[Trial],
+    trials: Trials,
     *,
     ship: ParameterSet | str | None = None,
     estimate: Sequence[str] | None = None,
     fixed: Mapping[str, str | float] | None = None,
     signals: Sequence[str] | None = None,
     noise: Mapping[str, str | float] | None = None,
-    validate: Sequence[Trial] = (),
+    validate: Trials = (),
     purpose: Purpose | None = None,
     method: Method | None = None,
     loss: Loss = "linear",
@@ -74,8 +76,8 @@ def identify(
     ----------
     model : Model, component class or str
         What to fit; a component is joined with planar motion, a name is looked up.
-    trials : sequence of Trial
-        Fitted jointly: the parameters are shared, and each trial has its own initial state and rudder bias.
+    trials : Trial, str, Path or sequence of them
+        Trials, or their files. Fitted jointly: the parameters are shared, and each trial has its own initial state and rudder bias.
     ship : ParameterSet or str, optional
         Particulars (and known coefficients, where the search starts).
     estimate : sequence of str, optional
@@ -87,7 +89,7 @@ def identify(
         predicted.
     noise : mapping of str to str, optional
         Standard deviation of each signal, with units; estimated from the residuals when not given.
-    validate : sequence of Trial, optional
+    validate : Trial, str, Path or sequence of them, optional
         Trials to predict.
     purpose : {"prediction", "filter"}, optional
         For prediction is the default: rudder biases of the trials are spread about a common mean, by a standard deviation that
@@ -124,13 +126,15 @@ def identify(
     for what, name, known in (("purpose", purpose, PURPOSES), ("method", method, METHODS), ("loss", loss, LOSSES)):
         if name is not None and name not in known:
             raise UnknownNameError(what, name, known)
-    if purpose == "filter" and method is None:
-        method = PURPOSES[purpose]
-    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
-        raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
+    trials, validate = _named_apart(trials_of(trials), trials_of(validate))
     if not trials:
         raise UsageError("identify needs at least one trial.")
-    trials, validate = _named_apart(trials, validate)
+    # Under an autopilot the rudder answers the noise, and output error is biased.
+    unasked = purpose == "filter" and method is None and not any(autopilot_steers(t) is not None for t in trials)
+    if purpose == "filter" and method is None:
+        method = PURPOSES["filter"]
+    if loss != "linear" and method in ("equation-error", "instrumental-variables", "prediction-error"):
+        raise UsageError(f"the loss '{loss}' is one of output error; method {method} uses squares only.")
     free = purpose is None and method is None and noise is None and loss == "linear"
     steered = [t.name for t in trials if autopilot_steers(t) is not None] if free else []
     if steered:
@@ -185,6 +189,8 @@ def identify(
         searched = _by_residuals if method in OUTPUT_ERROR else _by_another_method
         records = len({id(t) for _, t in pairs})
         found = searched(problem, search_box(setting), method, how, records)
+        if unasked and found.solution.levels is not None and found.solution.levels.lasting is not None:
+            found = _by_lasting_sensors(problem, search_box(setting), how, records, found)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
@@ -220,6 +226,21 @@ def _by_residuals(problem: Problem, box: Box, method: Method | None, how: Search
 def _by_another_method(problem: Problem, box: Box, method: Method | None, how: SearchSettings, _: int) -> _Found:
     """A method that minimises no residuals of whole records."""
     return _Found(*climb(problem, box, method, how), box)
+
+
+def _by_lasting_sensors(problem: Problem, box: Box, how: SearchSettings, records: int, before: _Found) -> _Found:
+    """Output error with the noise levels of a filter at its coefficients, where what the sensors show lasts and moves no ship."""
+    found = _by_residuals(problem, box, None, how, records)
+    levels, solution = before.solution.levels, found.solution
+    assert levels is not None and levels.lasting is not None, "both descriptions of the record were compared"
+    if not solution.converged:
+        return before
+    seen = replace(problem, sigma=residual_levels(solution))
+    at = replace(levels_at(seen, solution.parameters, how.unit_time, how.tell), lasting=levels.lasting)
+    words = levels.lasting.words
+    rungs = [replace(r, used=False) if r.method == "prediction-error" else r for r in before.rungs]
+    used = [replace(r, reason=f"{words[0].upper()}{words[1:]}. {r.reason}") for r in found.rungs if r.used]
+    return replace(found, solution=replace(solution, levels=at), rungs=(*rungs, *used))
 
 
 def _for_autopilots(rungs: tuple[Rung, ...], steered: Sequence[str]) -> tuple[Rung, ...]:

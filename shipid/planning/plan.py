@@ -164,7 +164,7 @@ class Plan(DrawnResult):
                 "per_parameter_over_draws": self.det_gain_over_draws,
             },
             "parameters": {n: f.to_dict() for n, f in self.parameters.items()},
-            "noise": {s: {"std": v, "unit": FIELDS[s].unit} for s, v in self.noise.items()},
+            "noise": {s: quantity(v, FIELDS[s].unit) for s, v in self.noise.items()},
             "sampling": quantity(self.sampling, "s"),
             "independent": quantity(self.independent, "s"),
             "draws": self.draws,

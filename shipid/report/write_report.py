@@ -91,6 +91,9 @@ _VIEWS = {
     "MultipleModelRun": "record.page:multiple_page",
 }
 
+#: How the name of a report ends.
+_SUFFIXES = (".html", ".htm", ".pdf")
+
 
 def write_report(
     result: Reported,
@@ -129,7 +132,7 @@ Smoothed or MultipleModelRun
     Raises
     ------
     UsageError
-        If there is no report for this kind of result.
+        If there is no report for this kind of result, or the name ends in another way.
     OverwriteError
         If the file exists and `overwrite` is False.
     MissingFileError
@@ -140,6 +143,10 @@ Smoothed or MultipleModelRun
         If the browser does not print it.
     """
     path = Path(path)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise UsageError(
+            f"a report is an HTML page or a PDF: let the name end in .html or .pdf, and not as '{path.name}'."
+        )
     check_place(path, overwrite)
     page = render(result, criteria=criteria, command=command, made=date.today())
     if path.suffix.lower() != ".pdf":

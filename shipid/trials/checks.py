@@ -43,10 +43,17 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
     if bad.size:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
+        advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+        if bad.size == 1 and t[k + 1] < t[k]:
+            first = t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
+            advice = (
+                "Two logs stand in one file: cut it between these rows and read each part by itself."
+                if first
+                else "The clock was set back, or rows were moved: 'shipid check' says which, and 'shipid check --fix' repairs what is certain."
+            )
         raise ClockError(
             f"{where}, column 't': the clock {what} between rows {line(k)} and {line(k + 1)} "
-            f"({t[k]:.10g} s, then {t[k + 1]:.10g} s); {bad.size} of {len(t) - 1} steps do. Sort the rows and remove "
-            "the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+            f"({t[k]:.10g} s, then {t[k + 1]:.10g} s); {bad.size} of {len(t) - 1} steps do. {advice}"
         )
 
 

@@ -42,7 +42,9 @@ _ENTRIES = (
     Condition("yard", "ship", "Builder and hull number"),
     Condition("length", "ship", "Length between perpendiculars", "m", "m"),
     Condition("breadth", "ship", "Breadth", "m", "m"),
-    Condition("rudder", "ship", "Rudder: kind, number, area"),
+    Condition("rudder", "ship", "Rudder: kind, number"),
+    Condition("rudder_area", "ship", "Rudder area", "m^2", "m^2"),
+    Condition("largest_rudder", "ship", "Largest rudder angle", "rad", "deg"),
     Condition("propeller", "ship", "Propeller: kind, number"),
     Condition("engine", "ship", "Engine and its output at the trial"),
     Condition("condition", "loading", "Loading condition"),
@@ -69,7 +71,16 @@ ENTRIES: Mapping[str, Condition] = MappingProxyType({e.name: e for e in _ENTRIES
 #: Share by which numbers of one loading may differ: fuel that is burnt, draughts that are read to a few centimetres.
 _SAME_LOADING = 0.03
 #: Those that cannot be zero or negative.
-_POSITIVE = ("length", "breadth", "draught_forward", "draught_aft", "displacement", "depth")
+_POSITIVE = (
+    "length",
+    "breadth",
+    "rudder_area",
+    "largest_rudder",
+    "draught_forward",
+    "draught_aft",
+    "displacement",
+    "depth",
+)
 
 
 @dataclass(frozen=True, repr=False)

@@ -156,6 +156,16 @@ def test_files_are_written_under_their_names(own_command, tmp_path):
     assert own_command("--out", out, "--overwrite", "--json").code == 0
 
 
+def test_a_folder_is_not_called_as_a_file(own_command, tmp_path):
+    """Someone who types ``--out report.html`` expects a file of that name."""
+    answer = own_command("--out", tmp_path / "trial.html")
+    assert answer.code == ExitCode.USAGE and f"--out {tmp_path / 'trial'}:" in answer.said
+    assert list(tmp_path.iterdir()) == []
+    (tmp_path / "trial.html").mkdir()
+    assert own_command("--out", tmp_path / "trial.html").code == 0
+    assert own_command("--out", tmp_path / "v1.2").code == 0
+
+
 def test_only_files_that_are_going_to_be_written_are_in_the_way(own_command, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     assert own_command("--out", tmp_path).code == ExitCode.USAGE

@@ -347,3 +347,13 @@ def test_nothing_to_learn_is_no_error(call):
     given = ("--noise", "r=0.01 deg/s^1.5", "--estimate", "none")
     answer = call("filter", f"{TRIAL}@0:100", *NOMOTO, *SENSORS, *given)
     assert answer.code in (0, 5) and "innovations of psi" in answer.out
+
+
+def test_the_waves_of_a_model_are_those_of_the_record(call):
+    """A calm record filtered by a model of waves: the level that the model declares is ten times too large, and a given one stays."""
+    own = ("--model", "yaw-filter", "--ship", "soesterberg", "--json")
+    found = json.loads(call("filter", f"{TRIAL}@0:400", *own).out)
+    assert 0.7 < found["innovations"]["gyro"]["nis_mean"] < 1.3
+    assert not [w for w in found["warnings"] if "noise levels are too large" in w["message"]]
+    kept = json.loads(call("filter", f"{TRIAL}@0:400", *own, "--noise", "wave_noise=0.45 deg/s").out)
+    assert kept["innovations"]["gyro"]["nis_mean"] < 0.1

@@ -7,6 +7,7 @@ import pytest
 
 import shipid
 from shipid.cli import main
+from shipid.cli.frame.options import ships_given
 from shipid.cli.registry import COMMANDS
 
 #: A model with an input of its own, which nothing but the command line states.
@@ -131,3 +132,13 @@ def test_show_takes_a_ship(call, refused, towed):
     refused(2, ["show", "zeefakel"], "no ship 'zeefakel'. Did you mean zeefakkel")
     refused(2, ["show", "norbin"], "no model 'norbin'")
     refused(2, ["show", "zeefakkel", "--latex"], "has no equations")
+
+
+def test_ship_files_of_one_name_are_told_apart(tmp_path):
+    """Two states of one ship, identified into two folders, keep the ship's name in both files."""
+    for folder in ("loaded", "ballast"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "ship.toml").write_text(SHIP)
+    files = [str(tmp_path / f / "ship.toml") for f in ("loaded", "ballast")]
+    assert [s.name for s in ships_given(files, {})] == files
+    assert [s.name for s in ships_given([files[0], "zeefakkel"], {})] == ["towed", "zeefakkel"]

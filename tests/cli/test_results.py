@@ -110,7 +110,7 @@ def test_options_of_identify(call, zigzag, fitted):
     assert once["parameters"] == twice["parameters"]
     assert list(result_of("--window", ":200")["fit"]) == ["zigzag@0:200"]
     given = result_of("--noise", "psi=0.2 deg,r=0.02 deg/s")
-    assert given["noise"]["psi"]["std"] == pytest.approx(np.radians(0.2))
+    assert given["noise"]["psi"]["value"] == pytest.approx(np.radians(0.2))
     assert all(b["value"] == 0 for b in result_of("--no-rudder-bias")["rudder_bias"].values())
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING
 
@@ -237,12 +237,13 @@ class Judgement(DrawnResult):
         """Return the result in lines of text."""
         head, _, rest = self.pilot.text().partition("\n")
         lines = [head, self.weakest.sentence, rest]
-        for name, robust in zip(self.pilot.conditions, self.robust):
-            lines.append(
-                f"  {name}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
-                if robust.samples
-                else f"  {name}: disk margin {robust.disk_worst:.3g} at worst; {robust.source}"
-            )
+        for name, robust, *loops in zip(self.pilot.conditions, self.robust, self.margins, self.between):
+            load = f" ({name})" if len(self.pilot.conditions) > 1 else ""
+            lines.append(f"  margins{load}: {_worst_of([m for loop in loops for m in loop])}")
+            if robust.samples:
+                lines.append(
+                    f"  uncertain ship{load}: worst disk margin {robust.disk_worst:.3g} over {robust.samples} draws ({robust.source})"
+                )
         lines += [f"  {words}" for words in self.not_reached]
         if self.on_board is not None:
             lines.append(self.on_board.text())
@@ -252,6 +253,19 @@ class Judgement(DrawnResult):
 
 def _point(what: str, where: str, value: float, limit: float, unit: str = "") -> Weakest:
     return Weakest(what, where, float(value), limit, unit, float(value) / limit)
+
+
+def _worst_of(margins: Sequence[Margins]) -> str:
+    """The least margins and the largest peaks of some loops, in words."""
+    phases = [m.phase_deg for m in margins if m.phase_deg is not None]
+    delays = [m.delay_s for m in margins if m.delay_s is not None]
+    return (
+        f"disk {min(m.disk for m in margins):.3g}"
+        + (f", phase {min(phases):.0f} deg" if phases else "")
+        + (f", delay {min(delays):.3g} s" if delays else "")
+        + f" at least; peaks of S {max(m.sensitivity for m in margins):.3g} and of T "
+        f"{max(m.complementary for m in margins):.3g} at most"
+    )
 
 
 def _listed(margins: tuple[Margins, ...]) -> dict[str, Plain]:

@@ -37,6 +37,8 @@ _DIGITS = 12
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
 _PDF = "report.pdf"
+#: Endings of files that are written: a folder is not called so by intent.
+_OF_FILES = {".html", ".htm", ".pdf", ".json", ".toml", ".csv"}
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace files that exist.")
@@ -326,6 +328,11 @@ def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Pa
     if out is None:
         return None
     folder = Path(out)
+    if folder.suffix.lower() in _OF_FILES and not folder.is_dir():
+        raise UsageError(
+            f"--out names a folder, and {out} looks like a file. Write --out {folder.with_suffix('')}: it will hold "
+            f"{', '.join(files)}."
+        )
     for name in files:
         check_kind(folder / name)
     there = [n for n in files if (folder / n).exists()]

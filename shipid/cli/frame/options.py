@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import click
@@ -61,6 +62,19 @@ def ship_given(name: str, values: Mapping[str, str], *models: Model) -> Paramete
 
     found = find_ship(name)
     return with_values(found, values, models, "stated by --set") if values else found
+
+
+def ships_given(names: Sequence[str], values: Mapping[str, str], *models: Model) -> list[ParameterSet]:
+    """Return the ships of a command that compares several; those of one name, as two files of a ship, are called as they were typed.
+
+    Parameters
+    ----------
+    names, values, *models
+        As for `ship_given`, a name for each ship.
+    """
+    found = [ship_given(n, values, *models) for n in names]
+    called = [s.name for s in found]
+    return [replace(s, name=n) if called.count(s.name) > 1 else s for n, s in zip(names, found)]
 
 
 def optional_ship_given(name: str | None, values: Mapping[str, str], *models: Model) -> ParameterSet | None:

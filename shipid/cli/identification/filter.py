@@ -20,8 +20,8 @@ from shipid.cli.frame.options import (
     optional_ship_given,
     reading,
     set_option,
-    ship_given,
     ship_option,
+    ships_given,
 )
 from shipid.cli.frame.quantities import NumberWithUnit
 from shipid.foundation.exit_codes import ExitCode
@@ -125,7 +125,7 @@ def filter_trial(
             "several ships are compared by --method imm, and it needs two or more: --ship LOADED --ship BALLAST."
         )
     found = find_model(model)
-    every = [ship_given(s, values, found) for s in ships]
+    every = ships_given(ships, values, found)
     known = every[0] if every else optional_ship_given(None, values)
     names = parameters_to_estimate(found) if estimate is None else () if estimate == ["none"] else tuple(estimate)
     settings: dict[str, Plain] = {
@@ -169,9 +169,13 @@ def _filter(
     sensors = _sensors(model, record) if measured is None else measured
     # A position that no sensor measures is dead reckoning, not an estimate.
     kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
-    # What the user gave stays, and so does what a model declares to drive its states.
+    # What the user gave stays, and so does what a model declares to drive its states. What drives an input, such as waves, is of
+    # the day and not of the model: it is found.
     kept = [f"sensor:{n}" for n in measured or ()]
-    kept += [f"noise:{s.name}" for s in kalman.design.sources if not s.assumed]
+    given = settings["noise"]
+    kept += [
+        f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)
+    ]
     run, levels = filter_by_record(kalman, record, kept, tell)
     for notice in beyond_of_record(model, ship, record):
         warn(notice)

@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 @click.option("--waves", metavar="W", help="Yaw by waves that the instruments show, '0.5 deg from 300 deg'.")
 @values_option
 @input_option
-@click.option("-o", "--output", metavar="FILE", help="CSV file to write; stdout by default.")
+@click.option("-o", "--output", metavar="FILE", help="CSV or Parquet file to write; stdout by default.")
 @overwrite_option
 def simulate(
     model: str,

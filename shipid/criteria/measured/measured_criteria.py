@@ -16,8 +16,8 @@ from shipid.trials.measuring.results.zigzag import ZigZag
 
 #: What a measured value is beside its limit.
 Verdict = Literal["within", "beyond", "not decided", "no limit"]
-#: The standard turns with 35 deg of rudder or the largest there is; with less than this a circle is another manoeuvre [deg].
-_FULL = 33.0
+#: The standard turns with this rudder angle or the largest there is; with less than the second a circle is another manoeuvre [deg].
+_ASKED, _FULL = 35.0, 33.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -75,7 +75,9 @@ class MeasuredCriterion(Result):
         }
 
 
-def measured_criteria(number: int, measures: Measures, length: float | None) -> Iterator[MeasuredCriterion]:
+def measured_criteria(
+    number: int, measures: Measures, length: float | None, largest: float | None = None
+) -> Iterator[MeasuredCriterion]:
     """Yield the quantities of a manoeuvre for which MSC.137(76) 5.3 has a limit.
 
     Parameters
@@ -86,24 +88,29 @@ def measured_criteria(number: int, measures: Measures, length: float | None) -> 
         What it measures.
     length : float or None
         Ship length in m.
+    largest : float or None
+        Largest rudder angle of the ship in rad, where it is known.
 
     Yields
     ------
     MeasuredCriterion
     """
     if isinstance(measures, TurningCircle):
-        yield from _turn(number, measures, length)
+        yield from _turn(number, measures, length, largest)
     elif isinstance(measures, ZigZag) and measures.nominal in ("10/10", "20/20"):
         yield from _zigzag(number, measures, length)
 
 
-def _turn(number: int, circle: TurningCircle, length: float | None) -> Iterator[MeasuredCriterion]:
+def _turn(
+    number: int, circle: TurningCircle, length: float | None, largest: float | None
+) -> Iterator[MeasuredCriterion]:
     rudder = None if circle.rudder is None else abs(to_display(circle.rudder, "delta"))
-    other = (
-        f"the standard turns with 35 deg of rudder or the largest permitted; this circle has {rudder:.3g} deg"
-        if rudder is not None and rudder < _FULL
-        else ""
-    )
+    full = _FULL if largest is None else min(_FULL, _FULL / _ASKED * float(to_display(largest, "delta")))
+    other = ""
+    if rudder is not None and rudder < full:
+        other = f"the standard turns with {_ASKED:g} deg of rudder or the largest permitted; this circle has {rudder:.3g} deg"
+        if largest is None:
+            other += ". If that is the largest, state largest_rudder in [trial], or name the ship"
     for name, limit in (("advance", 4.5), ("transfer", None), ("tactical_diameter", 5.0)):
         still = getattr(circle, f"{name}_still_water")
         value = getattr(circle, name) if still is None else still

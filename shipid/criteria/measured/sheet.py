@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from shipid.criteria.measured.form import FormEntry
 from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.result import DrawnResult, Result
 from shipid.trials.conditions import Conditions
-from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.trial import Trial
 
@@ -82,6 +83,8 @@ class TrialSheet(DrawnResult):
         Logs and manoeuvres without numbers, with the reason.
     warnings : tuple of Notice
         What has to be known beside the numbers.
+    form : tuple of FormEntry
+        Ratios that the form of MSC/Circ.1053 states, as far as what they are made of is known.
     """
 
     conditions: Conditions
@@ -90,6 +93,7 @@ class TrialSheet(DrawnResult):
     criteria: tuple[MeasuredCriterion, ...]
     not_measured: tuple[NotMeasured, ...]
     warnings: tuple[Notice, ...]
+    form: tuple[FormEntry, ...] = ()
 
     def circles(self) -> Iterator[tuple[SheetManoeuvre, TurningCircle]]:
         """Yield the turning circles: those of the wheelhouse poster."""
@@ -102,6 +106,7 @@ class TrialSheet(DrawnResult):
         return {
             "conditions": self.conditions.to_dict(),
             "length": {"value": self.length, "unit": "m"},
+            "form": [entry.to_dict() for entry in self.form],
             "manoeuvres": [{"number": m.number, "title": m.title, **m.measures.to_dict()} for m in self.manoeuvres],
             "criteria": [row.to_dict() for row in self.criteria],
             "not_measured": [{"trial": one.trial, "why": one.why} for one in self.not_measured],
@@ -142,7 +147,7 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
 
     def number(name: str) -> str:
         value, unit = shown[name]
-        return "not known" if value is None else f"{value:.4g} {unit}"
+        return "not known" if value is None else f"{measured(value, unit)} {unit}"
 
     if isinstance(measures, TurningCircle):
         for name in ("advance", "transfer", "tactical_diameter"):

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from shipid.criteria.measured.form import FormEntry, form_of
 from shipid.criteria.measured.measured_criteria import MeasuredCriterion, measured_criteria
 from shipid.criteria.measured.sheet import NotMeasured, SheetManoeuvre, TrialSheet
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import given
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.conditions import Conditions
@@ -100,10 +102,12 @@ def trial_sheet(
         _measure_all(trial, diagnosis, stated, manoeuvres, lost, failures)
     if not manoeuvres and len(given) == 1 and failures:
         raise failures[0]
-    rows = tuple(row for m in manoeuvres for row in measured_criteria(m.number, m.measures, stated))
-    warnings = _simulated([trial for trial, _ in sailed]) + _warnings(stated, rows, lost, unread)
+    largest = whole.number("largest_rudder")
+    rows = tuple(row for m in manoeuvres for row in measured_criteria(m.number, m.measures, stated, largest))
     record = whole.with_defaults({"length": stated})
-    return TrialSheet(record, stated, tuple(manoeuvres), rows, tuple(lost), tuple(warnings))
+    form = form_of(record, stated, [m.measures for m in manoeuvres])
+    warnings = _simulated([trial for trial, _ in sailed]) + _warnings(stated, rows, lost, unread) + _unmet(form, rows)
+    return TrialSheet(record, stated, tuple(manoeuvres), rows, tuple(lost), tuple(warnings), form)
 
 
 def _measure_all(
@@ -120,15 +124,15 @@ def _measure_all(
     except TrialError:
         several = ()
     numbers: Sequence[int | None] = [m.number for m in several] if len(several) > 1 else [None]
-    for number in numbers:
+    for which in numbers:
         try:
             found = measure(
-                trial, length=None if length is None else f"{length!r} m", manoeuvre=number, diagnosis=diagnosis
+                trial, length=None if length is None else f"{length!r} m", manoeuvre=which, diagnosis=diagnosis
             )
-            part = trial if found.kind in ("spiral", "pull-out") else chosen(trial, several, number, None)
+            part = trial if found.kind in ("spiral", "pull-out") else chosen(trial, several, which, None)
         except TrialError as error:
             failures.append(error)
-            name = trial.name if number is None else f"{trial.name}, {several[number - 1]}"
+            name = trial.name if which is None else f"{trial.name}, {several[which - 1]}"
             lost.append(NotMeasured(name, str(error)))
         else:
             manoeuvres.append(SheetManoeuvre(len(manoeuvres) + 1, found, part))
@@ -142,12 +146,31 @@ def _conditions(given: Conditions | None, trials: Sequence[Trial], ship: Paramet
             own[name] = value if own.get(name, value) == value else None
     whole = (given or Conditions()).with_defaults(own)
     starts = {trial.source.start for trial in trials}
-    whole = whole.with_defaults({"date": starts.pop() if len(starts) == 1 else None})
+    begin = starts.pop() if len(starts) == 1 else None
+    whole = whole.with_defaults({"date": begin and begin.replace("T", " ")})
     if ship is None:
         return whole
     return whole.with_defaults(
-        {"ship": ship.name, "length": ship.particular("L", "m"), "breadth": ship.particular("B", "m")}
+        {
+            "ship": ship.name,
+            "length": ship.particular("L", "m"),
+            "breadth": ship.particular("B", "m"),
+            "largest_rudder": ship.particular("delta_max", "rad"),
+        }
     )
+
+
+def _unmet(form: Sequence[FormEntry], rows: Sequence[MeasuredCriterion]) -> list[Notice]:
+    """What is stated of the surroundings that is not what the standard asks."""
+    if not rows:
+        return []
+    said = [
+        f"{e.label} {given(float(f'{e.value:.2g}'))} ({e.asked})"
+        for e in form
+        if e.met is False and e.value is not None
+    ]
+    words = f"The surroundings were not those of the standard: {'; '.join(said)}. Its limits do not hold there."
+    return [Notice(words, "surroundings")] if said else []
 
 
 def _simulated(trials: Sequence[Trial]) -> list[Notice]:

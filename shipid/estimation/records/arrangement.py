@@ -163,6 +163,10 @@ def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:
     """
     if isinstance(record, Trial):
         return {n: record[n] for n in record.table.columns}, record.name
+    if not isinstance(record, Mapping):
+        raise UsageError(
+            f"a record to filter is a trial, as shipid.read_trial returns it, or a dictionary of arrays; this is a {type(record).__name__}."
+        )
     if "t" not in record:
         raise UsageError(f"a record to filter needs its times 't'; it has {', '.join(record)}.")
     columns = {n: np.asarray(c, dtype=float) for n, c in record.items()}

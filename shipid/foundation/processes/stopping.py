@@ -6,13 +6,15 @@ turn one into an error of its own. So the signal is also noted, and asked for wh
 
 from __future__ import annotations
 
+import atexit
+import os
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 from shipid.foundation.exit_codes import ExitCode
 
@@ -136,3 +138,21 @@ def ignore_from_now() -> None:
     if threading.current_thread() is threading.main_thread():
         for number in _CODES:
             signal.signal(number, signal.SIG_IGN)
+
+
+def end_now(code: int) -> NoReturn:
+    """End a process that was stopped, without taking the interpreter apart.
+
+    A call of a library of C that was broken off may have left something behind that ends in a crash when Python takes itself
+    apart. What is registered for the end of the process is done, and what was printed is written.
+
+    Parameters
+    ----------
+    code : int
+        The exit code.
+    """
+    atexit._run_exitfuncs()  # noqa: SLF001 - Python has no public way to do these without the rest
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(code)

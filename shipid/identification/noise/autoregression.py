@@ -101,20 +101,23 @@ def _root(matrix: np.ndarray) -> np.ndarray:
     return np.asarray(vectors * np.sqrt(np.clip(values, 0.0, None)))
 
 
-def autoregression_of(residual: np.ndarray) -> Autoregression:
-    """Return the autoregression of the residuals of one trial.
+def autoregression_of(residual: np.ndarray, *others: np.ndarray) -> Autoregression:
+    """Return the autoregression of the residuals of one trial, or of several together.
 
     Parameters
     ----------
-    residual : ndarray, shape (signals, N)
-        Residuals at regular samples, in units of their standard deviation.
+    residual, *others : ndarray, shape (signals, N)
+        Residuals at regular samples, in units of their standard deviation; one array for each trial.
     """
-    signals, count = residual.shape
+    every = (residual, *others)
+    signals, count = len(residual), sum(e.shape[1] for e in every)
     none = np.zeros((0, signals, signals))
-    if not np.isfinite(residual).all() or count < 8:
+    if not all(np.isfinite(e).all() for e in every) or count < 8:
         return Autoregression(none, np.eye(signals))
-    most = max((p for p in _ORDERS if p * signals * _SAMPLES <= count), default=0)
-    lags = _lags(residual, most)
+    shortest = min(e.shape[1] for e in every)
+    most = max((p for p in _ORDERS if p * signals * _SAMPLES <= count and p < shortest), default=0)
+    weights = [e.shape[1] / count for e in every]
+    lags = [sum(w * lag for w, lag in zip(weights, row)) for row in zip(*(_lags(e, most) for e in every))]
     diagonal = np.diag(np.diag(lags[0]))
     if (np.diag(diagonal) <= 0).any():
         return Autoregression(none, diagonal)

@@ -18,7 +18,7 @@ from shipid.estimation.standing import UNKNOWN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import percent, probability
+from shipid.foundation.numbers import percent, probability, quantity
 from shipid.foundation.result import DrawnResult
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
@@ -278,7 +278,7 @@ class RecursiveIdentification(DrawnResult):
                 n: {key: value for key, value in p.to_dict().items() if key in _REPORTED}
                 for n, p in self.parameters.items()
             },
-            "noise": {output: {"std": self.noise_level, "unit": model[output].unit}},
+            "noise": {output: quantity(self.noise_level, model[output].unit)},
             "innovations": {
                 output: {
                     "nis_mean": self.nis_mean,

@@ -84,7 +84,7 @@ class EquationErrorResult:
         return covariance_by(matrix, scatter)[:count, :count]
 
 
-def least_squares(regression: Regression, box: Box) -> EquationErrorResult:
+def least_squares(regression: Regression, box: Box, tolerance: float = 1e-8) -> EquationErrorResult:
     """Solve the equations by least squares, within the bounds.
 
     Parameters
@@ -93,6 +93,8 @@ def least_squares(regression: Regression, box: Box) -> EquationErrorResult:
         The equations; some coefficient is covered.
     box : Box
         Bounds and first values of the estimated coefficients.
+    tolerance : float
+        Relative change of cost and unknowns at which the search ends: a start need not go along a valley to its end.
 
     Returns
     -------
@@ -115,7 +117,7 @@ def least_squares(regression: Regression, box: Box) -> EquationErrorResult:
             good = (np.abs(errors) < RUNAWAY) & (np.abs(slopes) < RUNAWAY**2).all(axis=1)
             return np.where(good, errors, RUNAWAY), np.where(good[:, None], -slopes, 0.0)
 
-        found = search(evaluate, theta, none, low, high, most=60, tolerance=1e-8)
+        found = search(evaluate, theta, none, low, high, most=60, tolerance=tolerance)
         theta = found.q
         converged = found.converged and bool(np.abs(evaluate(theta)[0]).max() < RUNAWAY)
         sigma = _scatter(regression, theta)

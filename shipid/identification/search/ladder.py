@@ -17,6 +17,7 @@ import numpy as np
 from shipid.declaration.delays import refuse_delay, refuse_estimated_delay
 from shipid.identification.errors import NotRegressableError
 from shipid.identification.methods import Method
+from shipid.identification.noise.lasting_sensors import lasting_sensors
 from shipid.identification.problem.box import EMPTY, Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.search.equation_error import (
@@ -197,7 +198,7 @@ def _regressed(thin: Problem, box: Box, how: SearchSettings) -> tuple[np.ndarray
     regression = make_regression(thin, how.unit_time)
     if not regression.covered:
         return None, None
-    result = least_squares(regression, box)
+    result = least_squares(regression, box, _ROUGH)
     method: Method = "equation-error"
     found = result
     if result.converged:
@@ -266,6 +267,10 @@ def _by_prediction_error(problem: Problem, box: Box, how: SearchSettings) -> tup
     seen = replace(problem, sigma=residual_levels(start))
     shared = len(problem.estimated)
     levels = fit_levels(seen, box, start.q[:shared], how.unit_time, how.tell)
+    residuals = [np.array(trial) for trial in start.problem.by_signal(start.residual)]
+    numbers = len(levels.sensors) + len(levels.process) + 3 * len(levels.gusts) + shared + levels.biases.size
+    sigma, likely = start.problem.sigma, levels.log_likelihood
+    levels = replace(levels, lasting=lasting_sensors(residuals, sigma, start.q.size, likely, numbers))
     reason = f"{levels.message} Log-likelihood {levels.log_likelihood:.6g} after {levels.evaluations} passes."
     own = with_own_unknowns(problem, levels.parameters, levels.covariance, how.weigh)
     found = replace(

@@ -9,11 +9,16 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.identification.noise.gusts import Gust
+from shipid.identification.noise.lasting_sensors import LastingSensors
 
 #: Probability below which innovations are not white.
 WHITE = 0.01
+#: Kind of the notice that the coefficients are biased by noise of the sensors that lasts.
+LASTING = "lasting-sensors"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,6 +52,8 @@ class NoiseLevels(Result):
         Degrees of freedom of each variance (`shipid.identification.noise.small_sample`).
     whiteness : mapping of str to float
         For each signal the probability of innovations as correlated as these, were they white (Ljung and Box 1978).
+    lasting : LastingSensors or None
+        Where noise of the sensors that lasts explains the record better: the likelihoods of both.
     """
 
     parameters: np.ndarray
@@ -61,6 +68,17 @@ class NoiseLevels(Result):
     gusts: Mapping[str, Gust] = field(default_factory=dict)
     degrees: np.ndarray | None = None
     whiteness: Mapping[str, float] = field(default_factory=dict)
+    lasting: LastingSensors | None = None
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """What is wrong with coefficients that come with these levels."""
+        if self.lasting is None:
+            return ()
+        words = (
+            f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
+        )
+        return (Notice(words, LASTING, serious=True),)
 
     def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.
@@ -71,12 +89,13 @@ class NoiseLevels(Result):
             For the units.
         """
         return {
-            "process": {n: {"density": v, "unit": f"{model[n].unit}/s^0.5"} for n, v in self.process.items()},
-            "sensors": {n: {"std": v, "unit": model[n].unit} for n, v in self.sensors.items()},
+            "process": {n: quantity(v, f"{model[n].unit}/s^0.5") for n, v in self.process.items()},
+            "sensors": {n: quantity(v, model[n].unit) for n, v in self.sensors.items()},
             "gusts": {
-                n: {"std": g.size, "unit": f"({model[n].unit})/s", "time": g.time, "time_unit": "s"}
+                n: {"size": quantity(g.size, f"({model[n].unit})/s"), "time": quantity(g.time, "s")}
                 for n, g in self.gusts.items()
             },
             "whiteness": {n: {"p_value": p, "white": p >= WHITE} for n, p in self.whiteness.items()},
             "log_likelihood": self.log_likelihood,
+            "lasting_sensors": None if self.lasting is None else self.lasting.to_dict(),
         }

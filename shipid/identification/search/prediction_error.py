@@ -8,7 +8,7 @@ search is Newton's with that information, in a trust region (Fisher scoring).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -28,8 +28,8 @@ from shipid.identification.search.unseen import covariance_by
 
 #: Prior standard deviation of the logarithm of a noise level: a level without information stays finite.
 _LEVEL_PRIOR = 3.0
-#: Shortest correlation time of a gust, in L/U.
-_LASTING = 0.25
+#: Shortest correlation time of a gust, in L/U: what is shorter moves a ship as white noise does.
+_LASTING = 0.1
 #: First standard deviation of a gust, in what is expected of it.
 _WIDE = 3.0
 #: Share of output error's residuals from which sensor noise and the noise of a state start.
@@ -51,7 +51,7 @@ def record_of(data: TrialData, model_inputs: tuple[str, ...], signals: tuple[str
 
 
 def make_filter(
-    problem: Problem, values: Mapping[str, float], unit_time: float, gusts: bool = False
+    problem: Problem, values: Mapping[str, float], unit_time: float, gusts: Sequence[str] = ()
 ) -> ExtendedKalmanFilter:
     """Return the filter of a problem: its signals measured, noise on every state that has a rate of its own.
 
@@ -63,18 +63,17 @@ def make_filter(
         Coefficients, SI.
     unit_time : float
         L/U in s, in which a state gathers noise.
-    gusts : bool
-        Whether gusts that last drive these states, beside the white noise.
+    gusts : sequence of str
+        Which of these states gusts that last drive, beside the white noise.
     """
     model = reduced(problem.model, problem.signals)
     sensors = {s: (float(w) * _SENSOR_SHARE, model[s].unit) for s, w in zip(problem.signals, problem.sigma)}
     noise = _first_noise(problem, model.states, unit_time)
     first: dict[str, tuple[float, str]] = {}
     if gusts:
-        driven = tuple(noise)
-        model = with_gusts(model, driven)
-        values = {**values, **{rate_of(n): -float(np.log(unit_time)) for n in driven}}
-        for name in driven:
+        model = with_gusts(model, gusts)
+        values = {**values, **{rate_of(n): -float(np.log(unit_time)) for n in gusts}}
+        for name in gusts:
             # A gust that lasts for one L/U and gathers there as much as the white noise.
             size, unit = noise[name][0] / np.sqrt(unit_time), model[state_of(name)].unit
             noise[state_of(name)] = (size * np.sqrt(2 / unit_time), f"({unit})*1/s^0.5")
@@ -103,7 +102,7 @@ def fit_levels(
     """Maximise the likelihood over coefficients, biases and noise levels.
 
     Noise that drives the states is white first; where gusts that last explain the record better by more than their numbers, they
-    are kept (Akaike 1974).
+    are kept (Akaike 1974), on those states on which they do last.
 
     Parameters
     ----------
@@ -125,19 +124,50 @@ def fit_levels(
     white = _Search(problem, box, start, unit_time)
     found = white.climbed(white.first, tell)
     search, spent = white, found.evaluations
-    if np.isfinite(found.value):
-        coloured = _Search(problem, box, start, unit_time, gusts=True)
-        begin = coloured.from_white(white, found.q)
+    plain, driven = found, tuple(white.process) if np.isfinite(found.value) else ()
+    while driven:
+        coloured = _Search(problem, box, start, unit_time, gusts=driven)
+        begin = coloured.from_white(white, plain.q)
         value, gradient, information = coloured.objective(begin)
         spent += 1
         # What a Newton step promises, before it is worth a search.
         gain = 0.5 * gradient @ np.linalg.lstsq(information, gradient, rcond=1e-12)[0]
-        if value + gain > found.value + coloured.price:
-            other = coloured.climbed(begin, tell)
-            spent += other.evaluations
-            if other.value > found.value + coloured.price and coloured.lasts(other.q, _LASTING * unit_time):
+        if not value + gain > plain.value + coloured.price:
+            break
+        other = coloured.climbed(begin, tell)
+        spent += other.evaluations
+        lasting = coloured.lasting(other.q, _LASTING * unit_time)
+        if lasting == driven:
+            if other.value > plain.value + coloured.price:
                 search, found = coloured, other
+            break
+        driven = lasting
     return search.result(replace(found, evaluations=spent))
+
+
+def levels_at(
+    problem: Problem, values: np.ndarray, unit_time: float, tell: Callable[[str], None] = lambda _: None
+) -> NoiseLevels:
+    """Maximise the likelihood over biases and white noise levels, at given coefficients.
+
+    Parameters
+    ----------
+    problem : Problem
+        As for `fit_levels`.
+    values : ndarray, shape (parameters,)
+        The coefficients, SI.
+    unit_time : float
+        L/U in s.
+    tell : callable
+        Called with a line of text as it goes.
+
+    Returns
+    -------
+    NoiseLevels
+        Its covariance is not that of the coefficients, which were not searched.
+    """
+    search = _Search(problem, Box(values, values, values), values, unit_time)
+    return replace(search.result(search.climbed(search.first, tell)), degrees=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +185,9 @@ class _Found:
 class _Search:
     """The likelihood of all trials through one filter: q = [coefficients, levels, biases of each trial]."""
 
-    def __init__(self, problem: Problem, box: Box, start: np.ndarray, unit_time: float, *, gusts: bool = False) -> None:
+    def __init__(
+        self, problem: Problem, box: Box, start: np.ndarray, unit_time: float, *, gusts: Sequence[str] = ()
+    ) -> None:
         self.problem, self.shared = problem, len(problem.estimated)
         values = {**problem.fixed, **dict(zip(problem.estimated, start))}
         kalman = make_filter(problem, values, unit_time, gusts)
@@ -193,9 +225,9 @@ class _Search:
             begin[self.at(f"noise:{name}")] = level - 1.0
         return begin
 
-    def lasts(self, q: np.ndarray, least: float) -> bool:
-        """Whether every gust lasts for so many seconds: shorter ones are waves, which no first-order process describes."""
-        return all(np.exp(-q[self.at(rate_of(n))]) >= least for n in self.driven)
+    def lasting(self, q: np.ndarray, least: float) -> tuple[str, ...]:
+        """The states whose gusts last for so many seconds."""
+        return tuple(n for n in self.driven if np.exp(-q[self.at(rate_of(n))]) >= least)
 
     def climbed(self, q: np.ndarray, tell: Callable[[str], None]) -> _Found:
         """The maximum from a start."""

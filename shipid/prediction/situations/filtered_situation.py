@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from shipid.estimation.records.derived import quantity_along
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.records.triangles import unpacked
 from shipid.foundation.errors import UsageError
-from shipid.parts.unmeasured import ERRORS
 from shipid.prediction.situations.situation import Situation
 
 
@@ -125,27 +123,10 @@ def _situation(
             values[name] = derived(name)
     kept = np.array([i for i, _ in names])
     scaled = np.array(slopes)
-    found = Situation(
-        values, tuple(n for _, n in names), covariance[np.ix_(kept, kept)] * np.outer(scaled, scaled), noise, t
-    )
-    if "sway_missed" not in design.model.derived:
-        return found
-    return _as_sailed(found, derived("sway_missed"), derived("sway_of_turn"))
-
-
-def _as_sailed(found: Situation, missed: float, of_turn: float) -> Situation:
-    """Give the sway speed of the ship in the place of that of her model, and leave out the errors of model and log."""
-    values, names = dict(found.values), list(found.uncertain)
-    carry = np.eye(len(names))
-    if "v" in names:
-        # Of v + u beta_e - L r gamma_e; the errors themselves are small, and with them the derivatives by u and r.
-        carry[names.index("v"), [names.index(n) for n in ("drift_error", "sway_error")]] = values["u"], -of_turn
-    values["v"] = values.get("v", 0.0) + missed
-    kept = [i for i, n in enumerate(names) if n not in ERRORS]
-    return replace(
-        found,
-        values={n: v for n, v in values.items() if n not in ERRORS},
-        uncertain=tuple(names[i] for i in kept),
-        covariance=(carry @ found.covariance @ carry.T)[np.ix_(kept, kept)],
-        noise={n: v for n, v in found.noise.items() if n not in ERRORS},
+    return Situation(
+        values,
+        tuple(n for _, n in names),
+        covariance[np.ix_(kept, kept)] * np.outer(scaled, scaled),
+        noise,
+        t,
     )

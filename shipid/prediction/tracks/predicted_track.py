@@ -177,6 +177,7 @@ class PredictedTrack(DrawnResult):
             "ended": self.ended,
             "track": columns,
             "half_width_95": None if width is None else {"unit": "m", "values": width.tolist()},
+            "grown": None if width is None else self.grown,
         }
 
     def text(self) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.criteria.criteria import Criterion, CriterionSide
 from shipid.identification.validation.comparison import Comparison
 from shipid.report.figures.runaway import good_samples
 from shipid.report.figures.svg import (
@@ -17,6 +18,7 @@ from shipid.report.figures.svg import (
     MUTED,
     ORANGE,
     PURPLE,
+    RED,
     WIDTH,
     Drawing,
     legend,
@@ -40,6 +42,8 @@ _DASHES = ("--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)))
 _FAR = np.deg2rad(120.0)
 #: Height of a track over its width, at most and at least.
 _TALLEST, _FLATTEST = 0.8, 0.5
+#: A track so many times as long as it is wide, as that of a zig-zag, is a line in equal scales: it is stretched across.
+_SLIM = 4.0
 
 
 def heading_drawing(comparisons: Mapping[str, Comparison]) -> Drawing | None:
@@ -87,7 +91,9 @@ def heading_drawing(comparisons: Mapping[str, Comparison]) -> Drawing | None:
 
 
 def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None, str]:
-    """Return the measured and the predicted tracks, north up, and where the measured one comes from; None where there is none.
+    """Return the measured and the predicted tracks, north up, and what has to be said of them; None where there is none.
+
+    Scales are equal but where the track is long and slim, as that of a zig-zag.
 
     Parameters
     ----------
@@ -97,7 +103,6 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
     trial = next(iter(comparisons.values())).trial
     measured = _measured_track(trial)
     lines: list[tuple[str, np.ndarray, np.ndarray]] = []
-    note = "" if measured is None else f"Measured track from {measured[2]}."
     if measured is not None:
         lines.append(("measured", measured[0], measured[1]))
     for label, c in comparisons.items():
@@ -111,7 +116,17 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         return None, ""
     across, along = _span([east for _, _, east in lines]), _span([north for _, north, _ in lines])
     wide, tall = across[1] - across[0], along[1] - along[0]
-    across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
+    slim = max(wide / tall, tall / wide) > _SLIM
+    flat = _FLATTEST if wide > tall else _TALLEST
+    scales = "equal scales"
+    if slim:
+        stretched, by = ("north", wide * flat / tall) if wide > tall else ("east", tall / (wide * flat))
+        scales = f"{stretched} stretched {by:.2g} times"
+    else:
+        across, along = _widen(across, tall / _TALLEST), _widen(along, _FLATTEST * wide)
+    note = f"Track, north up, {scales}."
+    if measured is not None:
+        note += f" Measured track from {measured[2]}."
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
@@ -126,7 +141,7 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
             ax.plot(east[kept], north[kept], label=label, **look)
         begin = int(np.argmax(np.isfinite(lines[0][1])))
         ax.plot(lines[0][2][begin], lines[0][1][begin], "o", color="black", markersize=4, label="start")
-        ax.set_aspect("equal", adjustable="box")
+        ax.set_aspect("auto" if slim else "equal", adjustable="box")
         ax.set_xlim(*across)
         ax.set_ylim(*along)
         ax.set_xlabel("east [m]")
@@ -134,8 +149,45 @@ def track_drawing(comparisons: Mapping[str, Comparison]) -> tuple[Drawing | None
         ax.locator_params(nbins=5)
         legend(figure, [ax])
 
-    shape = (along[1] - along[0]) / (across[1] - across[0])
+    shape = flat if slim else (along[1] - along[0]) / (across[1] - across[0])
     return Drawing(draw, (WIDTH, 0.95 + 4.05 * shape), f"Track, north up, trial {trial.name}"), note
+
+
+def limits_drawing(rows: Sequence[Criterion]) -> Drawing | None:
+    """Return the quantities with a limit, each as a share of it, to both sides and with their bands; None where none has a value.
+
+    Parameters
+    ----------
+    rows : sequence of Criterion
+        The quantities.
+    """
+    shown = [r for r in rows if r.limit and (r.starboard.value is not None or r.port.value is not None)]
+    if not shown:
+        return None
+
+    def draw(figure: Figure) -> None:
+        ax = figure.subplots()
+        sides: list[tuple[str, str, str, list[tuple[float, CriterionSide, float]]]] = [
+            ("to starboard", GREEN, "o", [(k, r.starboard, r.limit or 1.0) for k, r in enumerate(shown)]),
+            ("to port", ORANGE, "s", [(k + 0.2, r.port, r.limit or 1.0) for k, r in enumerate(shown)]),
+        ]
+        for label, colour, mark, found in sides:
+            points = [(100 * s.value / limit, y) for y, s, limit in found if s.value is not None]
+            if points:
+                ax.plot(*zip(*points), mark, color=colour, markersize=5, label=label)
+            for y, side, limit in found:
+                if side.band95 is not None:
+                    ax.plot([100 * end / limit for end in side.band95], [y, y], "-", color=colour, linewidth=1.6)
+        ax.axvline(100, color=RED, linewidth=1.1, linestyle=(0, (2, 2)), label="limit")
+        for k, row in enumerate(shown):
+            ax.text(1.5, k - 0.32, row.meaning, fontsize=9, va="center")
+        ax.set_yticks([])
+        ax.set_ylim(len(shown) - 0.5, -0.65)
+        ax.set_xlim(0, max(110.0, 1.05 * ax.get_xlim()[1]))
+        ax.set_xlabel("share of the limit [%]")
+        legend(figure, [ax])
+
+    return Drawing(draw, (WIDTH, 1.0 + 0.46 * len(shown)), "Each quantity as a share of its limit")
 
 
 def _line(ax: Axes, t: np.ndarray, y: np.ndarray, label: str, **look: Plain) -> None:

@@ -64,6 +64,10 @@ def _zigzag(zigzag: ZigZag, record: Trial, key: str) -> Markup | None:
         return None
     t = record["t"] - begin
     heading = np.degrees(record["psi"] - course)
+    # The record holds the ends of its neighbours too.
+    moments = [e - begin for e in zigzag.executes or () if e is not None]
+    last = moments[-1] if moments else float(t[-1])
+    ends = max(float(t[0]), -0.1 * last), min(float(t[-1]), last + (last / max(len(moments), 1)))
 
     def draw(figure: Figure) -> None:
         ax = figure.subplots()
@@ -89,6 +93,9 @@ def _zigzag(zigzag: ZigZag, record: Trial, key: str) -> Markup | None:
             )  # fmt: skip
         ax.axhline(0, color=MUTED, linewidth=0.6)
         ax.margins(x=0.01, y=0.12)
+        if last > 0:
+            pad = 0.01 * (ends[1] - ends[0])
+            ax.set_xlim(ends[0] - pad, ends[1] + pad)
         ax.set_title("heading from the initial course, and rudder, to starboard [deg]", loc="left", fontsize=9, pad=3)
         ax.set_xlabel("time since the first execute [s]")
         legend(figure, [ax])
@@ -144,6 +151,9 @@ def _circle(circle: TurningCircle, record: Trial, length: float | None, key: str
         ax.set_title("along the initial course, from the execute [m]", loc="left", fontsize=9, pad=3)
         ax.locator_params(nbins=6)
         ax.margins(0.08)
+        if circle.advance is not None:
+            # Room for the dimension line of the transfer and its words above the track.
+            ax.plot([0], [circle.advance + 0.22 * size], alpha=0.0)
         legend(figure, [ax])
 
     return svg(draw, (WIDTH, 4.9), key, f"{circle.title}: the track with advance, transfer and tactical diameter")

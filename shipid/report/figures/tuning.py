@@ -56,6 +56,9 @@ def tuning_figures(judged: Judgement) -> dict[str, Markup]:
     found["margins"] = chart(_margin_axes(judged), "speed [m/s]", "margins", "Margins against speed, with their limits")
     disk = judged.limits["disk margin"]
     found["bode"] = chart(_bode_axes(judged), "frequency [rad/s]", "bode", "Bode diagram of the loop", log=True)
+    found["sensitivity"] = chart(
+        _sensitivity_axes(judged), "frequency [rad/s]", "sensitivity", "Sensitivity of the loop", log=True
+    )
     found["nyquist"] = nyquist(_nyquist_lines(judged), disk, "nyquist", "Nyquist curves of the loop")
     found["steps"] = chart(
         _step_axes([judged], [""]), "time [s]", "steps", "Course changes at the ship's own speed: heading and rudder"
@@ -114,6 +117,21 @@ def _bode_axes(judged: Judgement) -> list[Axes]:
     gain.append(Line("", ends, np.zeros(2), "limit"))
     phase.append(Line("", ends, np.full(2, -180.0), "limit"))
     return [Axes("Gain", "dB", gain), Axes("Phase", _HEADING.unit, phase)]
+
+
+def _sensitivity_axes(judged: Judgement) -> list[Axes]:
+    """Sensitivity 1/(1 + L) and complementary sensitivity L/(1 + L) of the loop L, where its gain is within 40 dB of one."""
+    own, rest = [], []
+    for k, loop in enumerate(judged.responses):
+        size = 20 * np.log10(np.abs(loop.response))
+        shown = np.abs(size) <= 40
+        reduced = -20 * np.log10(np.abs(1 + loop.response[shown]))
+        own.append(Line(f"{loop.speed:.3g} m/s", loop.omega[shown], reduced, "line", k))
+        rest.append(Line("", loop.omega[shown], size[shown] + reduced, "line", k))
+    ends = np.array([min(line.x.min() for line in own), max(line.x.max() for line in own)])
+    for lines in (own, rest):
+        lines.append(Line("", ends, np.zeros(2), "limit"))
+    return [Axes("Sensitivity", "dB", own), Axes("Complementary sensitivity", "dB", rest)]
 
 
 def _nyquist_lines(judged: Judgement) -> list[Line]:

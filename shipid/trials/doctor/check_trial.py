@@ -15,7 +15,7 @@ from shipid.trials.doctor import segmentation
 from shipid.trials.doctor.examinations.motion import course, heading, over_ground, track
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.examinations.record import clock, frozen, missing, names, outliers, rows, sampling
-from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay
+from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay, standing
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.findings import LEAST, Diagnosis, Finding, Stretch
 from shipid.trials.doctor.guesses import GuessedRecord, from_trial, guessed
@@ -47,6 +47,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     closed_loop.examine_closed_loop,
     steering.examine_sign,
     steering.examine_order,
+    standing.examine_standing_rudder,
     delay.examine_delay,
     sampling.examine_sampling,
     sampling.examine_length,

@@ -159,11 +159,16 @@ def _with_names(record: LenientRecord) -> tuple[LenientRecord, dict[str, str]]:
     stated: dict[str, str] = {}
     words = dict(record.words)
     guesses: dict[str, str] = {}
-    for header, column in record.values.items():
+    others: dict[str, list[str]] = {}
+    # Of several columns that can be one quantity the first that moves is taken: a sensor that is stuck comes last.
+    still = {header for header, column in record.values.items() if len(np.unique(column[np.isfinite(column)])) < 2}
+    for header, column in sorted(record.values.items(), key=lambda item: item[0] in still):
         name = header
         if name not in FIELDS or (name == "n" and "N" in record.values):
             alias = known.get(name.lower()) or _usual(header, record.stated)
             name = alias if alias and alias not in record.values else name
+            if name in guesses:
+                others.setdefault(name, []).append(header + (" (it never changes)" if header in still else ""))
         if name in values or (name not in FIELDS and header not in record.stated):
             continue
         values[name] = column
@@ -173,7 +178,11 @@ def _with_names(record: LenientRecord) -> tuple[LenientRecord, dict[str, str]]:
             stated[name] = record.stated[header]
         if name != header:
             guesses[name] = header
-    return replace(record, values=values, stated=stated, words=words), guesses
+    notes = tuple(
+        f"{name} is taken from '{guesses[name]}'; {', '.join(left)} can be it, too. State the right one in a format file."
+        for name, left in others.items()
+    )
+    return replace(record, values=values, stated=stated, words=words, notes=(*record.notes, *notes)), guesses
 
 
 def _usual(header: str, stated: Mapping[str, str]) -> str | None:

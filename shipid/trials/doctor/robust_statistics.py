@@ -34,6 +34,29 @@ def noise(values: np.ndarray) -> float:
     return spread(np.diff(values, 3)) / np.sqrt(20.0) if len(values) > 8 else 0.0
 
 
+def divided_noise(t: np.ndarray, values: np.ndarray) -> float:
+    """Return the noise of a smooth channel by the stamps of its samples, from third divided differences.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, rising.
+    values : ndarray, shape (n,)
+        The channel.
+
+    Returns
+    -------
+    float
+        Zero of fewer than ten samples.
+    """
+    if len(values) < 10:
+        return 0.0
+    times = np.stack([t[j : len(t) - 3 + j] for j in range(4)])
+    weights = np.stack([1 / np.prod([times[j] - times[i] for i in range(4) if i != j], axis=0) for j in range(4)])
+    divided = sum(weights[j] * values[j : len(values) - 3 + j] for j in range(4))
+    return _MAD * float(np.median(np.abs(divided) / np.linalg.norm(weights, axis=0)))
+
+
 def resolution(values: np.ndarray) -> tuple[float, float]:
     """Return the step in which a channel changes, and the share of samples at which it does not change.
 

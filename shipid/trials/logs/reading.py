@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TypeAlias
 
 import numpy as np
 
-from shipid.foundation.errors import MissingFileError, nearest
+from shipid.foundation.errors import MissingFileError, UsageError, nearest
 from shipid.trials import columns
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
@@ -64,6 +66,38 @@ def read_trial(
     sound = sound_table(record)
     trial = Trial(record.name, sound.table, sound.source, record.ship, sound.units)
     return trial if span is None else trial.window(*span)
+
+
+#: Trials as a caller may give them: one or several, in memory or as files.
+Trials: TypeAlias = "Trial | str | Path | Sequence[Trial | str | Path]"
+
+
+def trials_of(given: Trials) -> list[Trial]:
+    """Return trials that a caller gives as they are, or by their files.
+
+    Parameters
+    ----------
+    given : Trial, str, Path or sequence of them
+        One trial or several; a file is read as by `read_trial`.
+
+    Raises
+    ------
+    UsageError
+        If it is something else.
+    TrialError
+        Of a file that cannot be read.
+    """
+    several = [given] if isinstance(given, (Trial, str, Path)) else given
+    if not isinstance(several, (list, tuple)):
+        raise UsageError(
+            f"a trial is a shipid.Trial or the path of a log, or a list of them; this is a {type(given).__name__}."
+        )
+    found = []
+    for one in several:
+        if not isinstance(one, (Trial, str, Path)):
+            raise UsageError(f"a trial is a shipid.Trial or the path of a log; this is a {type(one).__name__}.")
+        found.append(one if isinstance(one, Trial) else read_trial(one))
+    return found
 
 
 def read_record(

@@ -9,10 +9,15 @@ from typing import IO
 
 import pandas as pd
 
-from shipid.foundation.errors import MissingExtraError
+from shipid.foundation.errors import MissingExtraError, UsageError
 from shipid.foundation.replacing import check_place, replacing
 from shipid.trials.source import origin_in, origin_words
 from shipid.trials.trial import Trial
+
+#: Endings of files of other kinds: a table under such a name could not be read back.
+_OTHERS = {
+    ".gz", ".bz2", ".xz", ".zip", ".xls", ".xlsx", ".mat", ".h5", ".hdf5", ".json", ".toml", ".nmea", ".html", ".pdf",
+}  # fmt: skip
 
 
 def write_trial(
@@ -48,11 +53,15 @@ def write_trial(
 
     Raises
     ------
+    UsageError
+        If the name is that of another kind of file.
     OverwriteError
         If the file exists and `overwrite` is not set.
     MissingFileError
         If the folder does not exist or cannot be written to.
     """
+    if Path(path).suffix.lower() in _OTHERS:
+        raise UsageError(f"a trial is written as CSV or Parquet: let the name of {path} end in .csv or .parquet.")
     frame = trial.to_frame(units)
     if Path(path).suffix.lower() not in (".parquet", ".pq"):
         with text_file(trial, path, overwrite, comment) as file:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import pi
+from pathlib import Path
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from shipid.declaration import units
 from shipid.foundation.errors import UnknownNameError
 from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
+from shipid.trials.logs.reading import trials_of
 from shipid.trials.measuring.faults import Faults, faults_of
 from shipid.trials.measuring.instead import instead_of_manoeuvre
 from shipid.trials.measuring.listing import chosen, manoeuvres_in
@@ -34,7 +36,7 @@ KINDS = tuple(_MEASURE)
 
 
 def measure(
-    trial: Trial,
+    trial: Trial | str | Path,
     kind: str | None = None,
     *,
     execute: str | None = None,
@@ -49,8 +51,8 @@ def measure(
 
     Parameters
     ----------
-    trial : Trial
-        The trial, or a window of it, with heading ``psi`` and rudder ``delta`` (or ``delta_order``).
+    trial : Trial, str or Path
+        The trial, a window of it, or its file, with heading ``psi`` and rudder ``delta`` (or ``delta_order``).
     kind : {"zig-zag", "turning circle", "spiral", "pull-out"}, optional
         What it is; found out from rudder and heading by default.
     execute : {"order", "moved"}, optional
@@ -82,6 +84,7 @@ def measure(
     UnitError
         If the length has no unit.
     """
+    [trial] = trials_of(trial)
     metres = None if length is None else units.to_si(length, "m", "the ship length")
     if kind is not None and kind not in KINDS:
         raise UnknownNameError("kind of manoeuvre", kind, KINDS)

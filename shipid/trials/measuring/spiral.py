@@ -223,8 +223,9 @@ def _goes_through(stages: list[_Stage]) -> bool:
     steps = np.diff(levels)
     span = float(np.ptp(levels))
     turns = int(np.sum(np.diff(np.sign(steps)) != 0))
-    # The first stage may be the straight approach.
-    usual = np.sort(np.abs(steps))[-2] if len(steps) > 1 else 0.0
+    # The first stage may be the straight approach, and the last the way back to midships.
+    inner = np.sort(np.abs(steps[1:-1] if abs(levels[-1]) < 0.1 * span else steps))
+    usual = (inner[-1] if abs(levels[-1]) < 0.1 * span else inner[-2]) if len(inner) > 1 else 0.0
     both = float(levels.min()) < -0.2 * span and float(levels.max()) > 0.2 * span
     return both and turns <= 3 and float(usual) < 0.45 * span
 

@@ -17,13 +17,37 @@ def speed(trial: Trial) -> np.ndarray | None:
     Parameters
     ----------
     trial : Trial
-        With ``u`` and ``v``, ``U``, or ``u`` alone.
+        With ``u`` and ``v``, ``U``, or ``u`` alone; else with ``SOG``, in which the current is.
     """
     if trial.has("u", "v"):
         return np.asarray(np.hypot(trial["u"], trial["v"]))
     if trial.has("U"):
         return trial["U"]
-    return np.abs(trial["u"]) if trial.has("u") else None
+    if trial.has("u"):
+        return np.asarray(np.abs(trial["u"]))
+    return trial["SOG"] if trial.has("SOG") else None
+
+
+def only_over_ground(trial: Trial) -> bool:
+    """Return whether the only speed of a trial is that over the ground.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    """
+    return trial.has("SOG") and not (trial.has("U") or trial.has("u"))
+
+
+def over_ground_notes(trial: Trial) -> tuple[str, ...]:
+    """Return what has to be known of the speeds of a manoeuvre, where they are over the ground.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    """
+    return ("the speeds are over the ground (SOG): the current is in them",) if only_over_ground(trial) else ()
 
 
 def drift(trial: Trial) -> np.ndarray | None:
@@ -49,7 +73,7 @@ def track(trial: Trial) -> tuple[np.ndarray, np.ndarray, str] | None:
     """
     if trial.has("x", "y"):
         return trial["x"], trial["y"], "positions"
-    moving = speed(trial)
+    moving = None if only_over_ground(trial) else speed(trial)
     if moving is None or not trial.has("psi"):
         return None
     sideways = drift(trial)
@@ -73,7 +97,8 @@ def speed_channel(trial: Trial, wrong: Mapping[str, np.ndarray] | None = None) -
     wrong : Mapping of str to ndarray of bool, shape (samples,), optional
         Samples that count as missing, by column.
     """
-    names = ("u", "v") if trial.has("u", "v") else ("U",) if trial.has("U") else ("u",)
+    other = "U" if trial.has("U") else "SOG" if only_over_ground(trial) else "u"
+    names = ("u", "v") if trial.has("u", "v") else (other,)
     values = speed(trial)
     if values is None or not np.isfinite(values).any():
         return None

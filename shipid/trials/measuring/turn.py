@@ -13,7 +13,7 @@ from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import drift, jumped, speed_channel, track_channels
+from shipid.trials.measuring.track import drift, jumped, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -142,7 +142,8 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     if moving is not None and (hole := moving.hole(when)) is not None:
         approach, reasons["approach_speed"] = None, faults.hole(moving.name, hole)
     steady_speed, rate = found.get("steady_speed"), found.get("steady_rate")
-    if steady_speed is not None and approach:
+    over_ground = over_ground_notes(trial)
+    if steady_speed is not None and approach and not over_ground:
         found["speed_loss"] = 1 - steady_speed / approach
     if steady_speed is not None and rate:
         found["steady_diameter"] = 2 * steady_speed / rate
@@ -150,7 +151,7 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         three = ("advance", "transfer", "tactical_diameter")
         names = (*three, "steady_diameter", *(f"{n}_still_water" for n in three))
         found |= {f"{n}_ratio": value / length for n in names if (value := found.get(n)) is not None}
-    notes += _approach(psi, when, calm, rate)
+    notes += [*_approach(psi, when, calm, rate), *over_ground]
     measured_on = ("x", "y") if track is not None and track[2] == "positions" else ("u", "v")
     return TurningCircle(
         trial=trial.name,
@@ -310,12 +311,14 @@ def _still_water(
                     else "positions are missing where the drift is read"
                 )
         return {}
-    result: dict[str, float | None] = {"drift_speed": drifting.speed, "drift_direction": drifting.direction}
+    result: dict[str, float | None] = {"drift_speed": drifting.speed}
     if drifting.speed < max(_DRIFTS * drifting.scatter, _LEAST_DRIFT * way.speed(quarters)):
+        reasons["drift_direction"] = "the drift of the circle is not beyond its scatter"
         for name in names:
             if found.get(name) is not None:
                 reasons[f"{name}_still_water"] = "the drift of the circle is not beyond its scatter"
         return result
+    result["drift_direction"] = drifting.direction
     for name, quarter in zip(names, (quarters[0], quarters[0], quarters[1])):
         if quarter is not None and found.get(name) is not None:
             along, across = way.moved(quarter, drifting)

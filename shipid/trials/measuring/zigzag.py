@@ -13,9 +13,10 @@ from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.instead import propeller_words
 from shipid.trials.measuring.results.zigzag import ZigZag
+from shipid.trials.measuring.rudder.doubts import late_by, late_words, setting_out, silent_in
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import distance_between, speed_channel
+from shipid.trials.measuring.track import distance_between, over_ground_notes, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
@@ -155,6 +156,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         start = None
     at = np.array([heading for _, _, heading in found])
     course, notes = _course(psi, at, side, None if start is None else start[0].time)
+    notes = [*notes, *over_ground_notes(trial)]
     reasons: dict[str, str] = {}
     known = [_unknown(steering, psi, executes, k, end, faults, reasons, found[k][1]) for k in range(len(executes))]
     signs = side * (-1.0) ** np.arange(len(at))
@@ -177,7 +179,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     tops = tuple(swing[1] if ok else None for swing, ok in zip(found, known))
     first = start[0] if start is not None else None
     half = _WIDTH * half_period
-    beginning = _beginning(trial, psi, course, side, first, executes[0], faults, reasons, half)
+    # In a long hole of the rudder on its first plate it may have gone to the other side and back.
+    silent = None if first is None else steering.channel.hole(first.time, executes[0].time, 0.5 * half_period)
+    beginning = _beginning(trial, psi, course, side, first, executes[0], faults, reasons, half, silent)
     shown = [e.time if e.hole is None else None for e in executes]
     cycles = [b - a for a, b in zip(shown, shown[2:]) if a is not None and b is not None]
     distance = beginning["initial_turning_distance"]
@@ -214,9 +218,10 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         period=float(np.mean(cycles)) if cycles else None,
         initial_turning_ratio=None if distance is None or length is None else distance / length,
         reasons=reasons,
-        notes=(*notes, *_propeller(trial, first, end), *_left_out(logged), *_left_out(steering.channel),
+        notes=(*notes, *_late_rudder(late_by(trial, steering), steering, psi, when, side, end), *silent_in(steering, held, faults),
+               *_propeller(trial, first, end), *_left_out(logged), *_left_out(steering.channel),
                *_bridges(logged, psi, when, faults),
-               *faults.notes(("psi", steering.channel.name))),
+               *faults.notes(("psi", steering.channel.name, "u", "U"))),
         **beginning,
     )  # fmt: skip
 
@@ -297,6 +302,7 @@ def _beginning(
     faults: Faults,
     reasons: dict[str, str],
     half: float,
+    silent: tuple[float, float] | None,
 ) -> dict[str, float | None]:
     """What is measured from the first execute: approach speed, initial turning, reach."""
     names = ("approach_speed", "first_execute", "initial_turning_time", "initial_turning_distance", "reach")
@@ -310,10 +316,11 @@ def _beginning(
             reasons[name] = faults.hole("delta", first.hole)
         return result
     result["first_execute"] = first.time
-    if second.hole is None:
+    hole = second.hole or silent
+    if hole is None:
         result["initial_turning_time"] = second.time - first.time
     else:
-        reasons["initial_turning_time"] = reasons["initial_turning_distance"] = faults.hole("delta", second.hole)
+        reasons["initial_turning_time"] = reasons["initial_turning_distance"] = faults.hole("delta", hole)
     moving = speed_channel(trial, faults.wrong)
     if moving is not None:
         moving = moving.bridged(0.5 * second.time - 0.5 * first.time if moving.digit is None else 0.0)
@@ -323,7 +330,7 @@ def _beginning(
             result["approach_speed"] = series.value_at(moving.t, moving.y, first.time, half, 1)
         if (hole := moving.hole(first.time, second.time)) is not None:
             reasons["initial_turning_distance"] = faults.hole(moving.name, hole)
-        elif second.hole is None:
+        elif second.hole is None and silent is None:
             result["initial_turning_distance"] = distance_between(moving, first.time, second.time)
     after = psi.t > second.time
     back = series.crossing(psi.t[after], -side * (psi.y[after] - course), 0.0)
@@ -357,6 +364,17 @@ def _course(psi: Channel, at: np.ndarray, side: int, first: float | None) -> tup
 def _nominal(angle: float) -> int:
     degrees = float(np.degrees(angle))
     return max(5 * round(degrees / 5), 5) if degrees >= 2.5 else round(degrees)
+
+
+def _late_rudder(
+    lag: float | None, steering: Steering, psi: Channel, when: Sequence[float], side: int, end: float
+) -> list[str]:
+    """The overshoots from where the rudder sets out, where that is long after the order."""
+    if lag is None:
+        return []
+    found = swings(psi.t, psi.y, setting_out(steering, when, lag), side=side, end=end)
+    said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond, _, _ in found)
+    return [f"{late_words(lag)}; counted from there the overshoots are {said} deg"]
 
 
 def _propeller(trial: Trial, first: Execute | None, end: float) -> list[str]:

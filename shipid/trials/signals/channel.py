@@ -8,6 +8,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.trials.filling import GAP, usual_interval
+from shipid.trials.signals.coarse import threshold_of
 from shipid.trials.trial import Trial
 
 #: Share of the steps of a sensor that are one digit, where it writes only on change.
@@ -35,7 +36,8 @@ class Channel:
     spikes : tuple of float
         Times [s] of single wild samples that were left out.
     grain : float or None
-        The step of a sensor of coarse digits that repeats a value until the next; None where values seldom repeat.
+        The step of a sensor of coarse digits that repeats a value until the next, or the threshold of one that is written again
+        when it has moved by more than that; None where values seldom repeat.
     """
 
     name: str
@@ -120,7 +122,7 @@ def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spik
         silent = np.abs(np.diff(y))[long] < 1.5 * digit
         holes = [hole for hole, held in zip(holes, silent) if not held]
         t, y = _held(t, y, long[silent], usual)
-    return Channel(name, t, y, tuple(holes), usual, digit, out, _grain(y))
+    return Channel(name, t, y, tuple(holes), usual, digit, out, _grain(y) or threshold_of(y))
 
 
 def spikes_of(y: np.ndarray) -> np.ndarray:

@@ -8,6 +8,8 @@ import numpy as np
 _STEP, _UNDER_WAY = 0.3, 0.005
 #: Share of the orders that the rudder has to have begun to carry out before they were given.
 _MOST = 0.6
+#: A rudder that sets out later than this after its order, and than so many samples, has a dead time, or the order is stamped early [s].
+LATE, LATE_SAMPLES = 1.5, 2.5
 
 
 def order_against_feedback(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> str:
@@ -40,6 +42,43 @@ def order_against_feedback(t: np.ndarray, order: np.ndarray, feedback: np.ndarra
     if not steps.size or float(np.mean(moved > max(6 * rattle, _UNDER_WAY * reach))) < _MOST:
         return ""
     return "the logged order comes after the rudder has moved, and cannot be what it followed"
+
+
+def lag_behind_order(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> float | None:
+    """Return how long after the order the rudder sets out [s], median of the orders; None where that cannot be told.
+
+    The ramp between 15 and 50 % of the way is extended back to where the rudder was when the order stepped.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time [s].
+    order, feedback : ndarray, shape (n,)
+        The columns [rad]; NaN where a sample is missing.
+    """
+    both = np.isfinite(order) & np.isfinite(feedback)
+    t, order, feedback = t[both], order[both], feedback[both]
+    reach = float(np.ptp(order)) if order.size else 0.0
+    if order.size < 10 or reach == 0:
+        return None
+    steps = np.flatnonzero(np.abs(np.diff(order)) > _STEP * reach)
+    lags = []
+    for k, then in zip(steps, [*steps[1:], len(t) - 1]):
+        way = order[k + 1] - feedback[k + 1]
+        if abs(way) < _STEP * reach:
+            continue
+        share = (feedback[k + 1 : then + 1] - feedback[k + 1]) / way
+        reached = [np.flatnonzero(share >= part) for part in (0.15, 0.5)]
+        if not reached[1].size or reached[0][0] == 0:
+            continue
+        one, other = (
+            float(np.interp(part, share[j - 1 : j + 1], t[k + j : k + j + 2]))
+            for part, j in ((0.15, reached[0][0]), (0.5, reached[1][0]))
+        )
+        lags.append(one - 0.15 / 0.35 * (other - one) - 0.5 * float(t[k] + t[k + 1]))
+    if len(lags) < 2 or float(np.ptp(lags)) > max(0.5 * abs(float(np.median(lags))), 2 * float(np.median(np.diff(t)))):
+        return None
+    return float(np.median(lags))
 
 
 def _opposite(order: np.ndarray, feedback: np.ndarray) -> bool:

@@ -175,7 +175,8 @@ def test_the_sheet_is_strict_json_and_a_table(sheet):
 def test_the_page_shows_plots_verdicts_poster_and_blanks(sheet):
     page = render(sheet)
     assert page.count("<svg") == 3
-    assert page.count('class="blank"') == sum(1 for _, v in sheet.conditions.lines() if v is None) > 10
+    blanks = sum(v is None for _, v in sheet.conditions.lines()) + sum(e.value is None for e in sheet.form)
+    assert page.count('class="blank"') == blanks > 10
     assert (
         "Turning circles for the wheelhouse poster" in page
         and "NaN" not in page
@@ -184,3 +185,51 @@ def test_the_page_shows_plots_verdicts_poster_and_blanks(sheet):
     overshoot = f"{np.degrees(sheet.manoeuvres[1].measures.overshoots[0]):.1f}°"
     assert overshoot in page
     assert f"advance {sheet.manoeuvres[2].measures.advance:.0f} m" in page
+
+
+def test_the_form_follows_from_what_is_stated(day):
+    """By hand: L/B, B/T, block coefficient, rudder area, trim, depth; and what the standard asks of the surroundings."""
+    stated = Conditions(
+        {"breadth": 30.0, "draught_forward": 9.0, "draught_aft": 11.0, "displacement": 4.1e7, "rudder_area": 45.2,
+         "depth": 35.0, "wind_speed": 11.0}
+    )  # fmt: skip
+    sheet = trial_sheet(day, length=LENGTH, conditions=stated)
+    form = {e.name: e for e in sheet.form}
+    speed = np.mean([m.measures.approach_speed for m in sheet.manoeuvres])
+    expected = {
+        "test_speed": speed, "length_over_speed": 226 / speed, "length_over_breadth": 226 / 30, "breadth_over_draught": 3.0,
+        "block_coefficient": 40000 / (226 * 30 * 10), "rudder_area_ratio": 45.2 / 2260, "trim": 2.0, "depth_over_draught": 3.5,
+        "beaufort": 6,
+    }  # fmt: skip
+    assert {n: e.value for n, e in form.items()} == pytest.approx(expected)
+    assert [e.name for e in sheet.form if e.met is False] == ["depth_over_draught", "beaufort"]
+    [notice] = [n for n in sheet.warnings if n.kind == "surroundings"]
+    assert "Water depth / draught 3.5 (more than 4); Beaufort number of the wind 6 (at most 5)" in notice
+    page = render(sheet)
+    assert page.count('class="no">3.5') == 1 and "Form of MSC/Circ.1053" in page
+    assert {e["name"]: e["value"] for e in sheet.to_dict()["form"]} == pytest.approx(expected)
+    bare = trial_sheet(day, length=LENGTH)
+    assert [e.name for e in bare.form if e.value is not None] == ["test_speed", "length_over_speed"]
+    assert not any(n.kind == "surroundings" for n in bare.warnings)
+
+
+def test_a_circle_with_the_largest_rudder_of_the_ship_is_the_one_of_the_standard(sheet):
+    circle = altered(sheet.manoeuvres[2].measures, rudder=np.radians(30.0))
+    for largest, verdict in ((None, "not decided"), (30.0, "within"), (45.0, "not decided")):
+        rows = measured_criteria(3, circle, 226.0, None if largest is None else np.radians(largest))
+        assert next(r for r in rows if r.key == "advance").verdict == verdict
+    assert "state largest_rudder" in next(iter(measured_criteria(3, circle, 226.0))).words
+
+
+def test_a_log_with_speeds_over_ground_only_has_speeds(day):
+    """A receiver of positions, a compass and a rudder: the speeds are said to be over the ground."""
+    for one in (day[0], day[2]):
+        table = one.table.drop(columns=["u"]).assign(SOG=one.table["u"])
+        found = measure(dataclasses.replace(one, table=table), length=LENGTH)
+        whole = measure(one, length=LENGTH)
+        assert found.approach_speed == pytest.approx(whole.approach_speed, rel=1e-4)
+        assert any("over the ground" in note for note in found.notes)
+        assert not any("over the ground (SOG)" in note for note in whole.notes)
+    assert found.speeds == pytest.approx(one["u"][[int(t + found.first_execute) for t in found.times]], rel=0.01)
+    assert found.speed_loss is None
+    assert found.track == "positions"

@@ -103,5 +103,5 @@ def test_the_purpose_leads_to_it_and_the_result_says_so():
     assert fit.ladder[-1].used and "prediction error" in fit.method
     result = fit.to_dict()
     level = result["filter_noise"]["process"]["r"]
-    assert level["unit"] == "rad/s/s^0.5" and level["density"] == pytest.approx(NOISE["r"], rel=0.3)
+    assert level["unit"] == "rad/s/s^0.5" and level["value"] == pytest.approx(NOISE["r"], rel=0.3)
     assert "drives r" in fit.text()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import shipid
 from shipid.prediction.sailing.sail import sail
-from shipid.prediction.situations.filtered_situation import situation_of
-from shipid.prediction.situations.own_ship_filter import BRIDGE, bridge_levels, own_ship_filter
+from shipid.prediction.situations.own_ship_filter import BRIDGE, bridge_levels
+from shipid.prediction.situations.trial_situation import known_before
 
 CURRENT = (0.6, -0.9)
 NAMES = ("current_north", "current_east")
@@ -28,27 +30,27 @@ def trial(pilot):
     return sail(pilot, courses, duration=800.0, sampling=1.0, noise=noise, seed=3, current=flow)
 
 
-def off(run, at):
-    """How far the current is off, in standard deviations of both components together."""
-    known = situation_of(run, at)
-    places = [known.uncertain.index(n) for n in NAMES]
-    away = np.array(known.current) - CURRENT
-    return float(np.sqrt(away @ np.linalg.solve(known.covariance[np.ix_(places, places)], away)))
+def off(known):
+    """How far the current is off, in standard deviations of a component as the filter states them, and as they are told."""
+    away = float(np.hypot(*(np.array(known.current) - CURRENT)))
+    return away / np.linalg.norm([known.std_of(n) for n in NAMES]) * np.sqrt(2), away / known.current_std
 
 
 def test_a_current_is_found_and_a_wrong_sway_constant_is_not_taken_for_one(pilot, trial):
     instants = (160.0, 200.0, 400.0, 440.0, 780.0)
-    right = own_ship_filter("de-keizer", "soesterberg", structure=True).filter(trial)
-    assert max(off(right, t) for t in instants) < 2.45
-    assert np.hypot(*(np.array(situation_of(right, 780.0).current) - CURRENT)) < 0.25
-    gamma = pilot.ship.sections["de-keizer"]["gamma"].value
-    wrong = {"gamma": gamma + 0.3}
-    plain = own_ship_filter("de-keizer", "soesterberg", values=wrong).filter(trial)
-    structured = own_ship_filter("de-keizer", "soesterberg", values=wrong, structure=True).filter(trial)
-    assert max(off(plain, t) for t in instants) > 3.5
-    assert max(off(structured, t) for t in instants) < 2.45
-    known = situation_of(structured, 780.0)
-    assert not {"drift_error", "sway_error", "log_error"} & {*known.values, *known.uncertain}
+
+    def at_each(ship):
+        return [known_before(pilot.model, ship, trial, t)[0] for t in instants]
+
+    right = at_each(pilot.ship)
+    assert max(off(known)[1] for known in right) < 2.45
+    assert np.hypot(*(np.array(right[-1].current) - CURRENT)) < 0.25
+    gamma = pilot.ship.sections["de-keizer"]["gamma"]
+    section = {**pilot.ship.sections["de-keizer"], "gamma": dataclasses.replace(gamma, value=gamma.value + 0.3)}
+    other = dataclasses.replace(pilot.ship, sections={**pilot.ship.sections, "de-keizer": section})
+    wrong = at_each(other)
+    assert max(off(known)[0] for known in wrong) > 3.5
+    assert max(off(known)[1] for known in wrong) < 2.45
 
 
 def test_instruments_suit_the_ship():

@@ -9,6 +9,7 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import fixed, number
+from shipid.report.figures.comparisons import limits_drawing
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import sentence, versions_now
 
@@ -88,6 +89,7 @@ def _told(found: Criteria, notes: Sequence[str]) -> Section:
         "head": head,
         "rows": rows,
         "spiral": _spiral(found),
+        "figure": None if (drawing := limits_drawing(found.rows)) is None else drawing.svg("limits"),
         "notes": [*notes, *(f"Not covered: {what}." for what in NOT_COVERED)],
     }
     return _section(view)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import numpy as np
+from markupsafe import Markup
+
 from shipid.foundation.numbers import given, number, uncertain
 from shipid.planning.leg import Leg
 from shipid.planning.plan import Forecast, Plan
-from shipid.planning.timetable import SeaRoom, clock
+from shipid.planning.timetable import SeaRoom, Timetable, clock
+from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import named, shown_field
 from shipid.report.views.equations import equations_section
@@ -59,8 +63,20 @@ def _timetable(plan: Plan) -> list[Section]:
     several = len(table.rooms) > 1
     rooms = [_room(str(k), room) for k, room in enumerate(table.rooms, start=1) if several]
     rooms += [] if table.room is None else [_room("all" if several else "1", table.room)]
-    view = {"weather": table.weather, "orders": orders, "rooms": rooms}
+    view = {"weather": table.weather, "orders": orders, "rooms": rooms, "figure": _orders_figure(table, plan.duration)}
     return [Section("Orders to the helm", "plan/timetable.html", view, short="Timetable")]
+
+
+def _orders_figure(table: Timetable, end: float) -> Markup | None:
+    """The rudder that is ordered against time; amidships where a line orders none."""
+    how = shown_field("delta")
+    given_at = [(o.time, 0.0 if o.rudder is None else o.rudder * how.factor) for o in table.orders]
+    if not any(rudder for _, rudder in given_at):
+        return None
+    times, rudders = np.array([*given_at, (end, 0.0)]).T
+    steps = Line("", np.repeat(times, 2)[1:], np.repeat(rudders, 2)[:-1])
+    axes = [Axes(f"{how.label} ordered, to starboard", how.unit, [steps])]
+    return chart(axes, "time of the plan [s]", "orders", "Rudder orders against time")
 
 
 def _room(which: str, room: SeaRoom) -> Row:

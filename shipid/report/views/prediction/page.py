@@ -46,6 +46,8 @@ def prediction_page(found: Prediction) -> Page:
         f"The track is {number(track.s_star[-1], 3)} ship lengths and {fixed(last.t, 0)} s long; at its end the ship is "
         f"{_away(last.ahead, 'ahead', 'astern')} and {_away(last.aside, 'to starboard', 'to port')} of where she was.",
     ]
+    if found.current_words is not None:
+        answer.append(f"{sentence(found.current_words)}.")
     if found.turn is not None:
         answer += [f"{sentence(line)}." for line in found.turn.words]
     if last.half_width is not None:
@@ -58,7 +60,6 @@ def prediction_page(found: Prediction) -> Page:
         [
             Section("Track", "prediction/plan.html", _plan(found)),
             Section("Stages", "prediction/stages.html", {"columns": _COLUMNS, "rows": _stages(found)}),
-            Section("Along the track", "prediction/along.html", {"figure": _along(found)}),
             Section(
                 "Where it begins", "prediction/situation.html", {"origin": found.origin, "rows": _situation(found)}
             ),
@@ -74,7 +75,12 @@ def _plan(found: Prediction) -> Row:
     turn, chart, track = found.turn, found.chart, found.track
     now = None if turn is None or turn.wheel_over is None or turn.wheel_over.due else turn.now
     figure = track_figure(track, "track", turn=turn, chart=chart, now=now)
-    return {"figure": figure, "route": turn is not None, "chart": None if chart is None else chart.name}
+    return {
+        "figure": figure,
+        "along": _along(found),
+        "route": turn is not None,
+        "chart": None if chart is None else chart.name,
+    }
 
 
 def _away(metres: float, forward: str, back: str) -> str:
@@ -115,7 +121,7 @@ def _situation(found: Prediction) -> list[Row]:
         unit = _UNITS.get(name)
         if unit is None:
             continue
-        std = known.std_of(name)
+        std = known.told_std(name)
         rows.append(
             {
                 "what": label(name),

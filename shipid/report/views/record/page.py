@@ -81,10 +81,15 @@ def smoothed_page(found: Smoothed) -> Page:
         The record.
     """
     design = found.design
-    panels = [_estimated(shown(design.model, n), found.t, found[n], found.std_of(n)) for n in design.model.states]
+    hidden = design.parameters.values()
+    names = [*(n for n in design.model.states if n not in hidden), *design.parameters]
+    panels = [_estimated(shown(design.model, n), found.t, found[n], found.std_of(n)) for n in names]
     return _page(
         f"{design.base.name}, smoothed",
-        _lines(found.text()),
+        [
+            f"{found.t.size} samples, {found.t[0]:g} to {found.t[-1]:g} s, smoothed with model "
+            f"{design.base.name}: each estimate uses the whole record."
+        ],
         _signals(panels, "Every estimate uses the whole record; dotted: 95 % band."),
         _positions(found, design.model.states),
     )
@@ -100,15 +105,18 @@ def multiple_page(run: MultipleModelRun) -> Page:
     """
     model = run.design.first.model
     modes = [
-        Panel(f"probability of {name}", "1", [Curve("estimate", run.t, run.probabilities[:, j])])
+        Panel(f"probability of {name}", "1", [Curve("estimate", run.t, run.probabilities[:, j])], span=(0.0, 1.0))
         for j, name in enumerate(run.modes)
     ]
     states = [_estimated(shown(model, n), run.t, *run.quantity(n)) for n in run.states]
     figure = histories(modes, "modes", "Probability of each mode along the record")
-    first = Section("Modes", "record/signals.html", {"figure": figure, "caption": "How probable each mode is."})
+    first = Section("Modes", "record/modes.html", {"figure": figure, "caption": "How probable each mode is."})
     page = _page(
         f"{run.record}, by several models",
-        _lines(run.text()),
+        [
+            f"{run.t.size} samples, {run.t[0]:g} to {run.t[-1]:g} s, by a multiple-model filter of {len(run.modes)} modes. "
+            f"Most probable at the end: {run.most_probable[-1]}."
+        ],
         _signals(states, "Combined estimates; dotted: 95 % band."),
         _positions(run, run.states),
     )
@@ -122,8 +130,12 @@ def _page(
     lines: dict[str, tuple[np.ndarray, np.ndarray]],
 ) -> Page:
     plan = plan_figure(lines, "Track, north up")
-    sections = [signals, None if plan is None else _plan(plan)]
-    return Page(title, [("", words)], [s for s in sections if s is not None], footer=f"shipid {shipid.__version__}")
+    if signals is not None and plan is not None:
+        view = {**signals.view, "track": plan}
+        sections = [Section("Against time, and the track", signals.template, view, "Record")]
+    else:
+        sections = [s for s in (signals, None if plan is None else _plan(plan)) if s is not None]
+    return Page(title, [("", words)], sections, footer=f"shipid {shipid.__version__}")
 
 
 def _plan(figure: Markup) -> Section:

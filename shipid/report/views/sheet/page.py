@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import shipid
+from shipid.criteria.measured.form import FormEntry
 from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.criteria.measured.sheet import QUARTERS, SheetManoeuvre, TrialSheet, rudder_of
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import to_display
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, given, number
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
-from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 
 _GROUPS = (
@@ -22,7 +23,9 @@ _GROUPS = (
 _LIMITS = [
     ("Quantity", "meaning"), ("Verdict", "verdict", "keep"), ("Measured", "value", "n"), ("Limit", "limit", "keep"),
 ]  # fmt: skip
-_NUMBERS = [("Quantity", "name"), ("Value", "value", "n"), ("Unit", "unit", "keep"), ("Meaning", "meaning", "wide")]
+_NUMBERS = [("Quantity", "name"), ("Measured", "value", "n"), ("Meaning", "meaning", "wide")]
+#: A ratio to the ship length stands beside the distance itself, and so does the same in still water.
+_RATIO, _STILL = "_ratio", "_still_water"
 #: Entries of a zig-zag that stand in one table, a row a reversal.
 _REVERSALS = (
     ("executes", "Execute [s]"), ("execute_headings", "Heading there [deg]"), ("overshoots", "Overshoot [deg]"),
@@ -55,7 +58,8 @@ def sheet_page(sheet: TrialSheet) -> Page:
         lost = [{"trial": one.trial, "why": one.why} for one in sheet.not_measured]
         sections.append(Section("Not measured", "sheet/lost.html", {"rows": lost}))
     groups = [(title, [{"what": n, "value": v} for n, v in sheet.conditions.lines(key)]) for key, title in _GROUPS]
-    sections.append(Section("Record of the trial", "sheet/record.html", {"groups": groups}))
+    form = [_form_row(entry) for entry in sheet.form]
+    sections.append(Section("Record of the trial", "sheet/record.html", {"groups": groups, "form": form}))
     return Page(
         f"Manoeuvring trials{f' of {name}' if name else ''}",
         [("", list(_answer(sheet)))],
@@ -76,9 +80,16 @@ def _answer(sheet: TrialSheet) -> Iterator[str]:
     ):
         rows = [row for row in sheet.criteria if row.verdict == verdict]
         if rows:
-            yield sentence(f"{words}: {listed([f'{row.meaning} ({row.manoeuvre})' for row in rows])}.")
+            yield sentence(f"{words}: {listed([f'{row.meaning} of manoeuvre {row.manoeuvre}' for row in rows])}.")
     if not any(row.verdict != "no limit" for row in sheet.criteria):
         yield "No manoeuvre of the standard is among them, so no limit is compared."
+
+
+def _form_row(entry: FormEntry) -> Row:
+    value = None
+    if entry.value is not None:
+        value = given(float(f"{entry.value:.3g}")) + ("" if entry.unit == "1" else f" {pretty(entry.unit)}")
+    return {"what": entry.label, "value": value, "asked": entry.asked, "met": entry.met}
 
 
 def _limit_row(row: MeasuredCriterion) -> Row:
@@ -111,24 +122,27 @@ def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object
 
 def _single(measures: Measures) -> Iterator[Row]:
     """A row for each quantity that is one number, or is not known for a reason."""
+    known = {name: value for name, value, _, _ in measures.quantities()}
     for name, value, unit, meaning in measures.quantities():
         reason = measures.reason(name)
-        if isinstance(value, tuple) or (value is None and reason is None):
+        if isinstance(value, tuple) or (value is None and reason is None) or name.endswith(_RATIO):
             continue
+        ratio = known.get(f"{name.removesuffix('_distance')}{_RATIO}")
         yield {
-            "name": sentence(name.replace("_", " ")),
-            "value": _value(name, value),
-            "unit": "" if unit == "1" else pretty(unit),
+            "name": sentence(name.replace(_STILL, ", still water").replace("_", " ")),
+            "value": _value(name, value, unit) + ("" if ratio is None else f" ({number(ratio, 3)} L)"),
             "meaning": sentence(meaning),
             "remark": sentence(reason) if reason else "",
         }
 
 
-def _value(name: str, value: float | None) -> str:
+def _value(name: str, value: float | None, unit: str) -> str:
     if value is None:
         return "not known"
     # A course is written with three digits, 000 to 359.
-    return f"{round(value, 1) % 360:05.1f}" if name in ("course", "drift_direction") else number(value, 3)
+    compass = name in ("course", "drift_direction")
+    shown = f"{round(value, 1) % 360:05.1f}" if compass else measured(value, unit).replace("-", "−")
+    return shown if unit == "1" else f"{shown} {pretty(unit)}"
 
 
 def _several(measures: Measures, columns: tuple[tuple[str, str], ...], title: str) -> dict[str, object] | None:

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from shipid.autopilot.course_changes.course_changes import CourseChange
 from shipid.autopilot.judgement.judgement import SAMPLE_CHANGE, Judgement, Weakest
 from shipid.autopilot.judgement.margins import Margins
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, given, number
 from shipid.report.page import Row, Section
 from shipid.report.typography.quantities import shown_field
 from shipid.report.views.words import sentence
@@ -38,8 +38,8 @@ def points_section(judged: Judgement) -> Section:
         {
             "what": sentence(w.what),
             "where": w.where,
-            "value": number(w.value, 3),
-            "limit": number(w.limit, 3),
+            "value": given(float(f"{w.value:.3g}")),
+            "limit": given(w.limit),
             "unit": w.unit,
             "within": w.share >= 1,
         }
@@ -73,6 +73,7 @@ def margins_section(judged: Judgement, figures: Mapping[str, Markup]) -> Section
         "figure": figures["margins"],
         "bode": figures["bode"],
         "nyquist": figures["nyquist"],
+        "sensitivity": figures["sensitivity"],
     }
     return Section("Margins", "tuning/margins.html", view)
 
@@ -147,19 +148,20 @@ def steps_section(judged: Judgement, figures: Mapping[str, Markup]) -> Section:
     groups: dict[tuple[str, float], dict[float, CourseChange]] = {}
     for s in judged.steps:
         groups.setdefault((s.weather, s.speed), {})[s.change_deg] = s
-    columns = [f"{fixed(speed, 2)} m/s" + (f", {words[6:]}" if words != "calm" else "") for words, speed in groups]
+    heads = [f"{fixed(speed, 2)} m/s" + (f", {words[6:]}" if words != "calm" else "") for words, speed in groups]
+    columns = [(head, f"c{k}", "n") for k, head in enumerate(heads)]
     rows = [
-        {"change": fixed(change, 0), "cells": [c for group in groups.values() for c in _step_cells(group[change])]}
+        {"change": fixed(change, 0), **{f"c{k}": _step_cell(g[change]) for k, g in enumerate(groups.values())}}
         for change in sorted({s.change_deg for s in judged.steps})
     ]
     view = {"columns": columns, "rows": rows, "figure": figures["steps"]}
     return Section("Course changes", "tuning/steps.html", view)
 
 
-def _step_cells(s: CourseChange) -> tuple[str, str]:
+def _step_cell(s: CourseChange) -> str:
     if s.lost:
-        return "ran away", "ran away"
-    return _reached(s.overshoot_deg, 2), _reached(s.settling_s, 0)
+        return "ran away"
+    return f"{_reached(s.overshoot_deg, 2)} / {_reached(s.settling_s, 0)}"
 
 
 def weather_section(judged: Judgement) -> Section:

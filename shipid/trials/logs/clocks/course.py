@@ -62,8 +62,32 @@ def hour_back(seconds: np.ndarray) -> int | None:
     return int(at[back[0] + 1]) if back.size else None
 
 
+def hour_on(seconds: np.ndarray) -> int | None:
+    """Return the sample at which a clock has jumped on by an hour from the end of one hour to the beginning of the next but one, or None.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        The clock; NaN where there is no stamp.
+
+    Returns
+    -------
+    int or None
+        The first sample after the jump.
+    """
+    at = np.flatnonzero(np.isfinite(seconds))
+    step = np.diff(seconds[at])
+    if step.size < 2 or not (step > 0).any():
+        return None
+    usual = float(np.median(step[step > 0]))
+    jumps = np.flatnonzero(np.abs(step - HOUR - usual) <= 0.5 * usual)
+    after = np.mod(seconds[at[jumps + 1]], HOUR)
+    jumps = jumps[(after < usual) & (np.mod(-seconds[at[jumps]], HOUR) <= usual)]
+    return int(at[jumps[0] + 1]) if jumps.size == 1 else None
+
+
 def ends_summer(before: float) -> bool:
-    """Return whether summer time can end at a moment: in the small hours of a Sunday in spring or autumn.
+    """Return whether summer time can end or begin at a moment: in the small hours of a Sunday in spring or autumn.
 
     Parameters
     ----------

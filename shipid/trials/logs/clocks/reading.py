@@ -246,11 +246,11 @@ def _time_of_day(seconds: float) -> str:
 
 def _hour_back(seconds: np.ndarray, reading: Reading, place: Place) -> tuple[np.ndarray, list[str], list[TrialError]]:
     """A clock that jumps back by an hour: summer time ends, or nobody knows; what to note and what to refuse."""
+    local = reading.period is None and not reading.zone.converted
     k = course.hour_back(seconds)
     if k is None:
-        return seconds, [], []
+        return (*_hour_on(seconds, place), []) if local else (seconds, [], [])
     before = float(seconds[:k][np.isfinite(seconds[:k])][-1])
-    local = reading.period is None and not reading.zone.converted
     if local and course.ends_summer(before):
         later = np.arange(len(seconds)) >= k
         note = (
@@ -270,3 +270,16 @@ def _hour_back(seconds: np.ndarray, reading: Reading, place: Place) -> tuple[np.
             )
         ],
     )
+
+
+def _hour_on(seconds: np.ndarray, place: Place) -> tuple[np.ndarray, list[str]]:
+    """A clock that jumps on by an hour at the full hour, where summer time can begin; what to note."""
+    k = course.hour_on(seconds)
+    before = np.nan if k is None else float(seconds[:k][np.isfinite(seconds[:k])][-1])
+    if k is None or not course.ends_summer(before):
+        return seconds, []
+    note = (
+        f"WARNING: the clock goes on by an hour at row {place.line(k)} ({moment_text(before)}), where summer time begins: the hour was "
+        "taken out. State its zone in [clock] of a format file to be sure."
+    )
+    return np.where(np.arange(len(seconds)) >= k, seconds - course.HOUR, seconds), [note]

@@ -16,6 +16,10 @@ from shipid.foundation.result import Result
 
 #: From here on four digits are too few.
 _LARGE = 1e3
+#: Decimals of a measured number at the most, in the unit shown: what is smaller is noise of the arithmetic.
+_DECIMALS = 3
+#: Units of which no instrument of a trial shows more than three digits; an angle and a time have four.
+_THREE = ("m", "m/s", "1", "deg/s")
 #: Directions from 0 to 360 deg.
 _AROUND_COMPASS = ("course", "drift_direction")
 
@@ -31,6 +35,21 @@ def quantity(unit: str, meaning: str) -> Plain:
         What it is.
     """
     return field(default=None, metadata={"unit": unit, "meaning": meaning})
+
+
+def measured(value: float, unit: str) -> str:
+    """Return a measured number as it is shown everywhere: three or four digits, and at most three decimals.
+
+    Parameters
+    ----------
+    value : float
+        In the unit shown.
+    unit : str
+        That unit.
+    """
+    if unit == "s" and abs(value) >= _LARGE:  # A moment of a clock that counts from long ago keeps its hundredths.
+        return f"{value:.2f}"
+    return f"{float(f'{round(value, _DECIMALS):.{3 if unit in _THREE else 4}g}') + 0.0:.12g}"
 
 
 def words() -> Plain:
@@ -151,10 +170,9 @@ class Measures(Result):
             # Three digits, as a course is spoken: 359.98 deg is 000 deg.
             return f"{round(value) % 360:03d}{tail}" if abs(value - round(value)) < 0.05 else f"{value:05.1f}{tail}"
         if not isinstance(value, tuple):
-            # A moment of a clock that counts from long ago keeps its hundredths.
-            return f"{value:.2f}{tail}" if abs(value) >= _LARGE else f"{0.0 if abs(value) < 1e-9 else value:.4g}{tail}"
+            return f"{measured(value, unit)}{tail}"
         numbers = [
-            f"{v:.4g}" if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
+            measured(v, unit) if v is not None else "not known" if f"{name}[{k}]" in self.reasons else "not reached"
             for k, v in enumerate(value, start=1)
         ]
         reason = self.reason(name)

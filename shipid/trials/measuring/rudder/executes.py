@@ -156,7 +156,7 @@ def _put_over(
     if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
         return Execute(0.5 * float(t[k] + t[k + 1]), 0.5 * float(t[k + 1] - t[k]), hole)
     left, inaccuracy = _extended(t, y, ramp, held, steering.rate, k)
-    slack = 0.0 if steering.channel.digit is None else 0.5 * steering.channel.digit / (steering.rate or np.inf)
+    slack = 0.5 * (steering.channel.digit or steering.channel.grain or 0.0) / (steering.rate or np.inf)
     # A ramp that is seen from the hole on gives the order all the same.
     known = hole is None or (ramp.size >= 2 and steering.rate is not None)
     return Execute(max(left, float(t[0])), inaccuracy + slack, None if known else hole)

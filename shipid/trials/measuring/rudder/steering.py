@@ -11,6 +11,7 @@ from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import UnknownColumnError
 from shipid.trials.signals.channel import Channel, channel_of
+from shipid.trials.signals.coarse import ramps_of
 from shipid.trials.signals.order import order_against_feedback
 from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
@@ -130,6 +131,7 @@ def steering_of(
         column = "delta_order" if ordered and not (moved and trial.has("delta")) else "delta"
     logged = column == "delta_order"
     channel = _without_blips(channel_of(trial, column, wrong, spikes=False))
+    channel = channel if logged else _drawn(channel)
     steps = np.diff(channel.y)
     on_change = logged and len(channel.y) < 0.5 * len(trial) and bool(np.mean(steps != 0) > 0.9)
     if on_change:
@@ -173,6 +175,12 @@ def _without_blips(channel: Channel) -> Channel:
         return channel
     spikes = tuple(float(when) for when in channel.t[blip])
     return replace(channel, t=channel.t[~blip], y=y[~blip], spikes=spikes)
+
+
+def _drawn(channel: Channel) -> Channel:
+    """The rudder angle with the ramps of coarse steps drawn as lines; `grain` is None where its steps are finer than its samples."""
+    found = ramps_of(channel.t, channel.y)
+    return replace(channel, grain=None) if found is None else replace(channel, y=found.y, grain=found.step)
 
 
 def ramp_rate(t: np.ndarray, y: np.ndarray, held: Sequence[Plate]) -> float | None:

@@ -19,9 +19,15 @@ _PLAIN = 0.02
 _MISTAKEN_KNOT = 1.9834 / 1.9438
 #: Way made good over logged speed: what that means.
 _UNITS = (
-    (_KNOT, "knots"), (1 / 3.6, "km/h"), (1 / _KNOT, "m/s where the header says knots"),
-    (3.6, "m/s where the header says km/h"),
+    (_KNOT, "knots"), (1 / 3.6, "km/h"), (1 / _KNOT, "m/s that were converted from knots"), (3.6, "m/s that were converted from km/h"),
 )  # fmt: skip
+
+#: Units of length in m: positions in them move that much slower than the speeds say.
+_LENGTHS = ((0.3048, "feet"), (1852.0, "nautical miles"), (1000.0, "km"))
+#: A factor is that of a unit up to this share, more where it is not known as well.
+_NEAR = 0.012
+#: Factors further from one than this, as a logarithm, are no error of a log.
+_FAR = 0.3
 
 
 @dataclass(frozen=True)
@@ -269,16 +275,23 @@ def _scale(p: WorkingCopy, way: Way, fit: _Fit, lengths: _Fit) -> None:
 
 def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, ground: bool) -> None:
     names = ",".join(columns)
-    unit = next((u for f, u in _UNITS if abs(np.log(fit.scale / f)) < max(0.03, 3 * fit.std)), None)
+    if _units_of_positions(p, names, fit):
+        return
+    near = min(0.03, max(_NEAR, 3 * fit.std))
+    unit = next((u for f, u in _UNITS if abs(np.log(fit.scale / f)) < near), None)
     factor = next((f for f, u in _UNITS if u == unit), fit.scale)
     knots = " (the knot taken as 1.9834 instead of 1.9438)" if abs(fit.scale - 1.020372) < 0.004 else ""
     # A current along a straight course looks like a factor; only where it is told apart is the factor certain.
     told = np.isfinite(fit.flow_std) or ground
     sure = robust.confidence_of(abs(fit.scale - 1) / limit, 1, 1.8)
+    # No log is off by half: where no rate of turn tells the two apart, the clock may be.
+    clock = not p.has("r") and abs(np.log(fit.scale)) > _FAR
+    causes = [] if told else ["a current along the course"]
+    causes += ["a clock that runs at another speed"] if clock else []
     applied = p.add(
-        "unit" if unit else "speed-scale", names, sure if told or unit else min(sure, 0.85),
-        f"the positions move {fit.scale:.4f} times as fast as the speeds say{knots}"
-        + (f": {names} are {unit}" if unit else "" if told else ": a factor, or a current along the course"),
+        "unit" if unit else "speed-scale", names, sure if unit or (told and not clock) else min(sure, 0.85),
+        f"the positions move {fit.scale:.4g} times as fast as the speeds say{knots}"
+        + (f": {names} are {unit}" if unit else f": a factor, or {' or '.join(causes)}" if causes else ""),
         "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
         "square.",
         f"Multiply {names} by {factor:.6g}; in a format file: scale = {factor:.6g}, or the true unit.",
@@ -287,6 +300,27 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
     if applied:
         for name in columns:
             p[name] = p[name] * factor
+
+
+def _units_of_positions(p: WorkingCopy, names: str, fit: _Fit) -> bool:
+    """Find positions in another unit than metres; whether they are."""
+    if not p.has("x", "y"):
+        return False
+    metres, unit = next(
+        ((m, u) for m, u in _LENGTHS if abs(np.log(fit.scale * m)) < max(_NEAR, 3 * fit.std)), (0.0, "")
+    )
+    if not unit:
+        return False
+    applied = p.add(
+        "unit", "x,y", 0.95, f"the positions move {fit.scale:.4g} times as fast as {names} says: x and y are in {unit}",
+        "Advance, transfer and tactical diameter come out wrong by this factor, and so does every speed that is derived from the positions.",
+        f"Multiply x and y by {metres:g}, or write their true unit in the header.",
+        fix={"action": "scale", "column": "x,y", "factor": metres},
+    )  # fmt: skip
+    if applied:
+        for name in ("x", "y"):
+            p[name] = p[name] * metres
+    return True
 
 
 def _ground_speed(p: WorkingCopy, way: Way, names: str, lengths: _Fit) -> None:

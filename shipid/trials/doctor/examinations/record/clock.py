@@ -8,6 +8,7 @@ from scipy.ndimage import maximum_filter1d
 from shipid.foundation.numbers import percent
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.record.clock_set import examine_clock_set
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.filling import GAP
 
@@ -19,6 +20,8 @@ _DOUBLED = 0.9
 _MOST_RUNS = 20
 #: The later half of a clock that is printed coarsely makes so many steps at least.
 _LEAST_STEPS = 3
+#: Samples from which on the scatter of a clock is told, and how much smoother a channel is by the regular one.
+_LEAST_JITTER, _SMOOTHER = 100, 1.3
 
 
 def examine_clock(p: WorkingCopy) -> None:
@@ -39,11 +42,13 @@ def examine_clock(p: WorkingCopy) -> None:
         )  # fmt: skip
         p["t"], p.clockless = np.arange(len(p), dtype=float), True
         return
+    examine_clock_set(p)
     _unsorted(p)
     _doubled_rows(p)
     _several_sensors(p)
     if not _quantised(p):
         _repeats(p)
+        _jitter(p)
     _gaps(p)
 
 
@@ -146,6 +151,36 @@ def _quantised(p: WorkingCopy) -> bool:
         )  # fmt: skip
     p["t"] = start + slope * k
     return True
+
+
+def _jitter(p: WorkingCopy) -> None:
+    """Find stamps that scatter about a regular clock, by which the motion is smoother than by the stamps."""
+    t, n = p.t, len(p)
+    if n < _LEAST_JITTER:
+        return
+    k = np.arange(n, dtype=float)
+    interval, start = np.polyfit(k, t, 1)
+    off = t - start - interval * k
+    scatter = float(np.std(off))
+    # Stamps of a regular logger that are late or early by themselves: bounded, and each by its own amount.
+    alone = abs(float(np.mean(off[1:] * off[:-1]))) < 0.2 * scatter**2
+    if not 0.03 * interval < scatter or float(np.abs(off).max()) > interval or not alone:
+        return
+    rated = [
+        (robust.divided_noise(t, p[name]) / max(robust.divided_noise(k * interval, p[name]), 1e-300), name)
+        for name in ("psi", "x", "y", "r") if p.has(name) and np.isfinite(p[name]).all() and np.ptp(p[name]) > 0
+    ]  # fmt: skip
+    smoother = max(rated, default=(0.0, ""))
+    if smoother[0] > _SMOOTHER:
+        p.add(
+            "clock-jitter", "t", robust.confidence_of(smoother[0], 1.1, 1.8),
+            f"the stamps scatter by {scatter:.2g} s about a clock that ticks every {interval:.4g} s, and {smoother[1]} is {smoother[0]:.2g} times "
+            "as smooth by that clock",
+            f"{_WRONG_RATES} A heading is off by the rate of turn times the scatter.",
+            f"Rebuild the clock as n × {interval:.6g} s; in a format file: [clock] interval = '{interval:.6g} s'.",
+            fix={"action": "rebuild-clock", "interval": float(interval), "start": float(start)},
+        )  # fmt: skip
+        p["t"] = start + interval * k
 
 
 def _several_sensors(p: WorkingCopy) -> None:

@@ -7,6 +7,7 @@ from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.steering.rudder import fastest_gear
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 #: The least that counts as wild, by the unit inside a trial: below it nobody cares.
@@ -30,6 +31,8 @@ def examine_outliers(p: WorkingCopy) -> None:
         index = p.own(name)
         values = p[name][index]
         mask = wild(values) | (outliers(values) | ends(values) if name != "psi" or not p.has("r") else False)
+        if name in ("delta", "delta_order"):
+            mask &= ~_on_ramp(p, index, values)
         if not mask.any() or mask.mean() > 0.1:
             continue
         size = np.abs(values - median_filter(values, 5, mode="mirror"))[mask]
@@ -50,6 +53,15 @@ def examine_outliers(p: WorkingCopy) -> None:
         )  # fmt: skip
         if applied:
             p.void(name, bad)
+
+
+def _on_ramp(p: WorkingCopy, index: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """First and last samples of a rudder that its gear can have reached: the record begins or ends on a ramp."""
+    mask = np.zeros(len(values), dtype=bool)
+    covered = fastest_gear(p) * np.abs(np.diff(p.t[index]))
+    possible = np.abs(np.diff(values)) <= covered
+    mask[:2], mask[-2:] = possible[0], possible[-1]
+    return mask
 
 
 def wild(values: np.ndarray) -> np.ndarray:

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
-from shipid.declaration.vocabulary import angle
+from shipid.declaration.vocabulary import angle, shown
 from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering import rudder as steering
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.signals.coarse import ramps_of, threshold_of
 
 _SMOOTH = ("psi", "r", "x", "y", "u", "v", "U")
 #: Where the slope of a channel changes by fewer digits from sample to sample, equal steps are no sign of interpolation.
 _FEW_DIGITS = 3
+#: Thresholds below this share of the range are no matter, those above the other one spoil what is identified.
+_FINE, _SPOILING = 0.003, 0.008
 
 
 def examine_resampling(p: WorkingCopy) -> None:
@@ -81,7 +86,7 @@ def _dilated(mask: np.ndarray, width: int) -> np.ndarray:
 
 
 def examine_resolution(p: WorkingCopy) -> None:
-    """Find channels that are printed or measured more coarsely than they move from sample to sample.
+    """Find channels that are printed, measured or written more coarsely than they move from sample to sample.
 
     Parameters
     ----------
@@ -89,26 +94,64 @@ def examine_resolution(p: WorkingCopy) -> None:
         The record, its clock in order.
     """
     held = {c for f in p.findings if f.kind == "resampled" for c in f.channel.split(",")}
-    for name in _SMOOTH:
-        if name in held:
+    for name in (*_SMOOTH, "delta"):
+        if name in held or not p.has(name) or len(p.own(name)) < 60:
             continue
-        if not p.has(name) or len(p.own(name)) < 60:
-            continue
-        grid, still = robust.resolution(p.measured(name))
         reach = float(np.ptp(p.measured(name)))
-        if grid == 0 or reach == 0 or still < 0.3:
-            continue
-        steps = np.abs(np.diff(p.measured(name)))
-        share = float(np.quantile(steps[steps > 0], 0.8)) / reach
-        if share > (0.004 if still < 0.6 else 0.0015):
-            p.add(
-                "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
-                f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {percent(still)} of the samples",
-                "The error is no white noise: differences are zero or far too large, and so is what is derived from them; "
-                "weights from the residuals come out too large.",
-                f"Take {name} from other channels where they give it, and derive nothing from its differences.",
-                spoils=False,
-            )  # fmt: skip
+        if reach > 0 and not _written_on_change(p, name, reach):
+            (_coarse_rudder if name == "delta" else _coarse)(p, name, reach)
+
+
+def _written_on_change(p: WorkingCopy, name: str, reach: float) -> bool:
+    """Find a channel that is written again only when it has moved by more than a threshold; whether it is one."""
+    threshold = threshold_of(p.measured(name))
+    if threshold is None:
+        return False
+    share = threshold / reach
+    still = float(np.mean(np.diff(p.measured(name)) == 0))
+    if share > _FINE:
+        p.add(
+            "written-on-change", name, robust.confidence_of(share, 0.0, 2 * _FINE),
+            f"{name} is written again only when it has moved by more than {shown(threshold, name, digits=2)}: it repeats its last "
+            f"value at {percent(still)} of the samples",
+            f"Repeated values are old: they lie up to {shown(threshold, name, digits=2)} behind, always to the side {name} came from, so "
+            "that gains and time constants are biased and intervals are too narrow.",
+            f"Set the logger to write every sample. From this record, leave the repeated values of {name} empty.",
+            at=np.flatnonzero(np.diff(p[name]) == 0) + 1, spoils=share > _SPOILING,
+        )  # fmt: skip
+    return True
+
+
+def _coarse_rudder(p: WorkingCopy, name: str, reach: float) -> None:
+    """Find a rudder whose ramps come in steps of several samples each."""
+    ramps = ramps_of(p.t[p.own(name)], p.measured(name))
+    if ramps is None or ramps.step < 0.02 * reach:
+        return
+    share = ramps.step / reach
+    p.add(
+        "quantised", name, robust.confidence_of(share, 0.0, 0.05),
+        f"{name} comes in steps of {angle(ramps.step, 2)}",
+        f"The angle that is held is known to half a step: gains are off by up to {percent(share)}, and by more where the logger cuts digits off "
+        "instead of rounding them.",
+        f"Log {name} with more digits, or take it from another sensor.", spoils=share > 0.1,
+    )  # fmt: skip
+
+
+def _coarse(p: WorkingCopy, name: str, reach: float) -> None:
+    grid, still = robust.resolution(p.measured(name))
+    if grid == 0 or still < 0.3:
+        return
+    steps = np.abs(np.diff(p.measured(name)))
+    share = float(np.quantile(steps[steps > 0], 0.8)) / reach
+    if share > (0.004 if still < 0.6 else 0.0015):
+        p.add(
+            "quantised", name, min(robust.confidence_of(still, 0.25, 0.7), robust.confidence_of(share, 0.0015, 0.006)),
+            f"{name} comes in steps of {100 * share:.2g} % of its range and stands still at {percent(still)} of the samples",
+            "The error is no white noise: differences are zero or far too large, and so is what is derived from them; "
+            "weights from the residuals come out too large.",
+            f"Take {name} from other channels where they give it, and derive nothing from its differences.",
+            spoils=False,
+        )  # fmt: skip
 
 
 def unit_time(p: WorkingCopy) -> float | None:
@@ -155,6 +198,15 @@ def examine_sampling(p: WorkingCopy) -> None:
             )  # fmt: skip
 
 
+def _levels_off(p: WorkingCopy) -> bool:
+    """Whether the rate of turn has settled by the end of the record: gain and time constant are both seen then."""
+    rate = p["r"] if p.has("r") else np.gradient(p["psi"], p.t)
+    edges = np.linspace(0, len(rate), 13).astype(int)
+    means = np.array([float(rate[a:b].mean()) for a, b in pairwise(edges)])
+    reach = float(np.ptp(means))
+    return reach > 8 * robust.noise(rate) and float(np.ptp(means[-3:])) < 0.1 * reach
+
+
 def examine_length(p: WorkingCopy) -> None:
     """Find records that end before the ship has answered the rudder.
 
@@ -185,12 +237,15 @@ def examine_length(p: WorkingCopy) -> None:
     released = n - 1 - last > 0.5 * (last - first + 1)
     if reversals >= 2 or turned > np.pi / 2 or released:
         return
+    if _levels_off(p):
+        return
     back = reversals == 1 and turned > 0 and abs(p["psi"][-1] - p["psi"][first]) < 0.7 * turned
     if back:
         return
+    begins = "its beginning, with the rudder over," if first < 3 else "the first execute,"
     p.add(
         "short", "t", 0.9 if reversals == 0 else 0.7,
-        f"the record ends {p.t[-1] - p.t[first]:.4g} s after the first execute, {angle(turned, 3)} into the turn"
+        f"the record ends {p.t[-1] - p.t[first]:.4g} s after {begins} {angle(turned, 3)} into the turn"
         + (" and after one reversal" if reversals else ""),
         "Gain and time constant cannot be told apart from the beginning of a response: only their ratio is seen.",
         "Use a longer record: two reversals of a zig-zag, or a quarter of a turn.", spoils=reversals == 0,

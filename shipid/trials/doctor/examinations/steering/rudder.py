@@ -9,7 +9,7 @@ from shipid.declaration.vocabulary import angle, shown
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
-from shipid.trials.signals.order import order_against_feedback
+from shipid.trials.signals.order import LATE, LATE_SAMPLES, lag_behind_order, order_against_feedback
 
 
 def examine_movement(p: WorkingCopy) -> None:
@@ -217,7 +217,7 @@ def examine_order(p: WorkingCopy) -> None:
             biggest = np.array([step[a : a + n].max() for a, n in zip(start, length)])
             at_once = biggest > 0.85 * travel
             rate = float(np.median(biggest)) / p.sampling
-            fastest = _fastest_gear(p)
+            fastest = fastest_gear(p)
             if at_once.mean() > 0.7 and rate > fastest:
                 _order(
                     p, robust.confidence_of(rate / fastest, 1, 2),
@@ -252,6 +252,21 @@ def _order_beside(p: WorkingCopy) -> None:
             "order-late", "delta_order", 0.95, why, effect,
             "Take the rudder angle: the executes are read back from its ramp.", spoils=False,
         )  # fmt: skip
+    elif not why:
+        _order_early(p, known)
+
+
+def _order_early(p: WorkingCopy, known: np.ndarray) -> None:
+    """Find an order that the rudder follows only after a while."""
+    lag = lag_behind_order(p.t[known], p["delta_order"][known], p["delta"][known])
+    limit = max(LATE, LATE_SAMPLES * p.sampling)
+    if lag is not None and lag > limit:
+        p.add(
+            "order-early", "delta_order", robust.confidence_of(lag / limit, 0.8, 1.6),
+            f"the rudder sets out {lag:.3g} s after delta_order: the steering gear has a dead time, or the order is stamped early",
+            "Overshoots counted from the order are too large, by the heading turned in that time, if the stamps are wrong.",
+            f"Find out which it is; shift delta_order by {lag:+.3g} s if its stamps are early.", spoils=False,
+        )  # fmt: skip
 
 
 def _order(p: WorkingCopy, confidence: float, message: str, at: np.ndarray) -> None:
@@ -263,8 +278,14 @@ def _order(p: WorkingCopy, confidence: float, message: str, at: np.ndarray) -> N
     )  # fmt: skip
 
 
-def _fastest_gear(p: WorkingCopy) -> float:
-    """A rudder rate no usual steering gear exceeds [rad/s]: 12 deg/s at 40 m, by Froude's law for smaller ships."""
+def fastest_gear(p: WorkingCopy) -> float:
+    """Return a rudder rate no usual steering gear exceeds [rad/s]: 12 deg/s at 40 m, by Froude's law for smaller ships.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record.
+    """
     length = p.length
     if length is None and p.has("r"):
         speed = p["U"] if p.has("U") else p["u"] if p.has("u") else None

@@ -1,0 +1,84 @@
+"""A rudder angle that stands still while the rudder moves: it catches up in one leap, or the ship turns back under it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.working_copy import WorkingCopy
+
+#: A leap is so many times what the rudder covers in a sample on its ramps, and this share of its range.
+_LEAP, _SHARE = 2.2, 0.15
+#: Samples on ramps from which on the rate of the rudder is known.
+_FEWEST = 8
+#: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before.
+_BACK = 0.5
+#: The rudder that stands lies over by this share of its range.
+_OVER = 0.25
+
+
+def examine_standing_rudder(p: WorkingCopy) -> None:
+    """Find stretches in which the rudder angle repeats one value although the rudder moves.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record, signs put right.
+    """
+    name = "delta"
+    if not p.has(name) or len(p.own(name)) < 30 or p.found("no-rudder-movement"):
+        return
+    if any(f.kind == "written-on-change" and name in f.channels for f in p.findings):
+        return
+    index = p.own(name)
+    t, values = p.t[index], p[name][index]
+    stands = robust.runs(np.diff(values) == 0)
+    stands = stands[stands[:, 1] - stands[:, 0] >= 8]
+    if not len(stands):
+        return
+    leaps = _leaps(t, values)
+    found = [(a, b) for a, b in stands if (b < len(leaps) and leaps[b]) or _turns_back(p, index[a], index[b])]
+    if not found:
+        return
+    longest = max(float(t[b] - t[a]) for a, b in found)
+    often = "" if len(found) == 1 else f" {len(found)} times, at the longest"
+    p.add(
+        "frozen", name, 0.95,
+        f"{name} stands at one value{often} for {longest:.4g} s while the rudder moves: then it leaps, or the ship turns to the other side",
+        "The model is fitted to a rudder that did not stand: gain and time constant come out wrong, and executes in there are not seen.",
+        "What the rudder did meanwhile is unknown: use the stretches on either side (FILE@A:B), or the order if it is logged.",
+        at=np.concatenate([index[a : b + 1] for a, b in found]),
+    )  # fmt: skip
+
+
+def _leaps(t: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Steps from one sample to the next that are far beyond what the rudder covers on its ramps."""
+    step = np.abs(np.diff(values))
+    reach = float(np.ptp(np.quantile(values, [0.005, 0.995])))
+    least = max(5 * robust.noise(values), 0.005 * reach)
+    moving = step > least
+    # On a ramp the next step is to the same side.
+    ramp = moving[1:] & moving[:-1] & (np.sign(np.diff(values)[1:]) == np.sign(np.diff(values)[:-1]))
+    if int(ramp.sum()) < _FEWEST or float(step[1:][ramp].sum()) < float(step.sum()) / 3:
+        return np.zeros(len(step), dtype=bool)
+    rate = float(np.quantile((step / np.diff(t))[1:][ramp], 0.9))
+    return (step > _LEAP * rate * np.diff(t)) & (step > _SHARE * reach)
+
+
+def _turns_back(p: WorkingCopy, a: int, b: int) -> bool:
+    """Whether the ship turns with a rudder that stands, and then against it, as no constant rudder makes her turn."""
+    delta, t = p["delta"], p.t
+    reach = float(np.ptp(np.quantile(delta, [0.005, 0.995])))
+    if abs(delta[a]) < _OVER * reach or not (p.has("r") or p.has("psi")):
+        return False
+    if p.blind("r" if p.has("r") else "psi")[a : b + 1].any():
+        return False
+    rate = p["r"] if p.has("r") else np.gradient(p["psi"], t)
+    usual = float(np.quantile(np.abs(rate), 0.9))
+    # Means over eighths of the stretch: waves and noise are no turning back.
+    edges = np.linspace(a, b + 1, 9).astype(int)
+    means = np.sign(delta[a]) * np.array([float(rate[i:j].mean()) for i, j in pairwise(edges) if j > i])
+    before = np.maximum.accumulate(means)
+    return bool(np.any((means < -_BACK * usual) & (before > _BACK * usual)))
