@@ -381,6 +381,40 @@ def closed_loop(log: Log, size: float) -> None:
     log.values = {c: kept[c] for c in log.values if c in kept} | {"delta_order": kept["delta_order"]}
 
 
+def frozen_rudder(log: Log, size: float) -> None:
+    """The rudder repeats a value while it is put over; its order is not logged."""
+    log.values.pop("delta_order", None)
+    k, width = int(np.argmax(np.abs(np.diff(log["delta"])))), max(10, int(size * log.n))
+    # It stands from shortly before the largest step of the rudder on, until the ramp is over.
+    a = max(k - width // 3, 1)
+    log["delta"][a : a + width] = log["delta"][a]
+
+
+def clock_set(log: Log, size: float) -> None:
+    log["t"][log.turning :] += size * log.dt
+
+
+def clock_jitter(log: Log, size: float) -> None:
+    log["t"] = log["t"] + size * log.dt * log.rng.uniform(-1, 1, log.n)
+
+
+def written_on_change(log: Log, size: float) -> None:
+    """The heading is written again only when it has moved by more than a threshold."""
+    threshold, last = size * float(np.ptp(log["psi"])), float(log["psi"][0])
+    for k, now in enumerate(log["psi"]):
+        last = float(now) if abs(now - last) > threshold else last
+        log["psi"][k] = last
+
+
+def unit_positions(log: Log, size: float) -> None:
+    metres = {1: 0.3048, 2: 1000.0, 3: 1852.0}[int(size)]
+    log["x"], log["y"] = log["x"] / metres, log["y"] / metres
+
+
+def order_early(log: Log, size: float) -> None:
+    log["delta_order"] = np.interp(log["t"] + size * max(1.5, 2.5 * log.dt), log["t"], log["delta_order"])
+
+
 Plant = tuple[Callable[[Log, float], None], tuple[float, float, float], str, str]
 #: Row: what plants it, mild, clear and gross, the kind asked for, and what it needs ("zigzag", or "v": a sway).
 FAULTS: dict[str, Plant] = {
@@ -396,6 +430,12 @@ FAULTS: dict[str, Plant] = {
     "trailing-empty": (trailing_empty, (0.001, 0.02, 0.2), "trailing-empty", ""),
     "outlier": (outlier, (0.03, 0.3, 2.0), "outlier", ""),
     "frozen": (frozen, (0.02, 0.06, 0.15), "frozen", ""),
+    "frozen rudder": (frozen_rudder, (0.03, 0.06, 0.1), "frozen", "zigzag"),
+    "clock-set": (clock_set, (5, 60, 3600), "clock-set", ""),
+    "clock-jitter": (clock_jitter, (0.1, 0.3, 0.45), "clock-jitter", "positions"),
+    "written-on-change": (written_on_change, (0.005, 0.02, 0.06), "written-on-change", "zigzag"),
+    "unit of the positions": (unit_positions, (1, 2, 3), "unit", "positions"),
+    "order-early": (order_early, (1.2, 2, 4), "order-early", "zigzag"),
     "unit of the heading": (unit_heading, (1, 2, 3), "unit", ""),
     "unit of the rate": (unit_rate, (1, 2, 3), "unit", ""),
     "unit of the speed": (unit_speed, (1, 2, 3), "unit", "positions"),

@@ -149,7 +149,7 @@ def beyond(
         low, high = known.speeds
         outside = [v for v in speeds if not (1 - MARGIN) * low <= v <= (1 + MARGIN) * high]
         if outside:
-            say("The speed is", max(outside, key=lambda v: max(low / v, v / max(high, 1e-9))), "u", "m/s")
+            say("The speed is", max(outside, key=lambda v: max(low / max(v, 1e-9), v / max(high, 1e-9))), "u", "m/s")
     if known.rudder is not None and rudder is not None and rudder > (1 + MARGIN) * known.rudder:
         say("The rudder goes to", rudder, "delta", "rad")
     if known.rate is not None and rate is not None and rate > (1 + MARGIN) * known.rate * _faster(known, speeds):
@@ -160,6 +160,17 @@ def beyond(
         _other_loading(section, ship, m, value, span) for m, value, span in _loadings(model, known, loading or {})
     ]
     return notices
+
+
+def speed_given(inputs: Mapping[str, float]) -> float | None:
+    """Return the speed among inputs that are held at a value, in m/s; None where it is none of them.
+
+    Parameters
+    ----------
+    inputs : mapping of str to float
+        Values by input, SI.
+    """
+    return inputs.get("cruise", inputs.get("u"))
 
 
 def growth_beyond(

@@ -152,6 +152,8 @@ STANDARD_SENSORS: tuple[type[Component], ...] = (Compass, Gyro, Log, PositionSen
 
 #: No sensor of a ship has a smaller standard deviation, SI.
 SMALLEST_LEVEL = 1e-12
+#: Nor a larger one: its samples would say nothing, and their squares overflow.
+LARGEST_LEVEL = 1e12
 
 
 def standard_noise() -> dict[str, float]:

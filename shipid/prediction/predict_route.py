@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.foundation.errors import UsageError
@@ -15,6 +17,7 @@ from shipid.prediction.prediction import Prediction
 from shipid.prediction.routes.route import Route
 from shipid.prediction.routes.route_plan import plan_of
 from shipid.prediction.routes.route_turn import against_plan, next_turn
+from shipid.prediction.routes.sailings import turned
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import HORIZON, POINTS, Band, TrackPredictor, wind_parts
@@ -23,6 +26,8 @@ from shipid.trials.manoeuvres.flows import number
 
 #: A ship so far from the track, in radii of its turns or ship lengths, is not on the route.
 _FAR = 2.0
+#: A ship whose heading is so far off her leg, in rad, does not sail along it.
+_AWAY = np.deg2rad(45.0)
 #: A ship that turns faster than this, as r L/U, is in her turn.
 _TURNING = 0.02
 
@@ -103,7 +108,10 @@ def predict_route(
     found = turn.wheel_over
     if found is None:
         heading = heading_on(plan.legs[turn.leg], at.current, cruise_of(at))
-        told.append(Notice(f"no turn is ahead: {turn.left:.0f} m of the last leg are left.", "last-leg"))
+        if turn.left < 0:
+            told.append(Notice(f"the end of the route is passed by {-turn.left:.0f} m.", "route-ended", serious=True))
+        else:
+            told.append(Notice(f"no turn is ahead: {turn.left:.0f} m of the last leg are left.", "last-leg"))
     else:
         heading, limit = found.heading, turn.rudder_limit
         horizon = max(horizon, float(found.track.s_star[-1]))
@@ -113,14 +121,34 @@ def predict_route(
         )
         if turning and abs(found.distance) < pilot.length:
             told.append(Notice("the ship turns already: the track is the rest of her turn.", "turning"))
-        elif found.due:
-            told.append(
-                Notice(f"the wheel-over point is passed by {-found.distance:.0f} m.", "wheel-over-passed", serious=True)
-            )
-        elif found.warning:
-            told.append(Notice(f"wheel-over in {found.time:.0f} s.", "wheel-over-soon", seconds=found.time))
+        else:
+            told += _off_heading(plan, turn.leg, known)
+            if found.due:
+                told.append(
+                    Notice(
+                        f"the wheel-over point is passed by {-found.distance:.0f} m.", "wheel-over-passed", serious=True
+                    )
+                )
+            elif found.warning:
+                told.append(Notice(f"wheel-over in {found.time:.0f} s.", "wheel-over-soon", seconds=found.time))
     track = predictor.predict(at, heading=heading, rudder_limit=limit, horizon=horizon, points=points, band=band)
     return prediction_of(pilot, at, track, horizon, band, source, told, turn=against_plan(turn, track))
+
+
+def _off_heading(plan: PlannedTrack, leg: int, known: Situation) -> list[Notice]:
+    """What has to be said of a ship that does not sail along her leg."""
+    psi = known.values["psi"]
+    off = abs(float(turned(plan.legs[leg].course - psi)))
+    if off <= _AWAY:
+        return []
+    return [
+        Notice(
+            f"the ship heads {np.rad2deg(psi) % 360:05.1f} deg, {np.rad2deg(off):.0f} deg off her leg: the wheel-over is that of a ship "
+            "that sails along it.",
+            "off-heading",
+            serious=True,
+        )
+    ]
 
 
 def _begun(values: Mapping[str, float], plan: PlannedTrack) -> Situation:

@@ -94,6 +94,18 @@ class Prediction(DrawnResult):
     chart: Chart | None = None
 
     @property
+    def current_words(self) -> str | None:
+        """The current with its uncertainty; one that may as well be none has no direction. None where none is known."""
+        (north, east), std = self.situation.current, self.situation.current_std
+        speed = float(np.hypot(north, east))
+        if not speed:
+            return None
+        said = f"current {shown_estimate(speed, std, 'u')}"
+        if std is not None and speed < 2 * std:
+            return f"{said}, direction not known"
+        return f"{said} to {np.rad2deg(np.arctan2(east, north)) % 360:03.0f} deg"
+
+    @property
     def stages(self) -> list[Stage]:
         """The stages of the turn, or of the distance where the ship hardly turns; the end of the track last."""
         track = self.track
@@ -151,7 +163,7 @@ class Prediction(DrawnResult):
             "origin": self.origin,
             "situation": {
                 "t": _plain(known.t, "s"),
-                **{n: _plain(v, self.units.get(n, ""), known.std_of(n)) for n, v in known.values.items()},
+                **{n: _plain(v, self.units.get(n, ""), known.told_std(n)) for n, v in known.values.items()},
             },
             "stages": [
                 {
@@ -166,7 +178,8 @@ class Prediction(DrawnResult):
                 }
                 for s in self.stages
             ],
-            "current": _plain_current(self.situation),
+            "current": _plain_current(known),
+            "past_predictions": None if known.past is None else known.past.to_dict(),
             "wheel_over": None if self.wheel_over is None else self.wheel_over.to_dict(),
             "route": None if self.turn is None else self.turn.to_dict(),
             "chart": None if self.chart is None else self.chart.name,
@@ -182,8 +195,8 @@ class Prediction(DrawnResult):
             f"  from {self.origin}: heading {np.rad2deg(known['psi']) % 360:05.1f} deg, {shown(known['u'], 'u')}, "
             f"rate of turn {shown(known.get('r', 0.0), 'r', digits=3)}",
         ]
-        if any(self.situation.current):
-            lines.append(f"  current {_current_words(self.situation)}")
+        if self.current_words is not None:
+            lines.append(f"  {self.current_words}")
         if self.wheel_over is not None:
             lines.append(f"  {_wheel_over_words(self.wheel_over)}")
         if self.turn is not None:
@@ -229,15 +242,6 @@ def _wheel_over_words(found: WheelOver) -> str:
         return f"wheel-over to {heading}: passed by {-found.distance:.0f} m"
     soon = ": warning, less than a minute" if found.warning else ""
     return f"wheel-over to {heading} in {found.time:.0f} s, {found.distance:.0f} m ahead{soon}"
-
-
-def _current_words(known: Situation) -> str:
-    """Speed and direction; a current that may as well be none has no direction."""
-    north, east = known.current
-    speed, std = float(np.hypot(north, east)), known.current_std
-    if std is not None and speed < 2 * std:
-        return f"{shown_estimate(speed, std, 'u')}, direction not known"
-    return f"{shown_estimate(speed, std, 'u')} to {np.rad2deg(np.arctan2(east, north)) % 360:03.0f} deg"
 
 
 def _plain_current(known: Situation) -> dict[str, Plain]:

@@ -43,9 +43,7 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
     if bad.size:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
-        advice = (
-            "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
-        )
+        advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
         if bad.size == 1 and t[k + 1] < t[k]:
             first = t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
             advice = (

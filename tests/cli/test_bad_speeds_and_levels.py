@@ -23,6 +23,12 @@ def moved(changed, column):
         (("identify", "--noise", "psi=1e-300 deg,r=0.1 deg/s"), "the noise on psi is 1e-300 deg, smaller than any"),
         (("filter", "--measured", "psi=1e-300 deg"), "noise of the sensor of 'psi' is 1e-300 deg, smaller than"),
         (("filter", "--noise", "r=1e-300 deg/s^1.5"), "is 1e-300 deg/s^1.5, smaller than anything"),
+        (
+            ("simulate", "--manoeuvre", "turn:20", "--noise", "psi=1e300 deg"),
+            "noise on psi is 1e300 deg, larger than any",
+        ),
+        (("identify", "--noise", "psi=1e300 deg,r=0.1 deg/s"), "the noise on psi is 1e300 deg, larger than any"),
+        (("filter", "--measured", "psi=1e300 deg"), "noise of the sensor of 'psi' is 1e300 deg, larger than"),
     ],
 )
 def test_levels_that_no_sensor_has(refused, zigzag, arguments, words):
@@ -38,6 +44,11 @@ def test_a_model_that_holds_ahead(refused, moved, command, factor, does):
     trial = moved(factor)
     said = refused(3, [command, trial, "--model", "de-keizer", "--ship", "soesterberg"], words)
     assert "model de-keizer holds for a ship that goes ahead" in said
+
+
+def test_a_filter_says_that_the_ship_lies_still(call, moved):
+    answer = call("filter", moved(0.0), "--model", "nomoto", "--ship", "soesterberg")
+    assert answer.code == 0 and "The speed is 0 m/s" in answer.err
 
 
 def test_a_ship_identified_at_zero_speed_is_read(call, moved, tmp_path):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 
+import pytest
+
 import shipid
 from shipid.parameters.validity import BEYOND, UNKNOWN
 
@@ -31,6 +33,16 @@ def test_every_command_says_it(call, tmp_path):
         assert answer.code in (0, 5), (command, said)
         assert "The speed is" in said or "outside the identified range" in said, (command, said)
         assert "The rudder goes to" in said or command[0] in ("identify",), (command, said)
+
+
+@pytest.mark.parametrize("tail", [("--method", "rls", "--estimate", "K"), ("--wait", "0.1 s", *SENSORS), ()])
+def test_a_speed_that_is_given_goes_before_that_of_the_log(call, tmp_path, tail):
+    shipid.write_trial(shipid.simulate("nomoto", "soesterberg", "zigzag:10/10"), tmp_path / "log.csv")
+    log = ("--follow", tmp_path / "log.csv") if "--wait" in tail else (tmp_path / "log.csv",)
+    ship = ("--model", "nomoto", "--ship", "soesterberg")
+    for speed, said in (("9.5 m/s", False), ("14 m/s", True)):
+        answer = call("filter", *log, *ship, *tail, "--input", f"u={speed}")
+        assert ("The speed is 14 m/s" in " ".join(answer.err.split())) == said, (speed, answer)
 
 
 def test_one_wild_sample_is_no_amplitude_of_a_followed_log(call, tmp_path):

@@ -54,6 +54,12 @@ def test_a_track_from_a_trial_uses_nothing_later(call, voyage, tmp_path):
     assert x == pytest.approx(np.interp(600, truth["t"][rows], truth["x"][rows]), abs=150)
     assert one["situation"]["current_east"]["value"] == pytest.approx(1.0, abs=0.4)
     assert one["origin"] == "trial voyage at 300 s"
+    # The interval of the current is one, wherever it stands; and what widens the band is there as numbers.
+    assert one["situation"]["current_east"]["std"] == one["current"]["east"]["std"] > 0.3
+    past = one["past_predictions"]
+    assert past["predictions"] > 0 and past["lost"] == 0 and min(past["track_factors"]) >= 1
+    assert len(past["ship_lengths"]) == len(past["track_factors"]) == len(past["heading_factors"])
+    assert one["prediction"]["grown"] == 1.0
 
 
 def test_its_files(call, voyage, tmp_path):
@@ -83,6 +89,8 @@ def test_its_files(call, voyage, tmp_path):
         "Current to the east",
     ):
         assert word in page
+    said = next(line.strip() for line in answer.out.splitlines() if line.strip().startswith("current "))
+    assert said[1:] in page
     assert "nan" not in page.lower().replace("dominant", "")
 
 

@@ -59,6 +59,22 @@ def test_before_the_turn_and_far_from_it_the_ship_begins_on_her_leg(pilot, route
     assert turn.wheel_over.distance + 500 == pytest.approx(turn.wheel_over.x)
 
 
+def test_a_ship_that_does_not_sail_along_her_leg_is_told_so(pilot, route):
+    away = {"x": 2000.0, "y": 0.0, "psi": np.pi, "u": 9.5, "r": 0.0}
+    found = predict_route(pilot, away, route, band="none")
+    (told,) = [w for w in found.warnings if w.kind == "off-heading"]
+    assert told.serious and "heads 180.0 deg, 180 deg off her leg" in told
+    along = predict_route(pilot, {**away, "psi": 0.6}, route, band="none")
+    assert "off-heading" not in [w.kind for w in along.warnings]
+
+
+def test_behind_the_end_of_the_route_nothing_is_left(pilot, route):
+    found = predict_route(pilot, {"x": 9000.0, "y": 12400.0, "psi": np.pi / 2, "u": 9.5}, route, band="none")
+    assert "last leg: the end is passed by 400 m" in found.text()
+    (told,) = [w for w in found.warnings if w.kind == "route-ended"]
+    assert told.serious and told == "the end of the route is passed by 400 m."
+
+
 def test_a_warning_one_minute_before(pilot, route):
     start = predict_route(pilot, {"u": 9.5, "r": 0.0}, route, band="none")
     assert start.turn.now == (0.0, 0.0) and not start.turn.wheel_over.warning

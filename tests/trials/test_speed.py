@@ -1,4 +1,4 @@
-"""The speed before the manoeuvre: mean to the first execute, over the first L/U, or the usual speed of a ship that gathers way."""
+"""The speed before the manoeuvre: mean to the first execute, over the first quarter of L/U, or the usual speed of a ship that gathers way."""
 
 import numpy as np
 import pytest
@@ -27,10 +27,16 @@ def test_the_mean_from_the_start_to_the_first_execute() -> None:
     assert found.std == pytest.approx(0.1 / np.sqrt(60), rel=0.3)
 
 
-def test_a_record_that_begins_with_the_execute_is_averaged_over_one_length() -> None:
+def test_a_record_that_begins_with_the_execute_is_averaged_while_the_ship_keeps_her_speed() -> None:
     found = speed_before(T, losing(0.0) + 0.0 * T, np.full(T.size, np.deg2rad(20.0)), unit_time=8.0)
-    assert found.source == "first samples" and found.samples == 16
-    assert found.value == pytest.approx(losing(0.0)[:16].mean())
+    assert found.source == "first samples" and found.samples == 4
+    assert found.value == pytest.approx(losing(0.0)[:4].mean())
+
+
+def test_a_short_approach_is_not_continued_into_the_turn() -> None:
+    found = speed_before(T, losing(3.0), rudder_from(3.0), unit_time=8.0)
+    assert found.source == "first samples" and found.samples == 6
+    assert found.value == 5.0
 
 
 def test_a_speed_that_is_recorded_from_the_manoeuvre_on_is_as_uncertain_as_what_the_manoeuvre_takes() -> None:

@@ -18,7 +18,14 @@ from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import UnstatedInputError
 from shipid.identification.problem.prior import INDEPENDENT
 from shipid.prediction.situations.filtered_situation import situation_now
-from shipid.prediction.situations.fix_errors import TURN_REMEMBERED, FixErrors, widened_current
+from shipid.prediction.situations.fix_errors import (
+    CURRENT,
+    MOVE_REMEMBERED,
+    TURN_REMEMBERED,
+    CurrentMoves,
+    FixErrors,
+    widened_current,
+)
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
 from shipid.prediction.situations.situation import Situation
 
@@ -36,6 +43,8 @@ _CRUISE, _STRAIGHT = 12.5, 0.0125
 _TURNING = 0.05
 #: Relative standard deviations up to which a coefficient is determined, and weakly determined.
 _DETERMINED, _WEAKLY = 0.1, 0.3
+#: Fixes are taken so many seconds apart, as in Passenier (1989), section 5.4: the errors of fixes that come faster are the same ones.
+_FIXES_APART = 2.0
 #: Names of coefficients as they are printed.
 _GREEK = {"tau": "τ", "alpha": "α", "gamma": "γ", "beta": "β"}
 
@@ -63,7 +72,7 @@ class OwnShip:
         adapts = [n for n in _ADAPTS if n in model.parameters]
         self._kalman = own_ship_filter(model, pilot.ship, estimated=adapts, switchable=bool(adapts))
         self._levels = dict(zip(self._kalman.design.measured, self._kalman.design.r.tolist()))
-        self._fixes: FixErrors | None = None
+        self._fixes: tuple[FixErrors, CurrentMoves] | None = None
         #: The largest rate of turn of late, |r| L/u, and when it was.
         self._turned = 0.0, 0.0
         self._adapts = bool(adapts)
@@ -74,8 +83,9 @@ class OwnShip:
         self._first: dict[str, float] = {}
         self._estimate: OnlineEstimate | None = None
         self._situation: Situation | None = None
-        self._began = self._diverged = -math.inf
+        self._began = self._diverged = self._fixed = -math.inf
         self._t = 0.0
+        self._logged = False
         self._rejected = 0.0
         self._cruise: float | None = None
 
@@ -113,8 +123,15 @@ class OwnShip:
             sample["delta"] = sample["delta_order"]
         if "u" not in sample and "SOG" in sample and heard("u") is None:
             sample["u"] = sample["SOG"]
+        # Beside a speed over the ground nothing shows a current.
+        self._logged = heard("u") is not None
         if "u" in sample and not sample["u"] > 0 and self._online is None:
             del sample["u"]
+        if self._online is not None and {"x", "y"} & set(sample):
+            if self._t - self._fixed < _FIXES_APART - 1e-6:
+                sample = {n: v for n, v in sample.items() if n not in ("x", "y")}
+            else:
+                self._fixed = self._t
         if self._cruise is not None:
             sample["cruise"] = self._cruise
         return sample
@@ -157,16 +174,18 @@ class OwnShip:
             return
         unit_time = self._pilot.length / known.values["u"]
         if self._fixes is None:
-            self._fixes = FixErrors(INDEPENDENT * unit_time)
+            self._fixes = FixErrors(INDEPENDENT * unit_time), CurrentMoves(MOVE_REMEMBERED * unit_time)
             self._turned = 0.0, t
+        errors, moves = self._fixes
         most, since = self._turned
         now = abs(known.values.get("r", 0.0)) * unit_time
         if now >= most or t - since > TURN_REMEMBERED * unit_time:
             self._turned = now, t
         if "x" in sample and "y" in sample:
             north, east = ((sample[n] - known.values[n]) / self._levels[n] for n in ("x", "y"))
-            self._fixes.add(t, north, east)
-        self._situation = widened_current(known, self._fixes.squares, self._turned[0])
+            errors.add(t, north, east)
+        moved = moves.add(known) if set(CURRENT) <= set(known.uncertain) else 0.0
+        self._situation = widened_current(known, errors.squares, self._turned[0], moved)
 
     @property
     def _turns(self) -> bool:
@@ -256,7 +275,7 @@ class OwnShip:
     def flow(self) -> dict[str, Plain]:
         """Return the current as it is estimated and the wind as it is measured, SI."""
         known, current = self._situation, None
-        if known is not None and "current_north" in known.values:
+        if known is not None and self._logged and "current_north" in known.values:
             north, east = known.current
             current = {
                 "speed": number(math.hypot(north, east), 5),

@@ -118,9 +118,9 @@ class _Printer:
         from shipid.generation.reduction import reduced
 
         self.channels, self.model, self.ship = log.names, model, ship
-        self.reached = Reached()
         sensors = standard_sensors(model, log.names) if measured is None else measured
         kalman = ExtendedKalmanFilter(reduced(model, tuple(sensors)), ship, measured=sensors, **settings)
+        self.reached = Reached(kalman.design.instruments.inputs)
         self.names = [s for s in kalman.model.states if s not in kalman.parameters.values()] + list(kalman.parameters)
         self.units = {n: _unit_of(kalman.model, n, log.units) for n in self.names}
         heads = [f"{p}{n} [{self.units[n][0]}]" for n in self.names for p in ("", "std_")]

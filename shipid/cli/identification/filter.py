@@ -138,7 +138,9 @@ def filter_trial(
         return _which_ship(read, str(trial), found, every, measured, settings, delivery)
     if method != "ekf":
         settings["estimate"] = None if estimate is None else names
-        return _recursively(read, str(trial), found, known, method, measured, settings, delivery)
+        del settings["inputs"]
+        given = assignments(inputs)
+        return _recursively(read, str(trial), found, known, method, measured, given, settings, delivery)
     settings |= {"estimated": names, "rates": rates or {}, "gate": gate or None}
     if follow is not None:
         from shipid.cli.frame.following import follow as run_follow
@@ -177,7 +179,7 @@ def _filter(
         f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)
     ]
     run, levels = filter_by_record(kalman, record, kept, tell)
-    for notice in beyond_of_record(model, ship, record):
+    for notice in beyond_of_record(model, ship, record, kalman.design.instruments.inputs):
         warn(notice)
     seen = observability(run)
     for message in seen.messages:
@@ -208,18 +210,20 @@ def _recursively(
     ship: ParameterSet | None,
     method: str,
     measured: dict[str, str] | None,
+    given: dict[str, str],
     settings: dict[str, Plain],
     delivery: Delivery,
 ) -> ExitCode:
     """Run one of the family of recursive identification over a record."""
+    from shipid.estimation.settings.instruments import read_inputs
     from shipid.identification.recursive.identifier import identify_recursively
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
 
     with delivery.progress() as tell:
         record = read(trial)
         tell(f"identifying by {method}")
-        run = identify_recursively(model, record, ship=ship, method=method, measured=measured, **settings)
-    for notice in beyond_of_record(model, ship, record):
+        run = identify_recursively(model, record, ship=ship, method=method, measured=measured, inputs=given, **settings)
+    for notice in beyond_of_record(model, ship, record, read_inputs(model, given)):
         warn(notice)
     assert not isinstance(run, list), "one record gives one result"
     for sentence in run.warnings:

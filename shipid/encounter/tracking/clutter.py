@@ -15,6 +15,9 @@ _WIDTHS = (6.0, 20.0)
 _NEWEST, _AT_FIRST, _FEWEST = 0.1, 1.0, 0.1
 #: The smallest reach of a sensor whose place is not known, in standard deviations of a plot.
 _LEAST = 100.0
+#: The edge of what a sensor covers begins at this share of its reach; with false plots there in this share of the scans, it may cut
+#: something off.
+_EDGE, _CUT = 0.85, 0.5
 
 
 @dataclass
@@ -31,6 +34,8 @@ class ClutterMap:
         Corners of the box that holds all plots, where the place of the sensor is not known.
     scans : list of tuple of ndarray
         Positions and weights of the plots of the last scans.
+    at_edge : float
+        Share of the scans with a false plot at the edge of what the sensor covers.
     """
 
     reach: float = 1.0
@@ -38,6 +43,7 @@ class ClutterMap:
     low: np.ndarray = field(default_factory=lambda: np.full(2, np.inf))
     high: np.ndarray = field(default_factory=lambda: np.full(2, -np.inf))
     scans: list[tuple[np.ndarray, np.ndarray]] = field(default_factory=list)
+    at_edge: float = 0.0
 
     @property
     def area(self) -> float:
@@ -86,18 +92,39 @@ class ClutterMap:
             here = np.maximum(here, (weight * np.exp(-away / (2 * h)) / (2 * np.pi * h)).sum(axis=1) / scans)
         return everywhere + here
 
-    def learn(self, z: np.ndarray, false: np.ndarray, unexplained: np.ndarray) -> None:
+    def cut_off(self, x: np.ndarray, own: np.ndarray) -> np.ndarray:
+        """Return where something may be a shore that the range of the sensor cuts off, shape (n,).
+
+        Where the edge crosses a shore, the echo lies at one range, and moves along the shore as the sensor does: it looks like a ship
+        that sails around own ship. A ship is sooner or later inside of the edge.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n, 2)
+            Positions, m.
+        own : ndarray, shape (2,)
+            Where the sensor is; NaN where that is not known. Then nothing is cut off.
+        """
+        return self._beyond(x, own) & (self.at_edge > _CUT)
+
+    def _beyond(self, x: np.ndarray, own: np.ndarray) -> np.ndarray:
+        return np.asarray(np.hypot(*(x - own).T) > _EDGE * self.reach)
+
+    def learn(self, z: np.ndarray, own: np.ndarray, false: np.ndarray, unexplained: np.ndarray) -> None:
         """Remember the plots of a scan.
 
         Parameters
         ----------
         z : ndarray, shape (m, 2)
             Plots, m.
+        own : ndarray, shape (2,)
+            Where the sensor is; NaN where that is not known.
         false : ndarray, shape (m,)
             Probability that each belongs to no track.
         unexplained : ndarray, shape (m,)
             Probability that each belongs to no track that is nearly sure.
         """
         self.count += _NEWEST * (float(false.sum()) + _FEWEST - self.count)
+        self.at_edge += _NEWEST * (float(unexplained[self._beyond(z, own)].max(initial=0.0)) - self.at_edge)
         self.scans.append((z, unexplained))
         del self.scans[:-_SCANS]

@@ -59,7 +59,7 @@ class TrackerSettings:
     association: Literal["joint", "nearest"] = "joint"
     gate: float = 13.8
     births: float = 1.2
-    survival: float = 60.0
+    survival: float = 120.0
     out_of_sight: float = 60.0
     confirmed: float = 0.999
     lost: float = 0.5
@@ -218,11 +218,13 @@ class Tracker:
         seen = found > 0.5
         self.last = np.where(seen, self._t, self.last)
         free = np.clip(1 - pair.sum(axis=0), 0.0, 1.0)
-        map_.learn(scan.z, free, np.clip(1 - pair[sure].sum(axis=0), 0.0, 1.0))
+        map_.learn(scan.z, scan.own, free, np.clip(1 - pair[sure].sum(axis=0), 0.0, 1.0))
         new = free > 0.5
         self._begin(scan, k, new, R, delay, free * rules.births / (rules.births + density * map_.area))
         seen = np.concatenate([seen, np.ones(int(new.sum()), bool)])
-        self.confirmed = self.confirmed | ((self.existence > rules.confirmed) & (self.plots >= rules.plots_to_confirm))
+        inside = ~map_.cut_off(self.filters.combined()[0][:, :2], scan.own)
+        proven = (self.existence > rules.confirmed) & (self.plots >= rules.plots_to_confirm)
+        self.confirmed = self.confirmed | (seen & inside & proven)
         keep = self._kept()
         self._select(keep)
         x, P = self.filters.combined()
@@ -261,24 +263,29 @@ class Tracker:
         self._next += count
 
     def _kept(self) -> np.ndarray:
-        """Which tracks go on: those that may exist, and of two that are one the older that is confirmed."""
+        """Which tracks go on: those that may exist, and one of two that are the same target."""
         rules = self.settings
         keep = self.existence > rules.forgotten
         # A lost track coasts on: the longer, the more likely it takes the plots of another target.
         assert self._t is not None, "called after a scan"
         keep &= ~self.confirmed | (self.existence > rules.lost) | (self._t - self.last < rules.patience)
         x, P = self.filters.combined()
-        i, j = np.triu_indices(len(x), 1)
+        held = self.confirmed & (self.existence > rules.lost)
+        # Of two that are one target the first by this order stays: held, then by existence, then by age.
+        order = np.lexsort((np.arange(len(x)), -self.existence, ~held))
+        i, j = (order[side] for side in np.triu_indices(len(x), 1))
         apart = x[i] - x[j]
+        # The sharper one says how near they are: one that has seen nothing for long is so wide that it lies on every new one.
+        size = P[:, 0, 0] + P[:, 1, 1]
+        sharper = np.where(size[i] <= size[j], i, j)
         # Only neighbours are looked at in full.
-        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < rules.same * (
-            P[i, 0, 0] + P[i, 1, 1] + P[j, 0, 0] + P[j, 1, 1]
-        )
-        i, j, apart = i[near], j[near], apart[near]
-        distance = np.einsum("ki,ki->k", apart, np.linalg.solve(P[i] + P[j], apart[..., None])[..., 0])
-        for a, b in zip(i[distance < rules.same], j[distance < rules.same]):
-            if keep[a] and keep[b]:
-                keep[b if self.confirmed[a] >= self.confirmed[b] else a] = False
+        near = np.hypot(apart[:, 0], apart[:, 1]) ** 2 < 2 * rules.same * size[sharper]
+        i, j, apart, sharper = i[near], j[near], apart[near], sharper[near]
+        distance = np.einsum("ki,ki->k", apart, np.linalg.solve(2 * P[sharper], apart[..., None])[..., 0])
+        for one, other in zip(i[distance < rules.same], j[distance < rules.same]):
+            # A lost track may find its target again: only one that is held takes its place.
+            if keep[one] and (held[one] or not self.confirmed[other]):
+                keep[other] = False
         return np.asarray(keep)
 
     def _select(self, keep: np.ndarray) -> None:

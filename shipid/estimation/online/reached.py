@@ -11,7 +11,7 @@ import numpy as np
 from shipid.declaration.model import Model
 from shipid.foundation.notices import Notice
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parameters.validity import beyond
+from shipid.parameters.validity import beyond, speed_given
 
 #: An amplitude is reached when so many samples in a row are as large: one wild sample is none.
 _IN_A_ROW = 3
@@ -20,10 +20,17 @@ _FIRST = 10
 
 
 class Reached:
-    """The speed before the manoeuvre, and the largest rudder angle, rate of turn and drift angle so far."""
+    """The speed before the manoeuvre, and the largest rudder angle, rate of turn and drift angle so far.
 
-    def __init__(self) -> None:
-        self._speeds: list[float] = []
+    Parameters
+    ----------
+    inputs : mapping of str to float, optional
+        Inputs that are held at a value, SI: a speed among them goes before that of the samples.
+    """
+
+    def __init__(self, inputs: Mapping[str, float] | None = None) -> None:
+        given = speed_given(inputs or {})
+        self._speeds: list[float] = [] if given is None else [given] * _FIRST
         self._last = {n: deque[float](maxlen=_IN_A_ROW) for n in ("rudder", "rate", "drift")}
         self.amplitudes: dict[str, float] = {}
 

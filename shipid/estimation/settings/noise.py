@@ -19,7 +19,7 @@ from shipid.estimation.errors import NoiseLevelError, NotMeasurableError
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnitError, UnknownNameError
 from shipid.generation.linearisation import COORDINATES
-from shipid.parts.sensors import SMALLEST_LEVEL
+from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL
 
 #: Default density of the noise that drives a state, in the prime system: about the error of a model of low order.
 MODEL_NOISE = 0.005
@@ -70,7 +70,7 @@ def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[s
     NotMeasurableError
         If the model does not have the quantity, or it is no such quantity.
     NoiseLevelError
-        If a level is missing, zero or negative.
+        If a level is missing, zero, negative, or none of a sensor.
     UnitError
         If its unit does not fit.
     """
@@ -90,6 +90,11 @@ def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[s
                 f"{name}={_example(model[name].unit)}."
             )
         levels[name] = _positive(given, (model[name].unit,), f"noise of the sensor of '{name}'", SMALLEST_LEVEL)[0]
+        if levels[name] > LARGEST_LEVEL:
+            raise NoiseLevelError(
+                f"the noise of the sensor of '{name}' is {given}, larger than any sensor's. Leave the sensor out, or give the standard "
+                "deviation of one sample."
+            )
     return levels
 
 

@@ -22,7 +22,7 @@ from shipid.identification.choice.choosing import (
     what_would_decide,
 )
 from shipid.identification.choice.scoring import MEASURES
-from shipid.identification.evidence.explained import not_determined
+from shipid.identification.evidence.explained import NOT_DETERMINED, not_determined
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -110,7 +110,9 @@ class Ranking(DrawnResult):
         else:
             sentences = [f"No other comes within a factor of {self._factor:g} of the error of {best}."]
         same = [fold for fold, other in others.items() if other == best]
-        if others and len(same) == len(others):
+        if self.lacking:
+            sentences.append("How firm the choice is cannot be told from so poor a campaign.")
+        elif others and len(same) == len(others):
             sentences.append(f"The choice is firm: it is the same without any one of the {len(others)} trials.")
         elif others:
             changes = "; ".join(f"without {f} it would be {o}" for f, o in others.items() if o != best)
@@ -124,7 +126,15 @@ class Ranking(DrawnResult):
     def warnings(self) -> tuple[Notice, ...]:
         """What a reader has to know before taking the model."""
         found = []
-        if not determined(self.ranks):
+        if all(r.score is None for r in self.ranks):
+            found.append(
+                Notice(
+                    "Not determined: no candidate could be fitted to these trials. The reason stands beside each.",
+                    NOT_DETERMINED,
+                    serious=True,
+                )
+            )
+        elif not determined(self.ranks):
             least = min(r.unexplained for r in self.ranks if r.unexplained is not None)
             found.append(
                 not_determined("no candidate explains how the ship turned in a trial that it was not fitted to", least)

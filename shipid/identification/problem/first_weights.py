@@ -9,7 +9,7 @@ import numpy as np
 from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UsageError
-from shipid.parts.sensors import SMALLEST_LEVEL
+from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL
 
 #: First weights of signals whose noise is estimated; only their ratio matters. That of the rate of turn is r L/U.
 _FIRST = {"psi": np.deg2rad(1.0), "r": 0.02, "u": 0.05, "v": 0.05, "x": 10.0, "y": 10.0}
@@ -57,5 +57,9 @@ def given_weights(signals: tuple[str, ...], noise: Mapping[str, str | float]) ->
         if level < SMALLEST_LEVEL:
             raise UsageError(
                 f"the noise on {name} is {noise[name]}, smaller than any sensor's. Give the standard deviation of one sample."
+            )
+        if not level <= LARGEST_LEVEL:
+            raise UsageError(
+                f"the noise on {name} is {noise[name]}, larger than any sensor's. Leave the signal out, or give the standard deviation."
             )
     return np.array(levels)

@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.declaration.scale import Scale
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.trials.speed import speed_before_in
 from shipid.trials.trial import Trial
 
 
@@ -63,3 +64,23 @@ def scale_of(ship: ParameterSet, trials: Sequence[Trial], length: float | None =
     speed = usual_speed(ship, trials)
     length = length or ship.particular("L", "m")
     return Scale(length or speed * guessed_unit_time(trials), speed)
+
+
+def scale_before(ship: ParameterSet, trial: Trial) -> Scale:
+    """Return length and the speed before the manoeuvre of one trial: a ship in a hard turn has lost most of it in most of the record.
+
+    Parameters
+    ----------
+    ship : ParameterSet
+        For length and speed.
+    trial : Trial
+        For the recorded speed.
+
+    Returns
+    -------
+    Scale
+        That of `scale_of` where the trial records no speed ahead.
+    """
+    usual = scale_of(ship, [trial])
+    before = speed_before_in({n: trial[n] for n in trial.table.columns}, usual.unit_time)
+    return usual if before is None or not before.value > 0 else Scale(usual.length, before.value)

@@ -96,6 +96,12 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
     found = usual_signals(model, {n for n in measured if _shows_noise(trials, n)}) or usual_signals(model, measured)
     found = found if wanted is None else tuple(dict.fromkeys(wanted))
     if not found:
+        each = {t.name: [n for n in usual_signals(model, set(predicted)) if t.has(n)] for t in trials}
+        if all(each.values()):
+            said = "; ".join(f"{trial} has {', '.join(names)}" for trial, names in each.items())
+            raise NothingToFitError(
+                f"the trials share no signal that model {model.name} predicts: {said}. Fit trials of the same signals."
+            )
         raise NothingToFitError(
             f"no trial measures what model {model.name} predicts. It predicts {', '.join(predicted)}; the first trial has "
             f"{', '.join(trials[0].table.columns)}."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from shipid.foundation.notices import Notice
 from shipid.identification.loading import loading_of
 from shipid.parameters.loading import MEASURES
 from shipid.parameters.parameter_set import ParameterSet
-from shipid.parameters.validity import beyond
+from shipid.parameters.validity import beyond, speed_given
 from shipid.trials.speed import SpeedBefore, recorded_speed, speed_before_in
 from shipid.trials.trial import Trial
 
@@ -121,7 +121,9 @@ def _slope_of_heading(trial: Trial) -> np.ndarray | None:
     return np.asarray((psi[_MEAN:] - psi[:-_MEAN]) / (t[_MEAN:] - t[:-_MEAN]))
 
 
-def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> list[Notice]:
+def beyond_of_record(
+    model: Model, ship: ParameterSet | None, trial: Trial, held: Mapping[str, float] | None = None
+) -> list[Notice]:
     """Return what has to be said where a record goes beyond the range that a ship's coefficients come from.
 
     Parameters
@@ -132,6 +134,8 @@ def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> l
         Whose coefficients.
     trial : Trial
         The record.
+    held : mapping of str to float, optional
+        Inputs that were given, SI: a speed goes before that of the record.
 
     Returns
     -------
@@ -139,12 +143,12 @@ def beyond_of_record(model: Model, ship: ParameterSet | None, trial: Trial) -> l
     """
     if ship is None:
         return []
-    before = _before(trial)
+    before, given = _before(trial), speed_given(held or {})
     reached = largest_amplitudes([trial])
     return beyond(
         model,
         ship,
-        [] if before is None else [before.value],
+        [given] if given is not None else [] if before is None else [before.value],
         reached.get("rudder"),
         rate=reached.get("rate"),
         drift=reached.get("drift"),

@@ -20,7 +20,7 @@ from shipid.identification.identified import Identified
 from shipid.identification.problem.box import EMPTY
 from shipid.identification.problem.output_error import Problem, make_problem
 from shipid.identification.problem.prior import Prior, prior_of
-from shipid.identification.problem.ship_scale import scale_of
+from shipid.identification.problem.ship_scale import scale_before
 from shipid.identification.problem.signals import SHOWN
 from shipid.identification.problem.trial_data import prepare, warm_up_samples, with_whole_inputs
 from shipid.identification.search.least_squares import minimise
@@ -74,7 +74,7 @@ def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Compar
     signals, length = identified.problem.signals, identified.ship.particular("L", "m")
     found: list[Comparison] = []
     for trial in trials:
-        unit_time = scale_of(identified.ship, [trial]).unit_time
+        unit_time = scale_before(identified.ship, trial).unit_time
         stretches = with_whole_inputs(identified.model, trial, signals, unit_time)
         said = examined(trial)
         found += [predict(identified, s, measures_of(s, said, length), trial) for s in stretches]
@@ -122,7 +122,7 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures, recor
     record : Trial, optional
         The trial of which it is a stretch.
     """
-    biases, unit_time = identified.problem.biases, scale_of(identified.ship, [trial]).unit_time
+    biases, unit_time = identified.problem.biases, scale_before(identified.ship, trial).unit_time
     length, count = identified.ship.particular("L", "m"), warm_up_samples(trial, unit_time)
     ahead = _problem_of(identified, trial, record, (), mean_biases(identified), unit_time)
     # What the first seconds do not show of the state stays near its first guess.

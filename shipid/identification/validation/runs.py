@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.generation.simulator import coefficient_vector, initial_state
 from shipid.identification.identified import Identified
-from shipid.identification.problem.ship_scale import scale_of
+from shipid.identification.problem.ship_scale import scale_before
 from shipid.identification.problem.trial_data import TrialData, prepare
 from shipid.identification.validation.closed_loop import Swings, ZigzagSimulator, helmsman_of, zigzag_simulator
 from shipid.identification.validation.comparison import Comparison
@@ -58,7 +58,7 @@ def runs_of(identified: Identified, comparison: Comparison, drawn: Iterable[np.n
     problem, q, model = identified.problem, identified.solution.q, identified.model
     trial, inputs, biases = comparison.trial, identified.model.inputs, comparison.biases
     if index is None:
-        unit_time = scale_of(identified.ship, [trial]).unit_time
+        unit_time = scale_before(identified.ship, trial).unit_time
         data = prepare(model, trial, problem.signals, identified.ship.particular("speed", "m/s"), unit_time)
     else:
         data = problem.trials[index]
@@ -96,7 +96,7 @@ def simulator_of(identified: Identified, data: TrialData, measured: ZigZag) -> Z
     helmsman = helmsman_of(data.trial, measured)
     if helmsman is None:
         return None
-    unit_time = scale_of(identified.ship, [data.trial]).unit_time
+    unit_time = scale_before(identified.ship, data.trial).unit_time
     return zigzag_simulator(identified.model, data.trial, data.inputs, helmsman, unit_time)
 
 

@@ -90,7 +90,8 @@ class RouteTurn(Result):
         side = "starboard" if self.off_track > 0 else "port"
         now = f"{abs(self.off_track):.0f} m to {side} of the track"
         if self.waypoint is None or self.wheel_over is None:
-            return [f"route '{self.route.name}', last leg: {self.left:.0f} m to the end, {now}", *self._limits()]
+            end = f"{self.left:.0f} m to the end" if self.left >= 0 else f"the end is passed by {-self.left:.0f} m"
+            return [f"route '{self.route.name}', last leg: {end}, {now}", *self._limits()]
         found = self.wheel_over
         heading = f"{np.rad2deg(found.heading) % 360:05.1f} deg"
         when = (

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS, shown_estimate
+from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.foundation.result import Result, table
 
@@ -50,6 +51,16 @@ class PastErrors:
         if not self.s_star.size:
             return np.ones_like(s_star), np.ones_like(s_star)
         return np.interp(s_star, self.s_star, self.track), np.interp(s_star, self.s_star, self.heading)
+
+    def to_dict(self) -> dict[str, Plain]:
+        """Return plain values for JSON, free of NaN."""
+        return {
+            "predictions": self.count,
+            "lost": self.lost,
+            "ship_lengths": self.s_star.tolist(),
+            "track_factors": self.track.tolist(),
+            "heading_factors": self.heading.tolist(),
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,6 +139,18 @@ class Situation(Result):
         i = self.uncertain.index(name)
         return float(np.sqrt(max(self.covariance[i, i], 0.0)))
 
+    def told_std(self, name: str) -> float:
+        """Return the standard deviation that is told beside a quantity: of a current with the errors of model and log.
+
+        Parameters
+        ----------
+        name : str
+            A key of `values`.
+        """
+        if name in ("current_north", "current_east") and self.current_std is not None:
+            return self.current_std
+        return self.std_of(name)
+
     def with_structure(self, growth: float) -> Situation:
         """Return the situation with a larger error of the model.
 
@@ -143,12 +166,12 @@ class Situation(Result):
 
     def to_frame(self) -> pd.DataFrame:
         """Return the values with their standard deviations as a pandas table, SI."""
-        rows = ({"name": n, "value": v, "std": self.std_of(n), "unit": _unit(n)} for n, v in self.values.items())
+        rows = ({"name": n, "value": v, "std": self.told_std(n), "unit": _unit(n)} for n, v in self.values.items())
         return table(rows, "name")
 
     def text(self) -> str:
         """Return the situation in lines of text."""
-        lines = [f"  {n:<16s} {shown_estimate(v, self.std_of(n), n, _unit(n))}" for n, v in self.values.items()]
+        lines = [f"  {n:<16s} {shown_estimate(v, self.told_std(n), n, _unit(n))}" for n, v in self.values.items()]
         return "\n".join([f"situation at {self.t:g} s", *lines])
 
 

@@ -19,7 +19,14 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.sensors import standard_noise
 from shipid.parts.wind import Wind
 from shipid.prediction.situations.filtered_situation import situation_of
-from shipid.prediction.situations.fix_errors import TURN_REMEMBERED, stretch_squares, widened_current
+from shipid.prediction.situations.fix_errors import (
+    CURRENT,
+    MOVE_REMEMBERED,
+    TURN_REMEMBERED,
+    moved_of_late,
+    stretch_squares,
+    widened_current,
+)
 from shipid.prediction.situations.own_ship_filter import DISTURBANCES, own_ship_filter
 from shipid.prediction.situations.past import APART, Past
 from shipid.prediction.situations.situation import Situation
@@ -32,6 +39,8 @@ _MEASURED: tuple[str, ...] = ("psi", "r", "u", "v", "x", "y")
 _WIND = ("wind_speed", "wind_direction")
 #: The wind is averaged over the last so many L/U.
 _WIND_MEAN = 3.0
+#: A record with more samples than this in one L/U is read at every second or third: none of it is faster than the ship.
+_FINEST = 40
 #: Past instants from which the voyage since is predicted, at most.
 _MOST = 40
 
@@ -74,6 +83,7 @@ def known_before(
             if at is not None
             else f"trial {trial.name} has {len(before)} samples, too few for a filter."
         )
+    before = _coarser(before, ship)
     told: list[Notice] = []
     windy = "r_disturbance" in model.inputs and before.has(*_WIND) and ship.find(_with_wind(model), "N_w") is not None
     whole = _with_wind(model) if windy else model
@@ -104,7 +114,7 @@ def known_before(
         if "u" not in values:
             values["u"] = _last(seen, "u")
         squares, turning = _fix_squares(run, seen, ship, values["u"]), _turning(run, at, ship, values["u"])
-        return widened_current(replace(found, values=values), squares, turning)
+        return widened_current(replace(found, values=values), squares, turning, _moved(run, at, ship, values["u"]))
 
     now = known(float(run.t[-1]))
     return now, told, _past(run, before, now, ship, known)
@@ -118,6 +128,18 @@ def _fix_squares(run: FilterRun, seen: Trial, ship: ParameterSet, speed: float) 
     off = np.stack([(seen[n] - np.interp(seen["t"], run.t, run[n])) / levels[n] for n in ("x", "y")], axis=1)
     there = np.isfinite(off).all(axis=1)
     return stretch_squares(seen["t"][there], off[there], INDEPENDENT * length / speed)
+
+
+def _moved(run: FilterRun, at: float, ship: ParameterSet, speed: float) -> float:
+    """By how much the estimated current has moved of late, in m/s."""
+    length, states = ship.particular("L", "m"), run.design.model.states
+    if not set(CURRENT) <= set(states) or length is None or not speed > 0:
+        return 0.0
+    late = np.flatnonzero((run.t <= at + 1e-9) & (run.t >= at - MOVE_REMEMBERED * length / speed))
+    columns = [states.index(n) for n in CURRENT]
+    drift = {s.name: s.level**2 for s in run.design.sources if s.place == "state" and s.density}
+    variance = run.covariance[late][:, columns, columns]
+    return moved_of_late(run.t[late], run.x[late][:, columns], variance, np.array([drift.get(n, 0.0) for n in CURRENT]))
 
 
 def _turning(run: FilterRun, at: float, ship: ParameterSet, speed: float) -> float:
@@ -165,6 +187,18 @@ def _until(trial: Trial, at: float) -> Trial:
     if not t[0] <= at <= t[-1] + 1e-9:
         raise UsageError(f"trial {trial.name} lasts from {t[0]:.5g} to {t[-1]:.5g} s, and {at:g} s is not in it.")
     return trial.window(None, at)
+
+
+def _coarser(trial: Trial, ship: ParameterSet) -> Trial:
+    """The record with fewer samples, the last one kept, where it is finer than a filter needs and every row is full."""
+    length, speed = ship.particular("L", "m"), ship.particular("speed", "m/s")
+    if length is None or speed is None or bool(trial.table.isna().to_numpy().any()):
+        return trial
+    step = int(length / speed / (_FINEST * trial.sampling))
+    if step < 2:
+        return trial
+    rows = slice((len(trial) - 1) % step, None, step)
+    return replace(trial, table=trial.table.iloc[rows].reset_index(drop=True))
 
 
 def _with_wind(model: Model) -> Model:

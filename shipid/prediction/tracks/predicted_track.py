@@ -110,9 +110,22 @@ class PredictedTrack(DrawnResult):
         begin, end : int
             First node, and the one after the last.
         """
-        cut = {n: getattr(self, n)[begin:end] for n in COLUMNS}
-        spread = None if self.covariance is None else self.covariance[begin:end]
-        return replace(self, **cut, covariance=spread, std={n: a[begin:end] for n, a in self.std.items()})
+        return self._at(np.arange(self.s.size)[begin:end])
+
+    def every(self, step: int) -> PredictedTrack:
+        """Return one node in so many, and the last one.
+
+        Parameters
+        ----------
+        step : int
+            From one node to the next.
+        """
+        return self._at(np.unique(np.append(np.arange(0, self.s.size, step), self.s.size - 1)))
+
+    def _at(self, nodes: np.ndarray) -> PredictedTrack:
+        cut = {n: getattr(self, n)[nodes] for n in COLUMNS}
+        spread = None if self.covariance is None else self.covariance[nodes]
+        return replace(self, **cut, covariance=spread, std={n: a[nodes] for n, a in self.std.items()})
 
     def at_time(self, t: float | np.ndarray) -> dict[str, np.ndarray]:
         """Return the columns at given times, by straight lines between the nodes; SI.
@@ -177,6 +190,7 @@ class PredictedTrack(DrawnResult):
             "ended": self.ended,
             "track": columns,
             "half_width_95": None if width is None else {"unit": "m", "values": width.tolist()},
+            "grown": None if width is None else self.grown,
         }
 
     def text(self) -> str:

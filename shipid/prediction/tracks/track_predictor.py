@@ -38,6 +38,8 @@ Band = Literal["none", "linear", "samples"]
 HORIZON, POINTS = 20.0, 600
 #: Longest step of the prediction in L/u; and the longest track, in ship lengths and steps.
 _LONGEST, _FARTHEST, _MOST = 0.05, 1e4, 100_000
+#: Integration steps between two nodes that are compiled as one expression; a slow ship takes more, and then the loop has more nodes.
+_UNROLLED = 8
 
 
 class TrackPredictor:
@@ -236,7 +238,11 @@ class TrackPredictor:
             known = self._known(model, "rudder", cruise_of(situation))
             known = known | {n: v for n, v in situation.values.items() if n in named}
             runs.append(ordered_run(model, self.pilot, situation, order, known, self.condition, self._source))
-        substeps = self._substeps(distance, cruise_of(situations[0]))
+        speed = cruise_of(situations[0])
+        substeps = self._substeps(distance, speed)
+        if (split := substeps // _UNROLLED) > 1:
+            self._refuse_slow(points * split, speed)
+            return [t.every(split) for t in self.along(situations, np.repeat(rudders, split, axis=1), horizon)]
         extra, _, _ = spread_in(model, runs[0].situation, runs[0].slopes)
         loop = make_distance_loop(model, extra, "covariance", substeps, steered=True)
         controls = np.full((len(runs), points + 1, 2), distance)
@@ -281,6 +287,9 @@ class TrackPredictor:
         runs = [first, *(first.to_heading(order) for order in orders[1:])]
         distance = horizon * self.length / points
         substeps = self._substeps(distance, speed)
+        if (split := substeps // _UNROLLED) > 1:
+            self._refuse_slow(points * split, speed)
+            return [t.every(split) for t in self._run(situation, orders, horizon, points * split, band, samples, seed)]
         if band == "linear":
             found = []
             for run in runs:
@@ -345,6 +354,12 @@ class TrackPredictor:
                     raise lacking
             self._coefficients[key] = {n: v for n, v in known.items() if n in model}
         return self._coefficients[key]
+
+    def _refuse_slow(self, nodes: int, speed: float) -> None:
+        if nodes > _MOST:
+            raise UsageError(
+                f"at u = {speed:.3g} m/s the ship sails too slowly for her rudder: a track along the distance sailed would have {nodes} steps."
+            )
 
     def _substeps(self, distance: float, speed: float) -> int:
         """Steps between two nodes, a power of two, so that few loops are compiled."""

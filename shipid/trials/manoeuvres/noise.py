@@ -10,7 +10,7 @@ import pandas as pd
 from shipid.declaration.units import Typed, to_si
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.parts.sensors import SMALLEST_LEVEL, standard_noise
+from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL, standard_noise
 
 #: Speeds through the water, which a trial with sensors holds only where one of them measures it.
 _THROUGH_WATER = {"u", "v"}
@@ -61,6 +61,8 @@ def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float
             raise UsageError(
                 f"the noise on {name} is {pairs[name]}, smaller than any sensor's. Give a standard deviation, or 0 for none."
             )
+        if deviation > LARGEST_LEVEL:
+            raise UsageError(f"the noise on {name} is {pairs[name]}, larger than any sensor's.")
     return deviations
 
 

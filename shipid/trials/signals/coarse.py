@@ -90,7 +90,7 @@ def ramps_of(t: np.ndarray, y: np.ndarray) -> Ramps | None:
         return None
     # A rudder that is held at one angle after the other, as in a spiral, is on no ramp: ramps are short, and plates are long.
     plates = apart[~onward]
-    if float(apart[ramp].sum()) > _ON_RAMPS * len(y) or (plates.size and float(np.quantile(plates, 0.9)) < _PLATES * usual):
+    if float(apart[ramp].sum()) > _ON_RAMPS * len(y) or (plates.size and float(plates.max()) < _PLATES * usual):
         return None
     inside = np.zeros(len(y), dtype=bool)
     for first, last in zip(changed[:-1][ramp], changed[1:][ramp]):

@@ -89,6 +89,24 @@ def test_a_trial_is_predicted_at_once_and_executed_it_is_sailed(make_core):
     assert 0.8 < names["K_rho"]["value"] < 1.25 and names["K"]["sd"] < 0.2
 
 
+def test_beside_a_speed_over_the_ground_no_current_is_told(scripted):
+    source, core = scripted
+    take = source.take
+
+    def over_ground(t):
+        reading = take(t)
+        values = dict(reading.values)
+        values["SOG"] = values.pop("u")
+        return SourceReading(values, reading.targets)
+
+    source.take = over_ground
+    sail(core, 60)
+    assert core.own_ship.situation is not None and shown(core)["flow"]["current"] is None
+    source.take = take
+    sail(core, 10)
+    assert shown(core)["flow"]["current"]["speed"] == pytest.approx(0.0, abs=0.5)
+
+
 def test_cancel_takes_the_trial_back(make_core):
     core = make_core()
     core.command({"command": "trial", "heading": 1.0})
@@ -205,10 +223,14 @@ def test_a_jump_of_the_position_is_rejected_and_told(scripted):
     source, core = scripted
     sail(core, 120)
     source.offset = 3000.0
-    core.step(core.t + 0.4)
+    shares = [core.own_ship.rejected]
+    for _ in range(10):
+        core.step(core.t + 0.4)
+        shares.append(core.own_ship.rejected)
     core.publish()
     assert shown(core)["own"]["x"] == pytest.approx(9 * core.t, abs=30)
-    assert shown(core)["adaptation"]["health"]["rejected"] > 0
+    # Of the fixes that come every 0.4 s one in 2 s is taken.
+    assert np.count_nonzero(np.diff(shares) > 0) == 2
 
 
 def test_silence_is_stale_and_the_alarm_comes_again(scripted):

@@ -71,6 +71,29 @@ def test_a_target_that_vanishes_is_lost_and_comes_back(scene):
     assert all(s.rmse[0] < 25 for s in found.score.ships)
 
 
+def test_a_ship_that_appears_late_in_clutter_is_tracked(scene):
+    """What began in clutter and was never seen again is wide: it does not swallow the first plots of a ship."""
+    found = track(scene([(-300.0, -200.0, 5.0, 0.0)], scans=60, hidden=(0, 40), clutter=6.0))
+    assert found.score is not None and found.score.ships[0].held > 0.8
+
+
+def test_what_moves_along_the_edge_of_the_range_is_confirmed_inside():
+    """A shore that the range cuts off gives a plot that goes round own ship; the same plots farther in are a ship."""
+    chance = np.random.default_rng(0)
+    t = 2.0 * np.arange(40)
+    bearing = 0.02 * t
+    edge = 1000 * np.column_stack([np.cos(chance.uniform(0, 6.3, 40)), np.sin(chance.uniform(0, 6.3, 40))])
+    edge = 1000 * edge / np.hypot(*edge.T)[:, None]
+
+    def tracks(range_, begins):
+        round_ = range_ * np.column_stack([np.cos(bearing), np.sin(bearing)]) + 3 * chance.standard_normal((40, 2))
+        x, y = np.concatenate([edge, round_[begins:]]).T
+        return track(make_plots(np.concatenate([t, t[begins:]]), x, y, sensors=(Sensor(position_std=3.0),))).tracks
+
+    assert not tracks(950.0, 20)
+    assert len(tracks(250.0, 20)) == 1
+
+
 def test_what_vanishes_at_the_end_is_lost(scene):
     (one,) = track(scene([(-300.0, -200.0, 5.0, 0.0)], scans=45, hidden=(34, 45), clutter=1.0)).tracks
     assert one.status == "lost" and one.approach is None

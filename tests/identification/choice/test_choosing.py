@@ -79,6 +79,9 @@ def test_a_campaign_that_is_too_poor_gets_the_simplest_model():
     assert Ranking(ranks, ("a",)).best == "rich"
     poor = Ranking(ranks, ("a",), ("A second trial is missing.",))
     assert poor.best == "plain"
+    # Two trials that agree show nothing where neither shows enough.
+    twice = Ranking((rank("rich", 6, (0.2, 0.2)), rank("plain", 2, (0.35, 0.35))), ("a", "b"), poor.lacking)
+    assert "The choice is firm" not in twice.text() and "How firm the choice is cannot be told" in twice.text()
     assert [n.kind for n in poor.warnings] == ["too-poor-to-choose"] and "A second trial is missing." in poor.warnings[
         0
     ]
@@ -90,6 +93,14 @@ def test_where_nothing_is_explained_nothing_is_taken():
     (said,) = ranking.warnings
     assert said.serious and said.kind == "not-determined" and "93 % of the rate of turn itself" in said
     assert "to take" not in ranking.text()
+
+
+def test_where_no_candidate_could_be_fitted_nothing_is_taken_and_it_is_serious():
+    lost = Rank("lost", 1, 1, 1, None, None, (), {}, {}, message="the trial is too short.")
+    ranking = Ranking((lost,), ("a", "b"), ("A second trial is missing.",))
+    assert ranking.best is None and ranking.words == ()
+    (said,) = ranking.warnings
+    assert said.serious and said.kind == "not-determined" and "no candidate could be fitted" in said
 
 
 def test_weights_are_shares_of_one_and_favour_what_predicts():

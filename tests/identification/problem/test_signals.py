@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
 
 from shipid import Component, Trial, find_model, given, join, parameter, state
+from shipid.identification.errors import NothingToFitError
 from shipid.identification.problem.prior import STRUCTURE_SPEED, structural_errors
 from shipid.identification.problem.signals import fitted_signals
 from shipid.identification.problem.trial_data import prepare
@@ -32,6 +35,13 @@ def trial():
     t = np.arange(0.0, 60.0)
     values = {"psi": 0.01 * t, "r": 0.01, "u": 5.0, "delta": 0.1, "n": 2.0, "n_order": 2.0}
     return Trial.from_frame(pd.DataFrame({"t": t} | values), name="engine", units=units)
+
+
+def test_trials_that_share_no_signal_are_told_with_what_each_has(trial):
+    heading = replace(trial, name="gyro", table=trial.table[["t", "psi", "delta"]])
+    rate = replace(trial, name="turn indicator", table=trial.table[["t", "r", "delta"]])
+    with pytest.raises(NothingToFitError, match=r"share no signal .*gyro has psi; turn indicator has r\."):
+        fitted_signals(find_model("nomoto"), [heading, rate])
 
 
 def test_a_measured_state_of_the_model_is_fitted(trial):

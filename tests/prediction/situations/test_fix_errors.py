@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from shipid.prediction.situations.fix_errors import FixErrors, stretch_squares, widened_current
+from shipid.prediction.situations.fix_errors import (
+    CurrentMoves,
+    FixErrors,
+    moved_of_late,
+    stretch_squares,
+    widened_current,
+)
 from shipid.prediction.situations.situation import Situation
 
 NAMES = ("psi", "current_north", "current_east")
@@ -54,3 +62,58 @@ def test_what_a_model_reads_as_a_current_is_in_its_interval(turning, share):
 def test_without_an_estimated_current_nothing_is_said_of_it():
     known = Situation({"psi": 0.0, "u": 5.0}, ("psi",), np.array([[0.01]]))
     assert widened_current(known, np.ones(20), 0.5) is known and known.current_std is None
+
+
+def estimated(fixes, log=0.0):
+    """A Kalman filter of position and current, one component a column: times, currents and their variances."""
+    step, drift, level = 1.0, 1e-4, 4.0
+    carry, sees = np.array([[1.0, step], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    x, p = np.zeros((2, 2)), np.diag([level**2, 0.25])
+    found = []
+    for fix in fixes:
+        x, p = carry @ x + np.array([[log * step], [0.0]]), carry @ p @ carry.T + np.diag([0.0, drift * step])
+        gain = p @ sees.T / (sees @ p @ sees.T + level**2)
+        x, p = x + gain @ (fix[None, :] - sees @ x), p - gain @ sees @ p
+        found.append((x[1], p[1, 1]))
+    currents, variances = (np.array(column) for column in zip(*found))
+    return np.arange(len(fixes)) * step, currents, np.stack([variances] * 2, axis=1)
+
+
+def test_a_current_that_moves_more_than_its_filter_expects_is_unsure():
+    random, n = np.random.default_rng(8), 4000
+    current = np.cumsum(random.standard_normal((n, 2)) * 0.01, axis=0)
+    fixes = np.cumsum(current, axis=0) + 4.0 * random.standard_normal((n, 2))
+    t, found, variance = estimated(fixes)
+    windows = [slice(k, k + 60) for k in range(0, n - 60, 60)]
+    drift = np.full(2, 1e-4)
+    moved = np.array([moved_of_late(t[w], found[w], variance[w], drift) for w in windows])
+    # On average a move is as large as the filter expects: what is beyond it is small beside what the filter states.
+    squares = [((found[w][-1] - found[w]) ** 2 - variance[w] + variance[w][-1]).mean() for w in windows]
+    assert np.mean(squares) == pytest.approx(1e-4 * 59 / 2, rel=0.25)
+    assert np.sqrt(np.mean(moved**2)) < np.sqrt(variance[-1, 0])
+    # The fixes lag behind by up to 40 m for a minute and a half: what seems to be a current of 0.7 m/s is unsure by about as much.
+    lag = 40.0 * np.exp(-(((t - 2000.0) / 60.0) ** 2))
+    _, seen, _ = estimated(fixes - lag[:, None])
+    worst = int(np.argmax(np.abs(seen - found).max(axis=1)))
+    late = slice(worst - 59, worst + 1)
+    off = float(np.abs(seen[worst] - found[worst]).max())
+    assert off > 5 * np.sqrt(variance[-1, 0])
+    assert moved_of_late(t[late], seen[late], variance[late], drift) > 0.5 * off
+
+
+def test_estimate_by_estimate_the_move_is_the_same():
+    moves, t = CurrentMoves(20.0), np.arange(30.0)
+    current = np.stack([0.5 + 0.02 * t, np.zeros(30)], axis=1)
+    for k in range(30):
+        known = replace(
+            KNOWN,
+            values={**KNOWN.values, "current_north": current[k, 0]},
+            t=t[k],
+            noise={"current_north": 0.01, "current_east": 0.01},
+        )
+        moved = moves.add(known)
+    late = slice(9, 30)
+    expected = moved_of_late(t[late], current[late], np.full((21, 2), 0.04), np.full(2, 1e-4))
+    assert moved == pytest.approx(expected) and moved > 0.1
+    told = widened_current(known, np.ones(20), 0.0, moved).current_std
+    assert told == pytest.approx(np.hypot(widened_current(known, np.ones(20), 0.0).current_std, moved))

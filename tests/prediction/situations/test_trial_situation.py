@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import shipid
@@ -52,6 +53,20 @@ def trial(pilot):
     )  # fmt: skip
     gusts = 1.0 + 0.6 * np.sin(0.9 * made.table["t"])
     return dataclasses.replace(made, table=made.table.assign(wind_speed=gusts, wind_direction=np.pi / 2))
+
+
+def test_a_record_that_is_finer_than_a_filter_needs_is_read_more_coarsely(pilot, trial):
+    t = np.arange(0.0, 60.05, 0.1)
+    table = pd.DataFrame({n: t if n == "t" else np.interp(t, trial["t"], trial[n]) for n in trial.table.columns})
+    fine = dataclasses.replace(trial, table=table)
+    known, _, past = known_before(pilot.model, pilot.ship, fine)
+    assert known.t == past.t[-1] == pytest.approx(60.0)
+    assert np.diff(past.t) == pytest.approx(0.2)
+    # What the record missed may stand in any row: none is left out.
+    holes = dataclasses.replace(trial, table=table.assign(x=table["x"].where(table.index % 10 == 0)))
+    _, _, whole = known_before(pilot.model, pilot.ship, holes)
+    assert np.diff(whole.t) == pytest.approx(0.1)
+    assert np.interp(past.t, whole.t, whole.psi) == pytest.approx(past.psi, abs=0.01)
 
 
 def test_what_the_wind_does_not_explain_is_found_under_a_model_that_reads_the_wind(pilot, trial):
@@ -116,6 +131,7 @@ def test_bands_grow_beyond_the_amplitudes_that_were_fitted(fitted):
         found = predict_track(wide, start, rudder="35 deg", horizon=3, band=band)
         usual = predict_track(within, start, rudder="35 deg", horizon=3, band=band)
         assert found.track.grown == pytest.approx(growth) and usual.track.grown == 1.0
+        assert found.to_dict()["prediction"]["grown"] == found.track.grown
         # At the beginning of the turn the coefficients hardly count.
         assert (found.track.half_width[1:] > usual.track.half_width[1:]).all()
         assert found.track.half_width[20] == pytest.approx(growth * usual.track.half_width[20], rel=0.1)

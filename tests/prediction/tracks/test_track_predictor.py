@@ -33,6 +33,22 @@ def test_the_first_order_track_does_not_depend_on_the_speed():
     assert tracks[0].t[-1] / tracks[2].t[-1] == pytest.approx(11 / 6, rel=1e-9)
 
 
+def test_a_slow_ship_takes_more_steps_and_has_the_same_track(pilot):
+    # De Keizer's ship under a held rudder, which is there at once, does not know her speed: her track is the same one.
+    predictor = TrackPredictor(shipid.design_autopilot("de-keizer", "soesterberg", actuator=None))
+    around = {u: Situation({"psi": 0.0, "u": u}, ("psi",), np.array([[1e-4]])) for u in (9.5, 0.3)}
+    usual, slow = (predictor.predict(s, rudder="10 deg", horizon=6, points=60) for s in around.values())
+    assert slow.s.size == usual.s.size == 61 and slow.s == pytest.approx(usual.s)
+    assert slow.t[-1] / usual.t[-1] == pytest.approx(9.5 / 0.3, rel=2e-3)
+    for name in ("x", "y", "half_width"):
+        np.testing.assert_allclose(getattr(slow, name), getattr(usual, name), atol=0.005 * 226)
+    rudders = np.full((1, 60), np.deg2rad(10.0))
+    one, other = (predictor.along([s], rudders, horizon=6)[0] for s in around.values())
+    assert other.s.size == one.s.size and other.y == pytest.approx(one.y, abs=0.005 * 226)
+    with pytest.raises(UsageError, match=r"at u = 0\.001 m/s the ship sails too slowly for her rudder"):
+        TrackPredictor(pilot).predict(Situation({"psi": 0.0, "u": 0.001}), heading="10 deg")
+
+
 def test_a_held_rudder_is_the_solution_of_the_equations(pilot):
     predictor = TrackPredictor(pilot, values={"K_u": 0.9})
     # De Keizer (1977) by an integrator of SciPy's, the rudder at its angle from the beginning.

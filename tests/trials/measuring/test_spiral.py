@@ -111,3 +111,11 @@ def test_a_gap_in_a_stage():
 def test_a_zigzag_is_no_spiral(logged):
     with pytest.raises(e.NotAManoeuvreError, match="no spiral"):
         measure(logged(0.5)[0], "spiral")
+
+
+def test_the_way_back_to_midships_is_no_stage():
+    """A direct spiral after a straight approach, which ends with the rudder put amidships at once from its largest angle."""
+    trial = sail(np.repeat([0.0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], 160), b1=0.08, b3=0.0)
+    found = measure(trial)
+    assert found.title == "direct spiral"
+    np.testing.assert_allclose(np.degrees(found.rudders), [0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], atol=0.01)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shipid.trials.signals.order import order_against_feedback
+from shipid.trials.signals.order import lag_behind_order, order_against_feedback
 
 
 def record(interval=0.5, rate=3.0, wait=0.0):
@@ -42,3 +42,17 @@ def test_an_order_of_the_other_sign_or_a_copy_is_none():
     assert "copy" in order_against_feedback(t, rudder, rudder)
     assert order_against_feedback(t, order, order) == ""  # both step: which of them is logged twice is not known
     assert order_against_feedback(t, 0 * order, rudder) == ""
+
+
+@pytest.mark.parametrize("interval", [0.1, 0.5, 2.0])
+@pytest.mark.parametrize("wait", [0.0, 2.0, 6.0])
+def test_how_long_a_rudder_sets_out_after_its_order(interval, wait):
+    t, order, rudder = record(interval, wait=wait)
+    noisy = rudder + np.random.default_rng(1).normal(0, 0.05, t.size)
+    assert lag_behind_order(t, order, noisy) == pytest.approx(wait, abs=0.1 + 0.5 * interval)
+
+
+def test_a_rudder_that_does_not_follow_has_no_lag():
+    t, order, rudder = record()
+    assert lag_behind_order(t, order, 0 * rudder) is None
+    assert lag_behind_order(t, 0 * order, rudder) is None

@@ -16,7 +16,8 @@ SIMPLE = [
     "heading-interpolated", "heading-glitch", "order-not-feedback", "accelerating", "bias of the rudder",
     "bias of the rate", "position-jump", "short", "no-rudder-movement", "coarse-sampling", "quantised",
     "latency of the rate", "latency of the rudder", "text", "sentinel", "hole", "track-direction", "speed-stands",
-    "early rudder", "closed-loop",
+    "early rudder", "closed-loop", "frozen rudder", "clock-set", "clock-jitter", "written-on-change", "unit of the positions",
+    "order-early",
 ]  # fmt: skip
 
 

@@ -45,3 +45,11 @@ def test_what_is_not_spread():
         assert course.spread(clock)[1] is None
     assert course.spread(twice, np.arange(40) % 2 == 1)[1] is None
     assert course.spread(twice)[1] == 1.0
+
+
+def test_an_hour_on_at_the_full_hour():
+    clock = 3600.0 * 2 - 100 + np.arange(300.0)
+    jumped = np.where(np.arange(300) >= 100, clock + 3600, clock)
+    assert course.hour_on(jumped) == 100
+    assert course.hour_on(clock) is None
+    assert course.hour_on(jumped + 30) is None, "a pause of an hour begins at any time"

@@ -289,7 +289,7 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
     causes = [] if told else ["a current along the course"]
     causes += ["a clock that runs at another speed"] if clock else []
     applied = p.add(
-        "unit" if unit else "speed-scale", names, sure if unit or told and not clock else min(sure, 0.85),
+        "unit" if unit else "speed-scale", names, sure if unit or (told and not clock) else min(sure, 0.85),
         f"the positions move {fit.scale:.4g} times as fast as the speeds say{knots}"
         + (f": {names} are {unit}" if unit else f": a factor, or {' or '.join(causes)}" if causes else ""),
         "Every coefficient made dimensionless with the speed is off by this factor, those of the rudder by its "
@@ -306,7 +306,9 @@ def _units_of_positions(p: WorkingCopy, names: str, fit: _Fit) -> bool:
     """Find positions in another unit than metres; whether they are."""
     if not p.has("x", "y"):
         return False
-    metres, unit = next(((m, u) for m, u in _LENGTHS if abs(np.log(fit.scale * m)) < max(_NEAR, 3 * fit.std)), (0.0, ""))
+    metres, unit = next(
+        ((m, u) for m, u in _LENGTHS if abs(np.log(fit.scale * m)) < max(_NEAR, 3 * fit.std)), (0.0, "")
+    )
     if not unit:
         return False
     applied = p.add(

@@ -69,7 +69,9 @@ def _goes_on(p: WorkingCopy, k: int, usual: float) -> bool:
             return False
         y = np.unwrap(y) if name == "psi" else y
         place = np.arange(len(y))
-        slopes = [float(np.polyfit(place[part], y[part], 1)[0]) for part in (slice(len(before)), slice(len(before), None))]
+        slopes = [
+            float(np.polyfit(place[part], y[part], 1)[0]) for part in (slice(len(before)), slice(len(before), None))
+        ]
         slope = 0.5 * sum(slopes)
         noise = robust.noise(p[name][np.isfinite(p[name])]) + 1e-9
         meanwhile = abs(slope) * abs(jump) / usual
@@ -83,6 +85,8 @@ def _goes_on(p: WorkingCopy, k: int, usual: float) -> bool:
     for name in [c for c in ("r", "delta", "u") if p.has(c)]:
         values = p[name]
         reach = float(np.nanmax(values) - np.nanmin(values)) if np.isfinite(values).any() else 0.0
-        if not abs(float(values[k + 1] - values[k])) <= 2 * _STEP * reach + 5 * robust.noise(values[np.isfinite(values)]):
+        if not abs(float(values[k + 1] - values[k])) <= 2 * _STEP * reach + 5 * robust.noise(
+            values[np.isfinite(values)]
+        ):
             return False
     return clear > 0

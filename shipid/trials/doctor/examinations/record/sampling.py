@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from shipid.declaration.vocabulary import angle, shown
@@ -200,7 +202,7 @@ def _levels_off(p: WorkingCopy) -> bool:
     """Whether the rate of turn has settled by the end of the record: gain and time constant are both seen then."""
     rate = p["r"] if p.has("r") else np.gradient(p["psi"], p.t)
     edges = np.linspace(0, len(rate), 13).astype(int)
-    means = np.array([float(rate[a:b].mean()) for a, b in zip(edges[:-1], edges[1:])])
+    means = np.array([float(rate[a:b].mean()) for a, b in pairwise(edges)])
     reach = float(np.ptp(means))
     return reach > 8 * robust.noise(rate) and float(np.ptp(means[-3:])) < 0.1 * reach
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.working_copy import WorkingCopy
 
 #: A leap is so many times what the rudder covers in a sample on its ramps, and this share of its range.
-_LEAP, _SHARE = 4.0, 0.15
+_LEAP, _SHARE = 2.2, 0.15
 #: Samples on ramps from which on the rate of the rudder is known.
 _FEWEST = 8
 #: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before.
@@ -37,7 +39,7 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     if not len(stands):
         return
     leaps = _leaps(t, values)
-    found = [(a, b) for a, b in stands if b < len(leaps) and leaps[b] or _turns_back(p, index[a], index[b])]
+    found = [(a, b) for a, b in stands if (b < len(leaps) and leaps[b]) or _turns_back(p, index[a], index[b])]
     if not found:
         return
     longest = max(float(t[b] - t[a]) for a, b in found)
@@ -77,6 +79,6 @@ def _turns_back(p: WorkingCopy, a: int, b: int) -> bool:
     usual = float(np.quantile(np.abs(rate), 0.9))
     # Means over eighths of the stretch: waves and noise are no turning back.
     edges = np.linspace(a, b + 1, 9).astype(int)
-    means = np.sign(delta[a]) * np.array([float(rate[i:j].mean()) for i, j in zip(edges[:-1], edges[1:]) if j > i])
+    means = np.sign(delta[a]) * np.array([float(rate[i:j].mean()) for i, j in pairwise(edges) if j > i])
     before = np.maximum.accumulate(means)
     return bool(np.any((means < -_BACK * usual) & (before > _BACK * usual)))

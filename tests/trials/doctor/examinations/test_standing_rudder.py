@@ -1,0 +1,56 @@
+"""A rudder angle that stands still while the rudder moves: found by its leap, or by the ship that turns back; what is measured."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from shipid.trials.doctor.check_trial import check_trial
+from shipid.trials.measuring.measure import measure
+from shipid.trials.trial import Trial
+
+
+def standing(trial, start, end, noise=0.02):
+    """The zig-zag with a rudder that repeats one value for a while."""
+    frame = trial.to_frame()
+    t = trial["t"]
+    delta = frame["delta [deg]"].to_numpy() + np.random.default_rng(5).normal(0, noise, t.size)
+    inside = (t >= start) & (t <= end)
+    delta[inside] = delta[np.flatnonzero(inside)[0]]
+    return Trial.from_frame(frame.assign(**{"delta [deg]": delta}), name="standing")
+
+
+@pytest.fixture
+def zigzag(simulated):
+    trial = simulated()
+    frame = trial.to_frame().drop(columns="delta_order [deg]", errors="ignore")
+    return Trial.from_frame(frame, name="zigzag")
+
+
+def test_a_rudder_that_leaps_after_it_stood(zigzag):
+    executes = measure(zigzag).executes
+    trial = standing(zigzag, executes[1] - 20, executes[1] + 40)
+    [found] = [f for f in check_trial(trial).findings if f.kind == "frozen"]
+    assert found.serious and found.channel == "delta" and found.fix is None
+    measured = measure(trial)
+    assert measured.executes[1] is None and measured.overshoots[1] is None
+    assert "frozen" in measured.reasons["executes[2]"]
+    assert measured.overshoots[2] == pytest.approx(measure(zigzag).overshoots[2], abs=1e-3)
+
+
+def test_a_ship_that_turns_back_under_a_rudder_that_stands(zigzag):
+    executes = measure(zigzag).executes
+    trial = standing(zigzag, executes[0] - 20, executes[2] - 10)
+    [found] = [f for f in check_trial(trial).findings if f.kind == "frozen"]
+    assert found.serious and found.channel == "delta"
+    measured = measure(trial)
+    assert measured.initial_turning_time is None and "frozen" in measured.reasons["initial_turning_time"]
+    assert any("executes in there are not counted" in note for note in measured.notes)
+
+
+@pytest.mark.parametrize("digit", [0.0, 0.1, 1.0])
+def test_plates_are_no_standing_rudder(zigzag, digit):
+    frame = zigzag.to_frame()
+    if digit:
+        frame["delta [deg]"] = np.round(frame["delta [deg]"] / digit) * digit
+    assert "frozen" not in check_trial(Trial.from_frame(frame, name="whole")).kinds
