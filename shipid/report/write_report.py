@@ -143,11 +143,11 @@ Smoothed or MultipleModelRun
         If the browser does not print it.
     """
     path = Path(path)
+    check_place(path, overwrite)
     if path.suffix.lower() not in _SUFFIXES:
         raise UsageError(
             f"a report is an HTML page or a PDF: let the name end in .html or .pdf, and not as '{path.name}'."
         )
-    check_place(path, overwrite)
     page = render(result, criteria=criteria, command=command, made=date.today())
     if path.suffix.lower() != ".pdf":
         write_text(path, page)
