@@ -297,7 +297,10 @@ def _turns(t: np.ndarray, away: np.ndarray) -> np.ndarray | None:
     if t.size < 20 or np.mean(np.diff(t) > 0) < 0.7:
         return None
     steps = np.diff(np.arctan2(away[:, 1], away[:, 0])) % (2 * np.pi)
-    if np.mean(steps > 2 * np.pi - _BACKWARD) > _SELDOM or not 0.05 < steps.mean() < 2 * np.pi / 2.5:
+    backward = steps > 2 * np.pi - _BACKWARD
+    # A small step backward is one, and not nearly a whole turn.
+    steps[backward] -= 2 * np.pi
+    if backward.mean() > _SELDOM or not 0.05 < steps.mean() < 2 * np.pi / 2.5:
         return None
     # A little past the first plot, so that a target that is seen just before it does not begin a turn of her own.
-    return np.concatenate([[0.0], np.cumsum(steps)]) / (2 * np.pi) + 1e-3
+    return np.maximum.accumulate(np.concatenate([[0.0], np.cumsum(steps)])) / (2 * np.pi) + 1e-3

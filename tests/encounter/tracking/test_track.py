@@ -195,6 +195,15 @@ def test_one_target_on_one_bearing_is_no_antenna_that_turns(noise):
     assert len(plots.scans) == t.size and len(track(plots).tracks) == 1
 
 
+def test_one_target_that_passes_is_no_antenna_that_turns():
+    """Her bearing goes one way but for a single small step backward, which is not nearly a whole turn."""
+    t = np.arange(0, 120, 3.0)
+    angle = 0.3 + 0.02 * np.arange(t.size)
+    angle[20] = angle[19] - 0.005
+    plots = make_plots(t, 1000 * np.cos(angle), 1000 * np.sin(angle))
+    assert len(plots.scans) == t.size
+
+
 def test_the_score_counts_what_is_no_ship(scene):
     """A second target that the truth does not know is a false track."""
     known = scene(CROSSING, clutter=1.0)
