@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -26,9 +27,9 @@ ZIGZAGS = [str(TRIALS / f"container-{n}-{n}.csv") for n in (20, 10)]
 def test_a_page_tells_the_command_that_made_it(arguments, tmp_path, capsys):
     assert run([*arguments, "--out", str(tmp_path / "out")]) in (0, 5)
     page = (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
-    assert f"<code>shipid {arguments[0]} " in page
+    assert f" by shipid {arguments[0]} " in re.sub("<[^>]*>", "", page)
     assert json.loads((tmp_path / "out" / "result.json").read_text(encoding="utf-8"))["command"] == arguments[0]
-    assert ("<svg" in page) is (arguments[0] == "compare")
+    assert ("<svg" in page) is (arguments[0] != "check")
 
 
 def test_trials_that_cannot_be_read_stand_on_the_page(tmp_path, capsys):

@@ -18,7 +18,7 @@ PREDICT = ["predict", "de-keizer", "--ship", "soesterberg"]
 TUNE = ["tune", "de-keizer", "--ship", "soesterberg"]
 #: By option: a command with it, a bare number, and what the message tells to type.
 BARE = {
-    "--speed": (["criteria", *SHIP], "5", "5 m/s"),
+    "--speed": (["criteria", *SHIP], "5", "5 m/s or 5 kn"),
     "--duration": (SAIL, "300", "300 s"),
     "--sampling": (SAIL, "1", "1 s"),
     "--heading": (SAIL, "10", "10 deg"),

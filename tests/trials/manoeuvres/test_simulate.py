@@ -217,7 +217,7 @@ def length(number: float) -> ParameterSet:
         ({"ship": "sosterberg"}, UnknownNameError, "Did you mean soesterberg"),
         ({"ship": without("soesterberg", "speed")}, ParameterSetError, "has no speed of its own: give one"),
         ({"ship": without("soesterberg", "L")}, ParameterSetError, "has no length L"),
-        ({"ship": length(-1.0)}, ParameterSetError, "no length L greater than zero"),
+        ({"ship": length(-1.0)}, ParameterSetError, "it must lie between 0.1 m"),
         ({"ship": without("soesterberg", "K_u")}, ParameterSetError, r"needs K_u \[1\], which ship soesterberg"),
         ({"ship": without("soesterberg", "delta_rate")}, ParameterSetError, r"needs delta_rate \[rad/s\]"),
         ({"speed": "0 kn"}, UsageError, "does not steer a ship"),
