@@ -118,4 +118,6 @@ def test_the_way_back_to_midships_is_no_stage():
     trial = sail(np.repeat([0.0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], 160), b1=0.08, b3=0.0)
     found = measure(trial)
     assert found.title == "direct spiral"
-    np.testing.assert_allclose(np.degrees(found.rudders), [0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], atol=0.01)
+    np.testing.assert_allclose(
+        np.degrees(found.rudders), [0, 15, 10, 5, 0, -5, -10, -15, -10, -5, 0, 5, 10, 15, 0], atol=0.01
+    )
