@@ -262,7 +262,8 @@ class BridgeCore:
             self._tracks["trial"] = None
         elif answer.trial is not None:
             self._tracks["trial"] = answer.trial
-        if self.watch is not None and asked.executed is not None:
+        # What is asked once a trial has changed says nothing of the route; nor has a ship that others steer anything executed.
+        if self.watch is not None and (asked.executed or asked.leg or self.watch.next_leg is None):
             track = None if answer.executed is None else answer.executed.track
             self.watch.take(answer.wheel_over, track, asked.t)
         executed = self.console.executed

@@ -321,6 +321,18 @@ def routed(make_core, pilot):
     return make_core(SimulatedSource(pilot, seed=2, current=(0.5, 4.0)), route=route)
 
 
+def test_the_wheel_over_of_a_ship_that_others_steer_is_warned_of_too(make_core):
+    points = [(0.0, 0.0), (4000.0, 0.0), (7000.0, 3000.0)]
+    core = make_core(Scripted(), route=bridge_route(route_through(points, radius=900.0), None, 900.0))
+    sail(core, 100)
+    told = shown(core)
+    assert told["settings"]["executed"] is None
+    left = told["route"]["wheel_over"]["seconds"]
+    assert left > 60
+    sail(core, left - 30)
+    assert "wheel-over to 045.0° within a minute" in texts(core)
+
+
 def test_the_wheel_over_is_warned_of_a_minute_before(routed):
     sail(routed, 100)
     told = shown(routed)["route"]
