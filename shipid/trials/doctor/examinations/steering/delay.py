@@ -8,7 +8,13 @@ import numpy as np
 
 from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
-from shipid.trials.doctor.examinations.steering.filtered import filtered, regular_signals, settled, squares
+from shipid.trials.doctor.examinations.steering.filtered import (
+    filtered,
+    regular_signals,
+    settled,
+    squares,
+    squares_of_each,
+)
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -91,7 +97,8 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
 
     step = max(signals.step / 2, half / 200)
     shifts = step * np.arange(-int(0.3 * half / step), int(0.3 * half / step) + 1)
-    left = np.array([misfit(np.interp(signals.t - shift, signals.t, delta)) for shift in shifts])
+    late = np.interp(signals.t[use, None] - shifts, signals.t, delta)
+    left = squares_of_each(late, np.column_stack(rest)[use], target)
     best = int(np.argmin(left))
     least = max(float(left[best]), 1e-300)
     return Answer(

@@ -139,3 +139,34 @@ def squares(design: np.ndarray, target: np.ndarray) -> float:
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
     rest = target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
     return float(rest @ rest)
+
+
+def squares_of_each(columns: np.ndarray, design: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Return the sums of squares of many linear models that differ in one regressor.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (m, n)
+        The regressor of each model.
+    design : ndarray, shape (m, p)
+        The regressors that all have.
+    target : ndarray, shape (m,)
+        What they explain.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    # What the common regressors explain is taken out of both sides once (Frisch and Waugh 1933).
+    scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
+    basis, size, _ = np.linalg.svd(scaled, full_matrices=False)
+    basis = basis[:, size > size[0] * np.finfo(float).eps * len(target)]
+    columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
+    # Twice: what is left of a regressor that the others nearly explain is rounding else.
+    for _ in range(2):
+        columns = columns - basis @ (basis.T @ columns)
+        target = target - basis @ (basis.T @ target)
+    own = np.maximum(np.einsum("mn,mn->n", columns, columns), 1e-300)
+    rest = target[:, None] - columns * (columns.T @ target / own)
+    found: np.ndarray = np.einsum("mn,mn->n", rest, rest)
+    return found
