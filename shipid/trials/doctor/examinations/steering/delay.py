@@ -84,27 +84,26 @@ def answer_to(p: WorkingCopy, name: str) -> Answer | None:
     r, slope, bend = filtered(signals, signals.r, constant)
     drag = filtered(signals, signals.r * np.abs(signals.r), constant)[0]
     cubic = filtered(signals, signals.r**3, constant)[0]
-    delta, rate, _ = filtered(signals, signals.delta, constant)
-    rest = [r, drag, cubic, np.ones_like(r)]
-    target = slope[use]
+    smooth, rate, _ = filtered(signals, signals.delta, constant)
+    target, delta = slope[use], smooth[use]
+    common = np.column_stack([r, drag, cubic, np.ones_like(r)])[use]
     # Accelerations below 1e-160 differ, but their squares do not.
     total = float(np.sum((target - target.mean()) ** 2))
     if total == 0:
         return None
 
     def misfit(*columns: np.ndarray) -> float:
-        return squares(np.column_stack([*columns, *rest])[use], target)
+        return squares(np.column_stack([*columns, common]), target)
 
     step = max(signals.step / 2, half / 200)
     shifts = step * np.arange(-int(0.3 * half / step), int(0.3 * half / step) + 1)
-    late = np.interp(signals.t[use, None] - shifts, signals.t, delta)
-    left = squares_of_each(late, np.column_stack(rest)[use], target)
-    best = int(np.argmin(left))
-    least = max(float(left[best]), 1e-300)
+    shifted = np.interp(signals.t[use, None] - shifts, signals.t, smooth)
+    best = int(np.argmin(squares_of_each(shifted, common, target)))
+    least = max(misfit(shifted[:, best]), 1e-300)
     return Answer(
         usual,
-        len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend) / least,
-        misfit(delta, bend, rate) / least, 1 - least / total, step,
+        len(start), float(shifts[best]), misfit(delta) / least, misfit(delta, bend[use]) / least,
+        misfit(delta, bend[use], rate[use]) / least, 1 - least / total, step,
     )  # fmt: skip
 
 

@@ -161,12 +161,11 @@ def squares_of_each(columns: np.ndarray, design: np.ndarray, target: np.ndarray)
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
     basis, size, _ = np.linalg.svd(scaled, full_matrices=False)
     basis = basis[:, size > size[0] * np.finfo(float).eps * len(target)]
+    target = target - basis @ (basis.T @ target)
     columns = columns / np.maximum(np.abs(columns).max(axis=0), 1e-300)
-    # Twice: what is left of a regressor that the others nearly explain is rounding else.
-    for _ in range(2):
-        columns = columns - basis @ (basis.T @ columns)
-        target = target - basis @ (basis.T @ target)
-    own = np.maximum(np.einsum("mn,mn->n", columns, columns), 1e-300)
-    rest = target[:, None] - columns * (columns.T @ target / own)
-    found: np.ndarray = np.einsum("mn,mn->n", rest, rest)
-    return found
+    shares = basis.T @ columns
+    whole = np.einsum("mn,mn->n", columns, columns)
+    own = whole - np.einsum("pn,pn->n", shares, shares)
+    # A regressor that the others explain to rounding explains nothing more.
+    gain = np.where(own > 1e-12 * whole, (columns.T @ target) ** 2 / np.maximum(own, 1e-300), 0.0)
+    return np.maximum(float(target @ target) - gain, 0.0)
