@@ -210,6 +210,10 @@ def examine_order(p: WorkingCopy) -> None:
         _order(p, 0.95, "delta equals delta_order in every sample", np.arange(len(p)))
     else:
         start, length, _reach = executes(delta)
+        # Across a gap the rudder has had the time it needed.
+        across = (np.diff(p.t) > 1.5 * p.sampling) | p.blind("delta")[1:] | p.blind("delta")[:-1]
+        seen = np.array([not across[a : a + n].any() for a, n in zip(start, length)], dtype=bool)
+        start, length = start[seen], length[seen]
         if len(start):
             step = np.abs(np.diff(delta))
             # One sample carries nearly the whole movement.
