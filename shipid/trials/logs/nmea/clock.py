@@ -9,6 +9,7 @@ import numpy as np
 
 from shipid.foundation.numbers import counted
 from shipid.trials.errors import ClockError
+from shipid.trials.logs.clocks.course import over_summer_time
 from shipid.trials.logs.nmea.errors import NoTimeError
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 from shipid.trials.logs.nmea.sentences.lines import DAY
@@ -129,6 +130,9 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
     if not log.dated:
         stamps, days = _unrolled(stamps)
         notes += _midnights(days)
+    else:
+        stamps, summer = over_summer_time(stamps)
+        notes += summer
     latest = np.maximum.accumulate(stamps)
     behind = latest - stamps
     far = np.flatnonzero(behind > DISORDER)
