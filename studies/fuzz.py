@@ -37,7 +37,7 @@ from _table import Row, show
 
 SECONDS, MEMORY = 10.0, 2 << 30
 #: How often each family comes.
-FAMILIES = {"text": 28, "tables": 16, "nmea": 10, "formats": 10, "doctor": 20, "windows": 6, "live": 10}
+FAMILIES = {"text": 24, "tables": 16, "nmea": 10, "messages": 6, "formats": 10, "doctor": 18, "windows": 6, "live": 10}
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,10 @@ def case(number: int, seed: int, family: str | None = None) -> Case:
         data = inputs.mutated(inputs.nmea() if chance.random() < 0.7 else inputs.canboat(), chance, strength)
         stated = ("--format", "nmea") if chance.random() < 0.5 else ()
         return Case(family, (*reading, "log.nmea", *stated, "--json"), {"log.nmea": data})
+    if family == "messages":
+        data = inputs.messages(chance, strength)
+        data = inputs.mutated(data, chance, 1) if chance.random() < 0.3 else data
+        return Case(family, (*reading, "log.raw", "--json"), {"log.raw": data})
     if family == "formats":
         data = inputs.mutated(inputs.FORMAT, chance, strength)
         return Case(
