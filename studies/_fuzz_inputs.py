@@ -109,22 +109,69 @@ def nmea() -> bytes:
 
 @functools.cache
 def canboat() -> bytes:
-    """Rate of turn, course and speed over ground, and position as NMEA 2000 in canboat's text form."""
+    """The record as NMEA 2000 in canboat's text form: heading, rudder, rate of turn, course and speed, position, a fix frame by frame."""
     frame = shipid.Trial.from_frame(table())
-    lines = []
+    lines = ["# format=FAST"]
     for k in range(len(frame)):
         stamp = (pd.Timestamp("2026-05-04T10:00:00") + pd.Timedelta(seconds=float(frame["t"][k]))).strftime(
-            "%Y-%m-%d-%H:%M:%S.%f"
-        )[:-3]
+            "%Y-%m-%dT%H:%M:%S.%f"
+        )[:-3] + "Z"
+        angle = [int((v % (2 * np.pi)) * 1e4).to_bytes(2, "little") for v in (frame["psi"][k], frame["psi"][k])]
+        rudder = int(frame["delta"][k] * 1e4).to_bytes(2, "little", signed=True)
         rate = int(frame["r"][k] / 3.125e-8).to_bytes(4, "little", signed=True)
-        course = int((frame["psi"][k] % (2 * np.pi)) * 1e4).to_bytes(2, "little")
         speed = int(frame["u"][k] * 100).to_bytes(2, "little") if frame.has("u") else b"\xff\xff"
-        for pgn, body in (
+        place = b"".join(int(v * 1e7).to_bytes(4, "little", signed=True) for v in (54.0 + 1e-5 * k, 10.0))
+        messages = [
+            (127250, b"\x01" + angle[0] + b"\xff\x7f\xff\x7f\xfc"),
+            (127245, b"\x00\xff\xff\x7f" + rudder + b"\xff\xff"),
             (127251, b"\x01" + rate + b"\xff\xff\xff"),
-            (129026, b"\x01\xfc" + course + speed + b"\xff\xff"),
-        ):
-            lines.append(f"{stamp},2,{pgn},27,255,8," + ",".join(f"{b:02x}" for b in body))
+            (129026, b"\x01\xfc" + angle[1] + speed + b"\xff\xff"),
+            (129025, place),
+        ]
+        if k % 5 == 0:
+            fix = bytes([7]) + b"\x00" * 42
+            frames = bytes([len(fix)]) + fix
+            messages += [(129029, bytes([n]) + frames[7 * n : 7 * n + 7].ljust(7, b"\xff")) for n in range(7)]
+        lines += [f"{stamp},2,{pgn},27,255,{len(body)}," + ",".join(f"{b:02x}" for b in body) for pgn, body in messages]
     return ("\n".join(lines) + "\n").encode()
+
+
+def messages(random_: random.Random, strength: int) -> bytes:
+    """A log of messages with what befalls such logs: cut lines, wrong and lost bytes, huge fields, other devices, clocks that jump."""
+    lines = canboat().split(b"\n")
+    for _ in range(strength):
+        k = random_.randrange(len(lines))
+        many = slice(k, k + random_.choice((1, 1, 5, 50, len(lines))))
+        cells = [line.split(b",") for line in lines[many]]
+        kind = random_.randrange(9)
+        number = random_.choice((b"0", b"255", b"-1", b"99999", b"127245", b"129029", b"9" * 40, b"", b"x", b"1e9"))
+        hexes = random_.choice((b"ff", b"7f", b"80", b"00", b"fe", b"0", b"zz", b"fff", b"ff" * 3000, b""))
+        where = random_.randrange(1, 7) if kind == 0 else 6 + random_.randrange(8)
+        years = random_.choice(
+            (b"2026-05-04", b"2026-10-25", b"0001-01-01", b"9999-12-31", b"2026-02-30", b"1970-01-01")
+        )
+        clock = random_.choice((b"T10:00:00Z", b"-25:61:61", b"T02:59:59.999Z", b" 00:00:00", b"T10:00:00.123456789Z"))
+        for one in cells:
+            if len(one) < 8:
+                continue
+            if kind in (0, 1) and where < len(one):
+                one[where] = number if kind == 0 else hexes
+            elif kind == 2:  # another device, often with the same message
+                one[3] = random_.choice((b"28", b"52", b"254"))
+            elif kind == 3:
+                one[0] = years + clock
+            elif kind == 4:  # the clock is set, all after it goes on
+                one[0] = one[0].replace(b"T10:", random_.choice((b"T09:", b"T11:", b"T23:")))
+            elif kind == 5:
+                del one[random_.randrange(len(one)) :]
+            elif kind == 6:
+                one[6:] = one[6:] * random_.choice((2, 40))
+            elif kind == 7:
+                one[7:] = [random_.choice((b"ff", b"00", b"80", b"7f")) for _ in one[7:]]
+        lines[many] = [b",".join(one) for one in cells]
+        if kind == 8:
+            lines[many] = random_.choice((lines[many][::-1], lines[many] * 2, []))
+    return b"\n".join(lines)
 
 
 FORMAT = b"""ship = "zeefakkel"
@@ -257,6 +304,8 @@ def stream(random_: random.Random) -> bytes:
     source = frame.iloc[:40].to_csv(index=False).encode()
     if random_.random() < 0.3:
         source = text("dates" if random_.random() < 0.5 else "semicolon")[:3000]
+    if random_.random() < 0.15:
+        return messages(random_, random_.choice((1, 2, 4, 12)))[:6000]
     return mutated(source, random_, random_.choice((1, 2, 4, 12)))
 
 

@@ -6,9 +6,9 @@ channel found, and answered by no repair of another kind; every trap of the real
 as found when a finding of its kind says so with that confidence; a finding beside it does not count against it. Mild faults
 are printed and not asked for: some are smaller than the noise.
 
-    python studies/doctor.py [--short] [--data FOLDER] [--json]
+    python studies/doctor.py [--short] [--kind FAULT]... [--data FOLDER] [--json]
 
-The real trials are not part of the project; the script looks for them in ``../shared/data`` or ``--data``.
+``--kind`` plants faults of one name only, as they stand in the table, prints each miss, and asks nothing else. The real trials are not part of the project; the script looks for them in ``../shared/data`` or ``--data``.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import json
 import sys
 import tempfile
 from collections import defaultdict
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -92,12 +93,14 @@ def names(diagnosis: shipid.trials.doctor.Diagnosis, kind: str) -> bool:
 
 
 def plant_all(
-    short_form: bool, folder: Path, real: list[tuple[str, shipid.Trial, str, str]]
+    short_form: bool, folder: Path, real: list[tuple[str, shipid.Trial, str, str]], only: Collection[str] = ()
 ) -> dict[str, list[list[int]]]:
-    """Plant every fault in every trial it fits; found and asked by fault and severity."""
+    """Plant every fault in every trial it fits; found and asked by fault and severity. Misses of faults that are named are printed."""
     counts: dict[str, list[list[int]]] = {}
     trials = base_trials(short_form) + real
     for what, (plant, sizes, kind, need) in FAULTS.items():
+        if only and what not in only:
+            continue
         rows = [[0, 0], [0, 0], [0, 0]]
         for k, (manoeuvre, trial, ship, level) in enumerate(trials):
             if (need != "lopsided" and not fits(need, manoeuvre, trial, ship)) or (
@@ -120,12 +123,31 @@ def plant_all(
                     plant_in = {c: log[c] for c in log.values if c != "delta_order"}
                     log.values = {**plant_in, "delta_order": log["delta"].copy()}
                 plant(log, size)
-                if level == "real":
+                if level == "real" and kind != "order-early":
                     log.values.pop("delta_order", None)
-                rows[s][0] += names(ask(log, folder), kind)
-                rows[s][1] += 1
+                diagnosis = ask(log, folder)
+                found = names(diagnosis, kind)
+                rows[s] = [rows[s][0] + found, rows[s][1] + 1]
+                if only and s and not found:
+                    seen = (
+                        ", ".join(f"{f.kind} {f.channel} {f.confidence:.2f}" for f in diagnosis.findings) or "nothing"
+                    )
+                    print(f"missed: {what} {size:g} in {trial.name}, noise {level} (trial {k}): {seen}", flush=True)
         counts[what] = rows
     return counts
+
+
+def below(counts: dict[str, list[list[int]]]) -> list[str]:
+    """The faults of which fewer than 95 % of the clear and gross ones are found."""
+    return [what for what, rows in counts.items() if rows[1][0] + rows[2][0] < 0.95 * (rows[1][1] + rows[2][1])]
+
+
+def print_planted(counts: dict[str, list[list[int]]]) -> None:
+    """Print how many of each fault are found."""
+    print(f"{'fault planted':<24s}{'mild':>10s}{'clear':>10s}{'gross':>10s}   asked: 95 % of clear and gross")
+    for what, rows in counts.items():
+        cells = "".join(f"{f'{a}/{b}':>10s}" for a, b in rows)
+        print(f"{what:<24s}{cells}   {'below' if what in below(counts) else 'holds'}")
 
 
 def alarms(short_form: bool, folder: Path) -> tuple[int, int, dict[str, int]]:
@@ -199,18 +221,24 @@ def campaigns(folder: Path, scratch: Path) -> dict[str, dict[str, list[str]]]:
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--short", action="store_true", help="a part of the simulated trials, about two minutes")
+    parser.add_argument(
+        "--kind", action="append", default=[], choices=list(FAULTS), metavar="FAULT", help="only this fault"
+    )
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--data", type=Path, default=Path(__file__).parents[1].parent / "shared" / "data")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         scratch = Path(name)
         real = [] if options.short else real_trials(options.data)
-        counts = plant_all(options.short, scratch, real)
+        counts = plant_all(options.short, scratch, real, options.kind)
+        if options.kind:
+            print_planted(counts)
+            return 1 if below(counts) else 0
         asked, wrong, kinds = alarms(options.short, scratch)
         clean = [(trial, ship) for _, trial, ship, _ in base_trials(True)[:: 5 if options.short else 2]]
         edges = edge_table(clean[:2], scratch, (1.0, 30.0)) if options.short else edge_table(clean, scratch)
         seen = campaigns(options.data, scratch) if options.data.exists() and not options.short else {}
-    misses = [what for what, rows in counts.items() if rows[1][0] + rows[2][0] < 0.95 * (rows[1][1] + rows[2][1])]
+    misses = below(counts)
     asked_for = TRAPS | RECORDINGS
     named = {c: sorted(set(asked_for[c]) - {k for found in files.values() for k in found}) for c, files in seen.items()}
     total = np.array(list(counts.values())).sum(axis=0)
@@ -225,10 +253,7 @@ def main() -> int:
             )
         )  # fmt: skip
         return 0 if holds else 1
-    print(f"{'fault planted':<24s}{'mild':>10s}{'clear':>10s}{'gross':>10s}   asked: 95 % of clear and gross")
-    for what, rows in counts.items():
-        cells = "".join(f"{f'{a}/{b}':>10s}" for a, b in rows)
-        print(f"{what:<24s}{cells}   {'below' if what in misses else 'holds'}")
+    print_planted(counts)
     print(f"{len(counts)} faults; clear and gross together: {total[1:, 0].sum()} of {total[1:, 1].sum()} ({share:.1%})")
     print(f"clean trials: {wrong} of {asked} with a finding ({wrong / asked:.1%}; asked: at most 2 %) {kinds or ''}")
     print("one wild sample in the first, second, last but one or last row: found, and repairs of another kind")

@@ -39,7 +39,7 @@ from _table import Row, show
 #: What an input may take of a processor; in all, so that other work on the machine is no fault; and of memory.
 SECONDS, LONGEST, MEMORY = 10.0, 60.0, 2 << 30
 #: How often each family comes.
-FAMILIES = {"text": 28, "tables": 16, "nmea": 10, "formats": 10, "doctor": 20, "windows": 6, "live": 10}
+FAMILIES = {"text": 24, "tables": 16, "nmea": 10, "messages": 6, "formats": 10, "doctor": 18, "windows": 6, "live": 10}
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,10 @@ def case(number: int, seed: int, family: str | None = None) -> Case:
         data = inputs.mutated(inputs.nmea() if chance.random() < 0.7 else inputs.canboat(), chance, strength)
         stated = ("--format", "nmea") if chance.random() < 0.5 else ()
         return Case(family, (*reading, "log.nmea", *stated, "--json"), {"log.nmea": data})
+    if family == "messages":
+        data = inputs.messages(chance, strength)
+        data = inputs.mutated(data, chance, 1) if chance.random() < 0.3 else data
+        return Case(family, (*reading, "log.raw", "--json"), {"log.raw": data})
     if family == "formats":
         data = inputs.mutated(inputs.FORMAT, chance, strength)
         return Case(

@@ -52,6 +52,21 @@ def given(value: float | None) -> str:
     return (mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa) + times + power
 
 
+def counted(count: int, one: str, several: str | None = None) -> str:
+    """Return a number of things with its noun: "1 gap", "3 gaps", "1 row is", "2 rows are".
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    one : str
+        What one of them is called.
+    several : str, optional
+        What any other number of them is called; by default with an s.
+    """
+    return f"{count} {one if count == 1 else several or one + 's'}"
+
+
 def fixed(value: float | None, decimals: int, *, sign: bool = False) -> str:
     """Return a number with a given number of decimals.
 

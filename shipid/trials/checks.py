@@ -10,6 +10,7 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import shown
+from shipid.foundation.numbers import counted
 from shipid.trials.errors import ClockError, LooksLikeDegreesError, NonFiniteError, TooShortError
 from shipid.trials.filling import GAP, interpolated, usual_interval
 
@@ -78,7 +79,7 @@ def check_stamped(columns: Mapping[str, np.ndarray], where: str, line: Callable[
         return
     first = ", ".join(str(line(int(k))) for k in rows[:3]) + (", ..." if len(rows) > 3 else "")
     raise NonFiniteError(
-        f"{where}: {len(rows)} rows have samples and no time, rows {first}, column 't'. Complete the clock or remove the rows; "
+        f"{where}: {counted(len(rows), 'row has', 'rows have')} samples and no time, rows {first}, column 't'. Complete the clock or remove the rows; "
         "if the samples come at a fixed interval, state [clock] interval in a format file."
     )
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from shipid.trials.signals.coarse import threshold_of
+
 #: Silences this long, of which there are so many at least, show whether a channel is written only on change.
 _SILENT, _SILENCES = 5.0, 2
 #: Share of the rows that repeat the one before, and of the steps at the beat, from which on a slow sensor is written again.
@@ -94,6 +96,32 @@ def repeats_of(values: np.ndarray) -> np.ndarray | None:
     result = np.zeros(len(values), dtype=bool)
     result[there[~fresh]] = True
     return result
+
+
+def repeats_below_threshold(values: np.ndarray) -> np.ndarray | None:
+    """Return which samples repeat a value that is written again only when it has moved by more than a threshold; None of other channels.
+
+    A value that stays for long is known to that threshold meanwhile: it counts once in the usual time between two that are written.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        The channel, NaN where a sample is missing; an angle unwrapped.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,), or None
+    """
+    there = np.flatnonzero(np.isfinite(values))
+    if there.size < 60 or threshold_of(values[there]) is None:
+        return None
+    fresh = np.append(True, np.diff(values[there]) != 0)
+    starts = np.flatnonzero(fresh)
+    beat = max(2, int(np.median(np.diff(starts))))
+    since = np.arange(there.size) - starts[np.cumsum(fresh) - 1]
+    result = np.zeros(len(values), dtype=bool)
+    result[there[since % beat != 0]] = True
+    return result if result.any() else None
 
 
 def _few_digits(moves: np.ndarray) -> bool:

@@ -203,7 +203,7 @@ def test_window_given_twice(log, table):
 def test_gap_in_the_clock(log, table):
     text = "\n".join(line for k, line in enumerate(table.splitlines()) if not 8 <= k <= 13)
     trial = read_trial(log(text))
-    assert any("1 gaps" in note for note in trial.source.notes)
+    assert any("has 1 gap," in note for note in trial.source.notes)
 
 
 def test_rudder_that_does_not_move(log, table):

@@ -44,6 +44,7 @@ def check(
     shipid check trial.csv --ship zeefakkel --fix -o repaired.csv
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.foundation.errors import MissingExtraError, MissingFileError, UsageError
+    from shipid.foundation.numbers import counted
     from shipid.trials.doctor.check_trial import check_trial
     from shipid.trials.doctor.findings import not_read
     from shipid.trials.doctor.repair import fix_trial
@@ -85,7 +86,7 @@ def check(
             )
             raise
         answers[0]["fixed"] = {"path": str(written), "repaired": [f.kind for f in repaired]}
-        texts.append(f"written: {written}, {len(repaired)} repairs")
+        texts.append(f"written: {written}, {counted(len(repaired), 'repair')}")
         code = ExitCode.DONE
     answer = answers[0] if len(answers) == 1 else {"trials": answers}
     delivery.hand_over_parts(

@@ -35,7 +35,8 @@ def measure(
 ) -> ExitCode:
     """Measure a zig-zag, a turning circle, a spiral or a pull-out in the terms of ITTC and IMO.
 
-    The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why.
+    The executes are the orders. What lies in a gap, or where a sensor shows nothing, is not known, and it says why. Exit code 5
+    where a serious finding of the doctor misleads the numbers.
 
     \b
     shipid measure trial.csv

@@ -106,7 +106,8 @@ def trial_sheet(
     rows = tuple(row for m in manoeuvres for row in measured_criteria(m.number, m.measures, stated, largest))
     record = whole.with_defaults({"length": stated})
     form = form_of(record, stated, [m.measures for m in manoeuvres])
-    warnings = _simulated([trial for trial, _ in sailed]) + _warnings(stated, rows, lost, unread) + _unmet(form, rows)
+    warnings = _simulated([trial for trial, _ in sailed]) + _doubts(manoeuvres)
+    warnings += _warnings(stated, rows, lost, unread) + _unmet(form, rows)
     return TrialSheet(record, stated, tuple(manoeuvres), rows, tuple(lost), tuple(warnings), form)
 
 
@@ -176,6 +177,12 @@ def _unmet(form: Sequence[FormEntry], rows: Sequence[MeasuredCriterion]) -> list
 def _simulated(trials: Sequence[Trial]) -> list[Notice]:
     names = [t.name for t in trials if t.source.simulated]
     return [Notice(f"Simulated, not measured: {', '.join(names)}.", "simulated")] if names else []
+
+
+def _doubts(manoeuvres: Sequence[SheetManoeuvre]) -> list[Notice]:
+    """What the doctor is sure of that misleads the numbers of a manoeuvre."""
+    told = [(m, note) for m in manoeuvres for note in m.measures.notes if isinstance(note, Notice) and note.serious]
+    return [note.about(f"manoeuvre {m.number}, {m.record.name}") for m, note in told]
 
 
 def _warnings(

@@ -12,7 +12,7 @@ import numpy as np
 from shipid.parameters.catalogue import ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.trials.doctor import segmentation
-from shipid.trials.doctor.examinations.motion import course, heading, over_ground, track
+from shipid.trials.doctor.examinations.motion import clock_scale, course, heading, over_ground, track, two_headings
 from shipid.trials.doctor.examinations.motion import rate_of_turn as rates
 from shipid.trials.doctor.examinations.record import clock, frozen, missing, names, outliers, rows, sampling
 from shipid.trials.doctor.examinations.steering import closed_loop, conduct, delay, standing
@@ -30,6 +30,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     clock.examine_clock,
     heading.examine_wrap,
     missing.examine_missing,
+    two_headings.examine_two_headings,
     outliers.examine_outliers,
     sampling.examine_resampling,
     sampling.examine_resolution,
@@ -52,6 +53,7 @@ _EXAMINATIONS: tuple[Callable[[WorkingCopy], None], ...] = (
     sampling.examine_sampling,
     sampling.examine_length,
     conduct.examine_start,
+    clock_scale.examine_lone_clock,
 )
 
 #: Faults of a log that the findings or the notes about guesses speak of.
@@ -184,7 +186,7 @@ def diagnose(copy: WorkingCopy, stretches: list[Stretch], handled: list[Finding]
         record.title,
         (*ordered, *(handled or [])),
         tuple(stretches),
-        (*record.notes, *refused),
+        (*record.notes, *refused, *copy.not_known),
         record.source.path,
         rows=len(record),
         left_out=tuple(copy.left_out),

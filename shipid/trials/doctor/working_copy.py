@@ -43,6 +43,8 @@ class WorkingCopy:
         Whether no time is known at all, so that nothing can be said about rates.
     unexamined : list of str
         Examinations that the numbers of the record did not allow.
+    not_known : list of str
+        What nothing in the record can tell, in sentences.
     """
 
     record: LenientRecord
@@ -56,6 +58,7 @@ class WorkingCopy:
     sparse: dict[str, np.ndarray] = field(default_factory=dict)
     clockless: bool = False
     unexamined: list[str] = field(default_factory=list)
+    not_known: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.values = {name: values.copy() for name, values in self.record.values.items()}

@@ -11,7 +11,7 @@ from scipy.ndimage import median_filter
 from shipid.declaration.vocabulary import FIELDS, angle
 from shipid.trials import columns
 from shipid.trials.filling import interpolated
-from shipid.trials.holding import held_on_change, repeats_of
+from shipid.trials.holding import held_on_change, repeats_below_threshold, repeats_of
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.positions import with_positions
 from shipid.trials.logs.record import LenientRecord
@@ -111,12 +111,16 @@ def without_repeats(record: LenientRecord) -> LenientRecord:
     """
     values, notes = dict(record.values), []
     for name in [c for c in _MEASURED if c in values]:
-        repeats = repeats_of(unwrapped(values[name]) if FIELDS[name].unit == "rad" else values[name])
+        printed = unwrapped(values[name]) if FIELDS[name].unit == "rad" else values[name]
+        repeats, why = repeats_of(printed), "repeats the last value of a slower sensor"
+        if repeats is None:
+            repeats, why = (
+                repeats_below_threshold(printed),
+                "is written again only when it has moved by more than a threshold",
+            )
         if repeats is not None:
             values[name] = np.where(repeats, np.nan, values[name])
-            notes.append(
-                f"{name} repeats the last value of a slower sensor: {int(repeats.sum())} of {len(repeats)} samples count as missing."
-            )
+            notes.append(f"{name} {why}: {int(repeats.sum())} of {len(repeats)} samples count as missing.")
     return replace(record, values=values, notes=(*record.notes, *notes)) if notes else record
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.numbers import counted
 from shipid.trials import columns
 from shipid.trials.errors import EmptyFileError, TrialError
 from shipid.trials.logs.record import LenientRecord
@@ -41,14 +42,16 @@ def with_missing(record: LenientRecord) -> LenientRecord:
             shown = ", ".join(f"{value:g}" for value in np.unique(printed[marked])[:3])
             first = record.line(int(np.flatnonzero(marked)[0]))
             notes.append(
-                f"{name}: {int(marked.sum())} samples are {shown}, which stands for a missing one, the first in row {first}."
+                f"{name}: {counted(int(marked.sum()), 'sample is', 'samples are')} {shown}, which stands for a missing one, the first in row {first}."
             )
     rows = np.any([np.isfinite(column) for column in values.values()], axis=0)
     ticking = record.format is not None and record.format.interval is not None
     if (
         not rows.all() and rows.any() and not ticking
     ):  # where rows come at a fixed interval, an empty one is a tick of the clock
-        notes.append(f"{int((~rows).sum())} rows without any number were left out of {len(rows)}.")
+        notes.append(
+            f"{counted(int((~rows).sum()), 'row')} without any number {'was' if (~rows).sum() == 1 else 'were'} left out of {len(rows)}."
+        )
         record = replace(record, values=values).keep(rows)
         values = dict(record.values)
     empty = [name for name, column in values.items() if name != "t" and not np.isfinite(column).any()]

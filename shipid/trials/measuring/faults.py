@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shipid.foundation.notices import Notice
 from shipid.trials.doctor.check_trial import check_trial
 from shipid.trials.doctor.findings import SURE, Diagnosis
 from shipid.trials.trial import Trial
@@ -19,6 +20,9 @@ _STEP = "heading-step"
 _BESIDE = ("track-inconsistent",)
 #: Kinds that are told at the numbers they touch.
 _TOLD = ("gap", "hole", "missing", "sentinel", "short")
+#: Kinds that mislead an identification and no number measured here: the execute is the order, and the uncertainty stated holds the
+#: grain and the interval of the samples.
+_HARMLESS = ("order-not-feedback", "coarse-sampling", "quantised", "written-on-change")
 #: A finding about single samples that are scattered says where they begin and end, not which they are.
 _TOGETHER = 0.8
 _NAMES = {
@@ -92,21 +96,29 @@ class Faults:
             if start < when <= end
         ]
 
-    def notes(self, names: Sequence[str]) -> list[str]:
-        """Return what the doctor is sure of about these columns and what is not left out already.
+    def notes(self, names: Sequence[str]) -> list[Notice]:
+        """Return what the doctor is sure of about these columns and what is not left out already; serious where numbers are misled.
 
         Parameters
         ----------
         names : sequence of str
             The columns that are measured.
         """
-        said = []
+        said: list[Notice] = []
         for found in self.diagnosis.bearing_on(names):
             beside = found.kind in _BESIDE and found.confidence >= SURE
             # A gap is told at the numbers it touches.
             if (found.serious or beside) and found.kind not in _TOLD:
                 left_out = found.kind in _SHOW_NOTHING and bool({*found.channels} & {*self.wrong})
-                said.append(f"{found.kind} ({found.channel}): {found.message}" + ("; left out" if left_out else ""))
+                words = f"{found.kind} ({found.channel}): {found.message}" + ("; left out" if left_out else "")
+                serious = found.serious and not left_out and found.kind not in _HARMLESS
+                said.append(Notice(words, found.kind, serious=serious, channel=found.channel))
+        others = [
+            f for f in self.diagnosis.serious if f not in self.diagnosis.bearing_on(names) and f.kind not in _TOLD
+        ]
+        if others:
+            what = ", ".join(f"{f.kind} ({f.channel})" for f in others)
+            said.append(Notice(f"in columns that are not measured here the doctor finds: {what}", "elsewhere"))
         return said
 
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.notices import Notice
 from shipid.trials.checks import STEADY_RUDDER
 from shipid.trials.measuring.rudder.steering import Steering
+from shipid.trials.measuring.track import speed_channel
+from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel
 from shipid.trials.signals.series import smoothed
 from shipid.trials.trial import Trial
@@ -16,6 +21,14 @@ _SLOW = 0.15
 _LONG = 0.05
 """A course is kept for this share of the record at least."""
 _APART = np.radians(4.0)
+_KEPT = np.radians(0.7)
+"""A rudder that is reversed nearer to the course than this keeps it."""
+_SCATTER, _ODD = 0.6, 0.34
+"""A reversal farther from the usual heading than this share of it is odd; a zig-zag has fewer odd ones than that share."""
+_LOST = 0.25
+"""Of her approach speed a ship keeps more than this in a zig-zag, however hard."""
+_UNEVEN = 0.4
+"""Of two reversals alone, the nearer to the course over the farther, at least."""
 
 
 def instead_of_manoeuvre(trial: Trial, steering: Steering, psi: Channel) -> str:
@@ -66,6 +79,35 @@ def _courses(psi: Channel) -> str:
     )
 
 
+def steered_by_hand(headings: Sequence[float | None], others: int) -> str:
+    """Return why reversals of the rudder are no zig-zag, in words: no one heading ordered them; empty where one did.
+
+    Parameters
+    ----------
+    headings : sequence of float or None
+        Heading at each reversal, from the initial course, positive to the side of the rudder before it [rad]; None where not known.
+    others : int
+        Stretches of the record in which the rudder is over as well, and that are no part of the zig-zag.
+    """
+    known = np.array([h for h in headings if h is not None], dtype=float)
+    if not known.size:
+        return ""
+    usual = float(np.median(known))
+    told = ", ".join(f"{np.degrees(h):.1f}" for h in known[:6]) + (", ..." if known.size > 6 else "")
+    if usual < _KEPT:
+        return f"the rudder is reversed at headings of {told} deg from the initial course to its side, and no heading ordered it"
+    odd = float(np.mean(np.abs(known - usual) > _SCATTER * usual + _KEPT))
+    uneven = known.size == 2 and float(known.min()) < _UNEVEN * float(known.max()) - _KEPT
+    if odd > _ODD or uneven:
+        return (
+            f"the rudder is reversed at headings of {told} deg from the initial course to its side, at no one heading"
+        )
+    # Three reversals at one heading are no chance; before them the helm may have been steered by hand for long.
+    if known.size < 3 and others > known.size:
+        return f"the rudder is over {others} times more, and reversed at the same heading only {known.size} times"
+    return ""
+
+
 def propeller_words(trial: Trial, start: float | None = None, end: float | None = None) -> str:
     """Return a sentence where the propeller is stopped or reversed: no standard manoeuvre does that.
 
@@ -96,3 +138,46 @@ def propeller_words(trial: Trial, start: float | None = None, end: float | None 
         if lasting.any():
             return f"The propeller is {what} at {when[int(np.argmax(lasting))]:.4g} s."
     return ""
+
+
+def propeller_doubts(trial: Trial, start: float | None, end: float) -> list[Notice]:
+    """Return a serious notice where the propeller is stopped or reversed in a zig-zag.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    start, end : float or None
+        From when to when [s]; from the beginning of the record where None.
+    """
+    said = propeller_words(trial, start, end)
+    return [Notice(said.rstrip(".") + ": no zig-zag does that", "propeller", serious=True)] if said else []
+
+
+def slowed_down(
+    trial: Trial, wrong: Mapping[str, np.ndarray], approach: float | None, second: float, end: float, half: float
+) -> list[Notice]:
+    """Return a serious notice where the ship loses nearly all her way: a rudder alone does not brake her so far.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    wrong : Mapping of str to ndarray of bool, shape (samples,)
+        Samples that count as missing, by column.
+    approach : float or None
+        Speed at the first execute [m/s].
+    second, end : float
+        When the second execute is, and when the zig-zag ends [s].
+    half : float
+        Half the width over which speeds are averaged [s].
+    """
+    moving = speed_channel(trial, wrong)
+    if moving is None or not end > second:
+        return []
+    before, last = (series.value_at(moving.t, moving.y, when, half, 1) for when in (second, end))
+    before = before if approach is None else approach
+    if before <= 0 or last > _LOST * before:
+        return []
+    words = f"the speed falls from {before:.3g} to {last:.3g} m/s: no rudder brakes a ship so far, the propeller is slowed or stopped"
+    return [Notice(words, "propeller", serious=True)]

@@ -14,10 +14,11 @@ from shipid.trials.doctor.findings import Diagnosis
 from shipid.trials.errors import NotAManoeuvreError, UnknownColumnError
 from shipid.trials.logs.reading import trials_of
 from shipid.trials.measuring.faults import Faults, faults_of
-from shipid.trials.measuring.instead import instead_of_manoeuvre
+from shipid.trials.measuring.instead import instead_of_manoeuvre, propeller_words
 from shipid.trials.measuring.listing import chosen, manoeuvres_in
 from shipid.trials.measuring.pull_out import measure_pull_out
 from shipid.trials.measuring.results.measures import Measures
+from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.measuring.rudder.steering import Steering, steering_of
 from shipid.trials.measuring.spiral import is_spiral, measure_spiral
 from shipid.trials.measuring.turn import measure_turn, turning_plate
@@ -99,7 +100,13 @@ def measure(
         part = chosen(trial, manoeuvres_in(trial, faults.diagnosis), manoeuvre, kind)
     if part is not trial:
         faults = faults_of(part, faults.diagnosis)
-    return _MEASURE[kind or _detected(part, faults)](part, execute, metres, faults)
+    measured = _MEASURE[kind or _detected(part, faults)](part, execute, metres, faults)
+    if kind is None and isinstance(measured, ZigZag) and measured.doubt:
+        raise NotAManoeuvreError(
+            f"trial '{trial.name}' is no zig-zag: {measured.doubt}. {propeller_words(trial)} Choose the window of the manoeuvre "
+            "(FILE@start:end), or state its kind.".replace("  ", " ")
+        )
+    return measured
 
 
 def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:

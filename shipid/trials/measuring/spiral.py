@@ -23,6 +23,8 @@ _SHORTEST = 0.015
 """A stage takes this share of the record at least."""
 _LEVEL = 0.02
 """Within a stage the level stays within this share of its range."""
+_MOST = 0.6
+"""More than this share of the stages of a spiral last long enough for a rate: a helm that rests here and there is none."""
 _LOOP = 0.05
 """A loop lower than this share of the largest rate is none."""
 _SETTLED = 0.03
@@ -81,7 +83,7 @@ class _Stage:
 
 
 def is_spiral(trial: Trial, faults: Faults) -> bool:
-    """Return whether the rudder, or the rate of turn, goes down and up in stages.
+    """Return whether the rudder, or the rate of turn, goes down and up in stages that last long enough to show a rate.
 
     Parameters
     ----------
@@ -90,7 +92,10 @@ def is_spiral(trial: Trial, faults: Faults) -> bool:
     faults : Faults
         What the doctor found.
     """
-    return bool(_stages(trial, faults)[1])
+    stages = _stages(trial, faults)[1]
+    psi = channel_of(trial, "psi", faults.wrong.get("psi"))
+    shown = [bool(np.isfinite(_rate(psi, stage)[0])) for stage in stages]
+    return sum(shown) > _MOST * len(shown)
 
 
 def measure_spiral(trial: Trial, execute: str | None, length: float | None, faults: Faults) -> MeasuredSpiral:

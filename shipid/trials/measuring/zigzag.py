@@ -9,11 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.notices import Notice
 from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
-from shipid.trials.measuring.instead import propeller_words
+from shipid.trials.measuring.instead import propeller_doubts, slowed_down, steered_by_hand
 from shipid.trials.measuring.results.zigzag import ZigZag
-from shipid.trials.measuring.rudder.doubts import late_by, late_words, setting_out, silent_in
+from shipid.trials.measuring.rudder.doubts import late_by, late_words, others_than, setting_out, silent_in
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import distance_between, over_ground_notes, speed_channel
@@ -189,12 +190,21 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     # The middle between the sides: a rudder that reads some degrees to one side was ordered alike to both.
     ordered_angle = 0.5 * sum(max(abs(plate.angle) for plate in held if plate.side == sign) for sign in (1, -1))
     switch = float(np.median(signs * (ordered - course)))
+    doubt = steered_by_hand(
+        [
+            None if f"execute_headings[{k}]" in reasons else float(v)
+            for k, v in enumerate(signs * (ordered - course), 1)
+        ],
+        others_than(held, everything),
+    )
+    slowed = slowed_down(trial, faults.wrong, beginning["approach_speed"], when[0], end, half)
     return ZigZag(
         trial=trial.name,
         execute=steering.reading,
         read_from=steering.words,
         nominal=f"{_nominal(ordered_angle)}/{_nominal(switch)}",
         first_side="starboard" if side > 0 else "port",
+        doubt=doubt,
         rudder=angle_held,
         rudder_rate=steering.rate,
         heading=float(np.median(signs * (at - course))),
@@ -218,8 +228,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         period=float(np.mean(cycles)) if cycles else None,
         initial_turning_ratio=None if distance is None or length is None else distance / length,
         reasons=reasons,
-        notes=(*notes, *_late_rudder(late_by(trial, steering), steering, psi, when, side, end), *silent_in(steering, held, faults),
-               *_propeller(trial, first, end), *_left_out(logged), *_left_out(steering.channel),
+        notes=(*notes, *([Notice(f"it may be no zig-zag: {doubt}", "no-zigzag", serious=True)] if doubt else []), *slowed,
+               *_late_rudder(late_by(trial, steering), steering, psi, when, side, end), *silent_in(steering, held, faults),
+               *propeller_doubts(trial, None if first is None else first.time, end), *_left_out(logged), *_left_out(steering.channel),
                *_bridges(logged, psi, when, faults),
                *faults.notes(("psi", steering.channel.name, "u", "U"))),
         **beginning,
@@ -375,11 +386,6 @@ def _late_rudder(
     found = swings(psi.t, psi.y, setting_out(steering, when, lag), side=side, end=end)
     said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond, _, _ in found)
     return [f"{late_words(lag)}; counted from there the overshoots are {said} deg"]
-
-
-def _propeller(trial: Trial, first: Execute | None, end: float) -> list[str]:
-    said = propeller_words(trial, None if first is None else first.time, end)
-    return [said.rstrip(".") + ": no zig-zag does that"] if said else []
 
 
 def _left_out(channel: Channel) -> list[str]:

@@ -113,6 +113,7 @@ def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spik
     wild = spikes_of(y) if spikes else np.zeros(len(y), dtype=bool)
     out = tuple(float(when) for when in t[wild])
     t, y = t[~wild], y[~wild]
+    grain = _grain(y) or threshold_of(y, np.flatnonzero(there)[~wild])
     usual = usual_interval(t)
     long = np.flatnonzero(np.diff(t) > GAP * usual) if len(t) > 1 else np.empty(0, dtype=int)
     digit = _digit(y) if long.size else None
@@ -122,7 +123,7 @@ def channel_of(trial: Trial, name: str, wrong: np.ndarray | None = None, *, spik
         silent = np.abs(np.diff(y))[long] < 1.5 * digit
         holes = [hole for hole, held in zip(holes, silent) if not held]
         t, y = _held(t, y, long[silent], usual)
-    return Channel(name, t, y, tuple(holes), usual, digit, out, _grain(y) or threshold_of(y))
+    return Channel(name, t, y, tuple(holes), usual, digit, out, grain)
 
 
 def spikes_of(y: np.ndarray) -> np.ndarray:

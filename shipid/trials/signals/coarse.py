@@ -36,7 +36,7 @@ class Ramps:
     step: float
 
 
-def threshold_of(values: np.ndarray) -> float | None:
+def threshold_of(values: np.ndarray, places: np.ndarray | None = None) -> float | None:
     """Return the threshold of a channel that is written again only when it has moved by more than that; None of any other.
 
     Its steps are never small, of any size above the threshold, and no multiples of a digit.
@@ -45,12 +45,15 @@ def threshold_of(values: np.ndarray) -> float | None:
     ----------
     values : ndarray, shape (n,)
         The samples that are there, repeated where nothing was written; an angle unwrapped.
+    places : ndarray of int, shape (n,), optional
+        The rows of the record they stand in, where repeated values are left out of it.
     """
     step = np.abs(np.diff(values))
     moves = step[step > 0]
-    changed = np.flatnonzero(np.diff(values))
+    steps = np.flatnonzero(np.diff(values))
+    changed = steps if places is None else places[steps + 1]
     # What moves on to the same side after a sample without a move: a ramp without noise moves in every sample.
-    onward = np.diff(np.sign(np.diff(values)[changed])) == 0
+    onward = np.diff(np.sign(np.diff(values)[steps])) == 0
     if moves.size < 12 or not onward.any() or np.mean(np.diff(changed)[onward] > 1) < _REPEATED:
         return None
     small, usual = float(np.quantile(moves, 0.03)), float(np.median(moves))

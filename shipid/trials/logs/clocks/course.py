@@ -86,6 +86,52 @@ def hour_on(seconds: np.ndarray) -> int | None:
     return int(at[jumps[0] + 1]) if jumps.size == 1 else None
 
 
+def over_summer_time(stamps: np.ndarray) -> tuple[np.ndarray, list[str]]:
+    """Let the local stamps of lines run on where summer time ends or begins.
+
+    Parameters
+    ----------
+    stamps : ndarray, shape (n,)
+        With their day [s since 1970]; several lines may share one.
+
+    Returns
+    -------
+    stamps : ndarray, shape (n,)
+        Running on.
+    notes : list of str
+        What was done.
+    """
+    seconds = np.floor(stamps)
+    for k, hour, words in (
+        (hour_back(seconds), HOUR, "goes back by an hour at {}, where summer time ends: it was let run on"),
+        (_on(seconds), -HOUR, "goes on by an hour at {}, where summer time begins: the hour was taken out"),
+    ):
+        if k is not None and ends_summer(float(stamps[k - 1])):
+            before = datetime(1970, 1, 1) + timedelta(seconds=float(stamps[k - 1]))
+            words = words.format(f"{before:%Y-%m-%dT%H:%M:%S}")
+            return np.where(np.arange(stamps.size) >= k, stamps + hour, stamps), [f"WARNING: the clock {words}."]
+    return stamps, []
+
+
+def _on(seconds: np.ndarray) -> int | None:
+    """The line at which whole seconds go on from the last of an hour to the first of the next but one."""
+    k = np.flatnonzero(begins_summer(seconds[:-1], seconds[1:]))
+    return int(k[0] + 1) if k.size == 1 else None
+
+
+def begins_summer(before: np.ndarray | float, after: np.ndarray | float) -> np.ndarray:
+    """Return whether a clock goes on by an hour from one stamp to the next, at the full hour, but for two seconds.
+
+    Parameters
+    ----------
+    before, after : ndarray or float
+        The stamps [s since 1970].
+    """
+    near = (np.mod(after, HOUR) <= 2.0) & (np.mod(-np.asarray(before), HOUR) <= 2.0)
+    on: np.ndarray = near & (np.abs(np.asarray(after) - before - HOUR) <= 2.0)
+    return on
+
+
 def ends_summer(before: float) -> bool:
     """Return whether summer time can end or begin at a moment: in the small hours of a Sunday in spring or autumn.
 

@@ -17,7 +17,8 @@ NAMES = (
     "t", "time", "datetime", "timestamp", "timestamps", "dateandtime", "datetimeutc", "utcdatetime", "utc", "utctime", "timeutc",
     "zeitstempel", "datumzeit", "datumuhrzeit", "zeit", "uhrzeit", "localtime", "timelocal", "lokaltid", "ortszeit", "gpstime",
     "timegps", "gpsutc", "epoch", "epochtime", "unix", "unixtime", "posixtime", "unixtimestamp", "tvec", "elapsed", "elapsedtime",
-    "时间", "時間", "时刻", "時刻", "시간", "время", "czas", "zaman", "aika", "seconds", "timeofday", "tod", "hhmmss", "clock", "ts", "ros time".replace(" ", ""), "stamp", "tid", "tijd", "heure", "hora",
+    "时间", "時間", "时刻", "時刻", "시간", "время", "czas", "zaman", "aika", "seconds", "timeofday", "tod", "hhmmss", "clock", "ts", "ros time".replace(" ", ""), "stamp", "tid", "tijd", "tijdstip", "tijdstempel", "datumtijd", "looptijd", "klokkeslett", "tidspunkt", "tidsstempel", "tiempo", "horalocal", "horautc",
+    "horodatage", "dateheure", "heurelocale", "messzeit", "laufzeit", "heure", "hora",
     "tempo", "temps", "fechahora", "tow", "itow", "gpstow", "timeofweek", "gpstimeofweek", "datetimestamp", "timestamputc",
     "recordtime", "logtime", "systemtime", "date", "datum", "dato", "fecha", "day", "datetimelocal", "index",
 )  # fmt: skip

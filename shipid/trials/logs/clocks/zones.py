@@ -25,12 +25,15 @@ class Zone:
         Whether the seconds are UTC.
     undecided : bool
         Whether the day is not known.
+    assumed : bool
+        Whether the stamps lie in the hour that summer time repeats, and were taken for the second one.
     """
 
     name: str = ""
     ahead: np.ndarray = field(default_factory=lambda: np.zeros(0))
     converted: bool = False
     undecided: bool = False
+    assumed: bool = False
 
     @property
     def remark(self) -> str:
@@ -100,4 +103,4 @@ def to_utc(seconds: np.ndarray, name: str | None) -> tuple[np.ndarray, Zone, tup
     ahead = np.full(len(seconds), np.nan)
     utc_ns = utc.tz_convert("UTC").tz_localize(None).to_numpy(dtype="datetime64[ns]")
     ahead[known] = (local.to_numpy(dtype="datetime64[ns]") - utc_ns).astype("int64") / 1e9
-    return seconds - ahead, Zone(str(name), ahead, converted=True), notes
+    return seconds - ahead, Zone(str(name), ahead, converted=True, assumed=bool(notes)), notes

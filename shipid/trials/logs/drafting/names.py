@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
@@ -14,24 +15,24 @@ from shipid.trials.columns import split_header
 _IN_USE: dict[str, str] = {
     "x": "xpositionmid north northing xnorth posnorth positionnorth xpos posx x0 xposition nordwert hochwert",
     "y": "ypositionmid e east easting yeast poseast positioneast ypos posy y0 yposition ostwert rechtswert",
-    "psi": "psihat heading hdg hdt headingtrue trueheading hdgtrue gyro gyroheading compass compassheading yaw yawangle psi steuerkurs "
+    "psi": "voorliggendekoers kompaskoers gyrokoers gyrokurs rettvisendekurs kurskompass capcompas capgyro capgéographique rumboverdadero rumbogiroscópico rumbocompás psihat heading hdg hdt headingtrue trueheading hdgtrue gyro gyroheading compass compassheading yaw yawangle psi steuerkurs "
     "kompasskurs kompass kreisel kreiselkompass headingtru shipheading vesselheading stevning koers rumbo prora proa capvrai keula "
     "pruva 方位 船首方位 艏向 船首向 航向 선수각 선수방위",
-    "r": "rangvelo rot rateofturn turnrate yawrate yawvelocity rate gyrorate drehrate gierrate wendegeschwindigkeit drehgeschwindigkeit rotation "
+    "r": "bochtsnelheid draaihoeksnelheid wendegeschw drehgeschw vitessedegiration vitessedelacet vitessedevirage tauxdevirage velocidaddeguiñada tasadegiro régimendegiro svingehastighet svingrate girrate girvinkelhastighet dreiehastighet drejehastighed rangvelo rot rateofturn turnrate yawrate yawvelocity rate gyrorate drehrate gierrate wendegeschwindigkeit drehgeschwindigkeit rotation "
     "angvelz rz girhastighet girhastighed draaisnelheid vitessederotation tauxdegiration tauxderotation velocidaddegiro velocitadivirata "
     "角速度 回頭角速度 转首角速度 轉首角速度 회두각속도",
-    "u": "uvelo stw speedthroughwater waterspeed logspeed surge surgespeed surgevelocity vx fdw fahrtdurchswasser longspeed sogwater",
+    "u": "vaartdoorhetwater snelheiddoorhetwater vaartdoorwater geschwindigkeitdurchswasser fahrtdurchwasser fahrtdw vitessesurface vitessedansleau velocidadenelagua velocidadporelagua fartgjennomvannet fartgjennomvann fartigennemvandet uvelo stw speedthroughwater waterspeed logspeed surge surgespeed surgevelocity vx fdw fahrtdurchswasser longspeed sogwater",
     "v": "vmvelo sway swayspeed swayvelocity vy transspeed transversespeed",
-    "SOG": "sog speedoverground groundspeed gpsspeed fug fahrtüberground fahrtübergrund vog",
-    "COG": "cog courseoverground gpscourse kug kursübergrund trackmadegood tmg",
-    "delta": "deltarudder rudder rudderangle rudderfeedback rudderactual rudderposition rudderpos rud rsa ruder ruderwinkel ruderlage ruderistwert "
+    "SOG": "vaartoverdegrond vaartovergrond snelheidoverdegrond grondsnelheid fahrtüg geschwindigkeitübergrund vitessefond vitessesurlefond velocidadsobreelfondo velocidadsobrefondo fartovergrunn fartoverbunn fartoverbunden sog speedoverground groundspeed gpsspeed fug fahrtüberground fahrtübergrund vog",
+    "COG": "koersoverdegrond koersovergrond grondkoers kursüg routefond routesurlefond capfond rumbosobreelfondo rumbosobrefondo kursovergrunn kursoverbunn beholdtkurs cog courseoverground gpscourse kug kursübergrund trackmadegood tmg",
+    "delta": "roerhoekgemeten werkelijkeroerhoek ruderlageist ruderwinkelist anglebarre anglegouvernail angledegouvernail angledesafran barreréelle ángulotimón pala ángulodepala rorutslag roderutslag deltarudder rudder rudderangle rudderfeedback rudderactual rudderposition rudderpos rud rsa ruder ruderwinkel ruderlage ruderistwert "
     "helmangle rorvinkel ror roer roerhoek roerstand delta azimuth azimuthangle azi roder rodervinkel barre angledebarre gouvernail safran "
     "timón timon angulodetimon ángulodetimón timone angolotimone leme angulodeleme ster руль рульугол peräsin peräsinkulma dümen dumen 舵角 타각",
-    "delta_order": "rudderorder ruddercommand ruddercmd ruddersetpoint ruddersp rudderdemand orderedrudder commandedrudder rudderset "
+    "delta_order": "roergever roerorder roercommando roeropdracht gewensteroerhoek roerhoekgewenst ruderlagesoll ruderwinkelsoll rudersoll rudervorgabe consignedebarre ordredebarre barrecommandée ordendetimón timónordenado rorordre rorkommando beordretrorvinkel rudderorder ruddercommand ruddercmd ruddersetpoint ruddersp rudderdemand orderedrudder commandedrudder rudderset "
     "rudersollwert sollruder ruderbefehl deltaorder deltac deltacmd",
-    "n": "nprop rpm shaftrpm propellerrpm proprpm shaftspeed propspeed rev revs revolutions drehzahl wellendrehzahl propellerdrehzahl "
+    "n": "asrevoluties schroeftoerental wellendrehz tourshélice régimehélice vitessehélice rpmhélice revoluciones turtall propellturtall akselturtall omdrejninger varvtal nprop rpm shaftrpm propellerrpm proprpm shaftspeed propspeed rev revs revolutions drehzahl wellendrehzahl propellerdrehzahl "
     "omdreiningar toerental",
-    "phi": "roll rollangle heel heelangle krängung rollwinkel slagside",
+    "phi": "slingerhoek rolhoek helling krängungswinkel roulis gîte angledegîte escora rulling rullevinkel krengning krengningsvinkel roll rollangle heel heelangle krängung rollwinkel slagside",
     "p": "rollrate rollvelocity rollgeschwindigkeit",
     "wind_speed": "truewindspeed tws windspeedtrue",
     "wind_direction": "truewinddirection twd winddirectiontrue",
@@ -39,13 +40,22 @@ _IN_USE: dict[str, str] = {
     "wind_direction_relative": "relativewinddirection apparentwindangle awa rwd relativewindangle winddirectionrelative",
     "thrust": "propellerthrust schub", "torque": "propellertorque shafttorque drehmoment",
     "beta": "drift driftangle driftwinkel",
-    "lat": "lat latitude gpslat breite geographischebreite", "lon": "lon lng long longitude gpslon länge geographischelänge laenge",
+    "lat": "breedtegraad breitengrad latitud breddegrad lat latitude gpslat breite geographischebreite", "lon": "lengtegraad längengrad longitud lengdegrad længdegrad lon lng long longitude gpslon länge geographischelänge laenge",
 }  # fmt: skip
-_FIELDS = {alias: name for name, aliases in _IN_USE.items() for alias in aliases.split()}
+_APART = str.maketrans({"ø": "o", "æ": "ae", "ß": "ss", "ı": "i", "ł": "l", "œ": "oe"})
+
+
+def _plain(text: str) -> str:
+    """A name without accents: loggers leave them out, and files lose them."""
+    letters = unicodedata.normalize("NFKD", text.lower().translate(_APART))
+    return "".join(c for c in letters if not unicodedata.combining(c))
+
+
+_FIELDS = {_plain(alias): name for name, aliases in _IN_USE.items() for alias in aliases.split()}
 _FIELDS |= {name.lower().replace("_", ""): name for name in FIELDS if name not in ("u", "U", "n", "t")}
 
 #: Names that mean more than one field, and which.
-AMBIGUOUS: dict[str, tuple[str, ...]] = {
+_OPEN: dict[str, tuple[str, ...]] = {
     "speed": ("u", "SOG"), "vesselspeed": ("u", "SOG"), "shipspeed": ("u", "SOG"), "geschwindigkeit": ("u", "SOG"),
     "fahrt": ("u", "SOG"), "fart": ("u", "SOG"), "snelheid": ("u", "SOG"), "velocity": ("u", "SOG"),
     "kurs": ("psi", "COG"), "course": ("psi", "COG"), "cap": ("psi", "COG"), "track": ("COG", "psi"),
@@ -54,8 +64,15 @@ AMBIGUOUS: dict[str, tuple[str, ...]] = {
     "n": ("n", "x"), "vitesse": ("u", "SOG"), "velocidad": ("u", "SOG"), "velocidade": ("u", "SOG"), "velocità": ("u", "SOG"),
     "velocita": ("u", "SOG"), "prędkość": ("u", "SOG"), "скорость": ("u", "SOG"), "nopeus": ("u", "SOG"), "hız": ("u", "SOG"),
     "船速": ("u", "SOG"), "航速": ("u", "SOG"), "선속": ("u", "SOG"), "rota": ("psi", "COG"), "rotta": ("psi", "COG"), "rumo": ("psi", "COG"),
+    "vaart": ("u", "SOG"), "hastighet": ("u", "SOG"), "hastighed": ("u", "SOG"),
+    "windsnelheid": ("wind_speed_relative", "wind_speed"), "windrichting": ("wind_direction_relative", "wind_direction"),
+    "windgeschwindigkeit": ("wind_speed_relative", "wind_speed"), "windrichtung": ("wind_direction_relative", "wind_direction"),
+    "vindhastighet": ("wind_speed_relative", "wind_speed"), "vindretning": ("wind_direction_relative", "wind_direction"),
+    "vitesseduvent": ("wind_speed_relative", "wind_speed"), "directionduvent": ("wind_direction_relative", "wind_direction"),
+    "velocidaddelviento": ("wind_speed_relative", "wind_speed"), "direccióndelviento": ("wind_direction_relative", "wind_direction"),
     "route": ("COG", "psi"), "курс": ("psi", "COG"), "針路": ("psi", "COG"), "suunta": ("psi", "COG"),
 }  # fmt: skip
+_AMBIGUOUS = {_plain(name): fields for name, fields in _OPEN.items()}
 #: Words at the end of a name that say its unit.
 _UNITS = {
     "deg": "deg", "degs": "deg/s", "degmin": "deg/min", "degpermin": "deg/min", "degpersec": "deg/s", "degrees": "deg", "grad": "deg",
@@ -102,13 +119,13 @@ def meaning_of(header: str) -> Meaning:
     name = split_header(header)[0]
     if name in FIELDS:
         return Meaning((name,), "the name of the field itself", _unit_of(name))
-    words = [word for word in re.split(r"[\W_]+|(?<=[a-zäöü])(?=[A-Z])", name) if word]
+    words = [word for word in re.split(r"[\W_]+|(?<=[^\W\d_A-Z])(?=[A-Z])", name) if word]
     tail = words[-1].lower() if len(words) > 1 else ""
     unit = _UNITS.get(tail)
-    whole, kept = "".join(words).lower(), "".join(words[:-1] if unit else words).lower()
+    whole, kept = _plain("".join(words)), _plain("".join(words[:-1] if unit else words))
     for text, side in ((whole, ""), (kept, ""), (_SIDE.sub("", kept), " of one side")):
-        if text in AMBIGUOUS:
-            fields = AMBIGUOUS[text]
+        if text in _AMBIGUOUS:
+            fields = _AMBIGUOUS[text]
             doubt = f"can be {' or '.join(fields)}" if len(fields) > 1 else "is not always of the shaft"
             return Meaning(fields, f"'{name}'{side} {doubt}", unit or _unit_of(text), True)
         if text in _FIELDS:

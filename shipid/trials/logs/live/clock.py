@@ -11,7 +11,7 @@ from shipid.trials import columns as headers
 from shipid.trials.errors import TrialError
 from shipid.trials.filling import GAP
 from shipid.trials.logs.clocks.calendar import DAY, read_dates
-from shipid.trials.logs.clocks.course import HOUR, ends_summer
+from shipid.trials.logs.clocks.course import HOUR, begins_summer, ends_summer
 from shipid.trials.logs.clocks.headers import hints, is_number, unit_of_time
 from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, of_numbers, of_text, texts_of
 from shipid.trials.logs.clocks.reading import layout_of, same_row
@@ -130,7 +130,16 @@ class RunningClock:
             self.notes.append("The clock passes midnight." if period == DAY else "The clock begins again.")
         step = stamp + self._added - self._stamp
         local = period is None and not reading.zone.converted
-        if local and abs(step + HOUR - self._usual) <= max(GAP * self._usual, 1.0) and ends_summer(self._stamp):
+        if reading.zone.assumed and step - HOUR >= 0:
+            # The hour that summer time repeats is the first of the two as long as the clock has not gone back.
+            stamp, step = stamp - HOUR, step - HOUR
+        if local and begins_summer(np.floor(self._stamp - self._added), np.floor(stamp)) and ends_summer(self._stamp):
+            self._added -= HOUR
+            self.notes.append(
+                "WARNING: the clock goes on by an hour, where summer time begins: the hour was taken out."
+            )
+        back = abs(step + HOUR - self._usual) <= max(GAP * self._usual, 1.0)
+        if back and (reading.zone.assumed or (local and ends_summer(self._stamp))):
             self._added += HOUR
             self.notes.append("WARNING: the clock goes back by an hour, where summer time ends: it was let run on.")
         stamp += self._added

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from math import cos, isfinite, nan, pi, sin
+from math import cos, floor, isfinite, nan, pi, sin
 from typing import ClassVar
 
 from shipid.declaration import units
 from shipid.trials.errors import EmptyFileError
 from shipid.trials.logs.clocks.calendar import DAY
+from shipid.trials.logs.clocks.course import HOUR, begins_summer, ends_summer
 from shipid.trials.logs.clocks.settings import moment_text
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.table import LiveSample
@@ -23,6 +24,8 @@ from shipid.trials.logs.nmea.sources import answers
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
 _PATIENCE = 200
+#: How exactly a clock goes back by an hour where summer time ends [s].
+_SUMMER = 5.0
 #: The signals that are followed.
 FOLLOWED = ("psi", "r", "delta", "delta_order", "u", "course", "position", "wind")
 
@@ -120,6 +123,8 @@ class LiveNmea:
         fields = self._fields(number, sentence.text, sentence.address)
         if stamp is not None:
             self._stamped = True
+            if stamp.dated:
+                self._over_summer_time(number, stamp.time)
             yield from self._passes(number, stamp.time, stamp.dated)
         elif not self._stamped and isfinite(utc := fields.get("utc", nan)):
             day = fields.get("day", nan)
@@ -157,6 +162,23 @@ class LiveNmea:
         except ValueError:
             self._tell(f"{self._where}, line {number}: the fields of {kind} are no numbers; left out.")
             return {}
+
+    def _over_summer_time(self, number: int, time: float) -> None:
+        """Let the local stamps of a logger run on where summer time ends or begins."""
+        before = None if self._now is None else self._now - self._added
+        if before is None or not ends_summer(before):
+            return
+        hour = (
+            HOUR
+            if abs(time - before + HOUR) <= _SUMMER
+            else -HOUR
+            if begins_summer(floor(before), floor(time))
+            else 0.0
+        )
+        if hour:
+            self._added += hour
+            way = "back by an hour, where summer time ends" if hour > 0 else "on by an hour, where summer time begins"
+            self._tell(f"{self._where}, line {number}: the clock goes {way}: it was let run on.")
 
     def _passes(self, number: int, time: float, dated: bool) -> Iterator[LiveSample]:
         """Go on to a time; the sample of the time before is complete."""

@@ -7,7 +7,9 @@ from datetime import UTC, date, datetime
 
 import numpy as np
 
+from shipid.foundation.numbers import counted
 from shipid.trials.errors import ClockError
+from shipid.trials.logs.clocks.course import over_summer_time
 from shipid.trials.logs.nmea.errors import NoTimeError
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 from shipid.trials.logs.nmea.sentences.lines import DAY
@@ -76,7 +78,7 @@ def read_clock(log: NmeaLog, fmt: NmeaFormat) -> LogClock:
     start = float(known.min())
     lost = int(np.isnan(times).sum())
     if lost:
-        notes.append(f"{lost} sentences stand where no time is known and were left out.")
+        notes.append(f"{counted(lost, 'sentence')} without a known time left out.")
     if not dated and fmt.date is not None:
         start += (fmt.date - date(1970, 1, 1)).days * DAY
         notes.append(f"The date {fmt.date} is the format file's.")
@@ -122,12 +124,15 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
     if stray.any():
         lines = log.numbers[at[stray]]
         notes.append(
-            f"{stray.sum()} stamps lie before or behind both of their neighbours and were not used, the first in line {lines[0]}."
+            f"{counted(int(stray.sum()), 'stamp lies', 'stamps lie')} before or behind both of the neighbours and {'was' if stray.sum() == 1 else 'were'} not used, the first in line {lines[0]}."
         )
         at, stamps = at[~stray], stamps[~stray]
     if not log.dated:
         stamps, days = _unrolled(stamps)
         notes += _midnights(days)
+    else:
+        stamps, summer = over_summer_time(stamps)
+        notes += summer
     latest = np.maximum.accumulate(stamps)
     behind = latest - stamps
     far = np.flatnonzero(behind > DISORDER)
@@ -147,15 +152,15 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
             )
     swapped = int((behind > 0).sum())
     if swapped:
-        notes.append(
-            f"{swapped} lines of different sources stand in another order than their stamps; they were sorted."
-        )
+        notes.append(f"{counted(swapped, 'line')} of different sources in another order than the stamps: sorted.")
     bare = len(times) - len(at)
     if bare:
         # The last stamp before them; before the first stamp there is none.
         seen = np.maximum.accumulate(np.where(np.isfinite(times), np.arange(len(times)), -1))
         times = np.where(seen >= 0, times[np.maximum(seen, 0)], np.nan)
-        notes.append(f"{bare} sentences without a stamp have that of the line before.")
+        notes.append(
+            f"{counted(bare, 'sentence without a stamp has', 'sentences without a stamp have')} that of the line before."
+        )
     if not log.exact:
         times, spread = _spread(times)
         if spread:

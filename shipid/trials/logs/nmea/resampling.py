@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.foundation.numbers import counted
 from shipid.trials.filling import GAP
 
 TOGETHER = 0.02
@@ -78,7 +79,7 @@ def united(channels: Mapping[str, Channel]) -> tuple[np.ndarray, dict[str, np.nd
         at = row[np.searchsorted(stamps, t)]
         columns[name][at] = values
         if twice := int(np.sum(np.diff(at) == 0)):
-            notes.append(f"{twice} samples of {name} lie within {together:.2g} s of the next one and were left out.")
+            notes.append(f"{counted(twice, 'sample')} of {name} within {together:.2g} s of the next one left out.")
     if any(np.isnan(column).any() for column in columns.values()):
         notes.insert(
             0,
@@ -139,7 +140,7 @@ def resample(
         lost = int((inside & ~known[name]).sum())
         if lost:
             notes.append(
-                f"{lost} samples were left out because {name} has gaps of more than {limits[name]:.3g} s, which are not "
+                f"{counted(lost, 'sample was', 'samples were')} left out because {name} has gaps of more than {limits[name]:.3g} s, which are not "
                 "interpolated."
             )
     t = grid[whole]

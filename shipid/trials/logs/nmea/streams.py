@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.ndimage import median_filter
 
+from shipid.foundation.numbers import counted
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 
@@ -48,7 +49,9 @@ def separated(log: NmeaLog, times: np.ndarray) -> NmeaLog:
     for origin, found in log.records.items():
         once, twice = _once(found)
         if twice:
-            notes.append(f"{twice} sentences {origin.name} repeat the one before with its UTC: they count once.")
+            notes.append(
+                f"{counted(twice, f'sentence {origin.name} repeats', f'sentences {origin.name} repeat')} the one before with its UTC: they count once."
+            )
         labels, apart = _labels(origin, once, times) if origin.kind in _TELLING else (None, "")
         if labels is None:
             records[origin] = once

@@ -12,6 +12,7 @@ import pandas as pd
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, to_display
 from shipid.foundation.aliases import Plain
+from shipid.foundation.notices import Notice, notice_of, plain_notices
 from shipid.foundation.result import Result
 
 #: From here on four digits are too few.
@@ -76,7 +77,7 @@ class Measures(Result):
     reasons : Mapping of str to str
         Why a quantity is not known, by its name; entry k of several has the name ``name[k]``, counted from 1.
     notes : tuple of str
-        What has to be known beside the numbers.
+        What has to be known beside the numbers; what the doctor found is a `Notice`, serious where it misleads them.
     """
 
     kind: ClassVar[str] = "manoeuvre"
@@ -120,7 +121,8 @@ class Measures(Result):
             reason = self.reason(name)
             if reason is not None:
                 result[name]["reason"] = reason
-        return result | {"reasons": dict(self.reasons), "notes": list(self.notes)}
+        told = plain_notices(note for note in self.notes if isinstance(note, Notice))
+        return result | {"reasons": dict(self.reasons), "notes": [str(note) for note in self.notes], "warnings": told}
 
     def reason(self, name: str) -> str | None:
         """Return why a quantity, or entries of it, are not known; None where nothing is missing.
@@ -149,7 +151,7 @@ class Measures(Result):
         if self.read_from:
             lines.append(f"  executes read from {self.read_from}")
         lines += self._lines()
-        lines += [f"  note: {note}" for note in self.notes]
+        lines += [f"  {'WARNING' if notice_of(note).serious else 'note'}: {note}" for note in self.notes]
         return "\n".join(lines)
 
     def _lines(self, without: Collection[str] = ()) -> list[str]:

@@ -21,6 +21,8 @@ class ZigZag(Measures):
         Rudder angle and heading of the zig-zag, such as 20/10, to the nearest 5 deg.
     first_side : {"starboard", "port"}
         The side of the first plate measured.
+    doubt : str
+        Why it may be no zig-zag, in words; empty where nothing speaks against it.
     heading, period, reach, initial_turning_time, initial_turning_distance, initial_turning_ratio : float or None
         See the meaning of each in `quantities`.
     executes : tuple of float or None
@@ -34,6 +36,7 @@ tuple of float or None
     kind: ClassVar[str] = "zig-zag"
     nominal: str = words()
     first_side: str = words()
+    doubt: str = ""
     heading: float | None = quantity("rad", "heading change at the executes, median")
     executes: tuple[float | None, ...] | None = quantity("s", "times of the reversals: second execute and on")
     execute_headings: tuple[float | None, ...] | None = quantity(

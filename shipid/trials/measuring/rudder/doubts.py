@@ -87,3 +87,17 @@ def silent_in(steering: Steering, held: Sequence[Plate], faults: Faults) -> list
         if t[plate.first] <= a and b <= end and b - a > longest
     ]
     return [f"{faults.hole(name, hole)}: executes in there are not counted" for hole in inside]
+
+
+def others_than(held: Sequence[Plate], everything: Sequence[Plate]) -> int:
+    """Return how often the rudder is over by half a plate or more beside the zig-zag.
+
+    Parameters
+    ----------
+    held : sequence of Plate
+        The plates of the zig-zag.
+    everything : sequence of Plate
+        All of the record.
+    """
+    size = float(np.median([abs(plate.angle) for plate in held]))
+    return sum(abs(p.angle) > 0.5 * size and not held[0].first <= p.first <= held[-1].first for p in everything)

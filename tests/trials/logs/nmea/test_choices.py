@@ -189,7 +189,7 @@ def test_nothing_is_interpolated_across_a_gap(read):
     assert not ((t > 20.001) & (t < 25.999)).any()
     notes = " ".join(trial.source.notes)
     assert "29 samples were left out because psi has gaps of more than 1 s" in notes
-    assert "The clock has 1 gaps, the longest from 20 to 26 s" in notes
+    assert "The clock has 1 gap, the longest from 20 to 26 s" in notes
     assert np.diff(read(heading, RSA, seconds=60, text='interval = "0.2 s"\ngap = "7 s"')["t"]).max() == pytest.approx(
         0.2
     )

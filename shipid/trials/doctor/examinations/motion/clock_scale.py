@@ -14,6 +14,10 @@ _AGREE = 0.06
 """Two factors are one up to this share: the speed of a log that has no sway misses a few per cent of the track."""
 _SHARE_OF_FACTOR = 0.25
 """Factors near one have to agree to this share of their distance from one."""
+#: Beyond these no ship turns, puts her rudder over, or sails [deg/s, deg/s, m/s]; models of a metre do not, either.
+_FASTEST_TURN, _FASTEST_RUDDER, _FASTEST = 60.0, 150.0, 40.0
+#: Slower than these under rudder, all of them, no ship is [deg/s, deg/s, m/s].
+_SLOWEST_TURN, _SLOWEST_RUDDER, _SLOWEST = 0.05, 0.25, 0.02
 _PROPOSED = 0.85
 """The clock is the simplest explanation and not the only one: it is named, and never changed without being asked."""
 
@@ -55,6 +59,57 @@ def examine_clock_scale(p: WorkingCopy, scale: float, std: float) -> bool:
         fix={"action": "scale", "column": "t", "factor": float(scale)},
     )  # fmt: skip
     return True
+
+
+def examine_lone_clock(p: WorkingCopy) -> None:
+    """Find a clock in another unit by what no ship does, where no two channels tell its speed; say so where that is all there is.
+
+    Parameters
+    ----------
+    p : WorkingCopy
+        The record, examined.
+    """
+    compared = p.has("r", "psi") or (p.has("x", "y") and (p.speed is not None or p.has("SOG")))
+    if compared or not p.has("psi") or p.rudder is None or len(p) < 60 or p.found("clock-scale"):
+        return
+    turning = float(np.degrees(np.quantile(np.abs(np.gradient(p["psi"], p.t)), 0.95)))
+    rudder = float(np.degrees(_rate_on_ramps(p.t, p[p.rudder])))
+    reach = float(np.degrees(np.ptp(np.quantile(p[p.rudder], [0.01, 0.99]))))
+    told = [f"the ship turns by {turning:.3g} deg/s"] + ([f"the rudder moves by {rudder:.3g} deg/s"] if rudder else [])
+    fast = turning > _FASTEST_TURN or rudder > _FASTEST_RUDDER
+    slow = reach > 10 and 0 < turning < _SLOWEST_TURN and rudder < _SLOWEST_RUDDER
+    if p.has("x", "y"):
+        speed = float(np.quantile(np.hypot(np.gradient(p["x"], p.t), np.gradient(p["y"], p.t)), 0.5))
+        told.append(f"she makes {speed:.3g} m/s")
+        fast, slow = fast or speed > _FASTEST, slow or (reach > 10 and 0 < speed < _SLOWEST)
+    if fast or slow:
+        p.add(
+            "clock-scale", "t", _PROPOSED, f"by this clock {', '.join(told)}: no ship is so {'fast' if fast else 'slow'}, so the clock counts in "
+            "another unit",
+            "Times, time constants and every rate that is derived from heading or positions come out wrong by this factor.",
+            "State the unit of the clock, in the header or in a format file.",
+        )  # fmt: skip
+        return
+    if p.record.source.start is None:
+        p.not_known.append(
+            "Not known: whether the clock runs at the right speed. Nothing is logged that could tell, such as a rate of turn beside the "
+            "heading, or a speed beside positions: times, periods and time constants stand on the clock alone."
+        )
+
+
+def _rate_on_ramps(t: np.ndarray, rudder: np.ndarray) -> float:
+    """Usual rate of the rudder where it moves on at about one rate for four samples; 0 where it does not."""
+    rate = np.diff(rudder) / np.diff(t)
+    size = np.abs(rate)
+    moving = size > 0.3 * float(np.quantile(size, 0.995)) if size.any() else np.zeros(size.shape, dtype=bool)
+    inner = (
+        moving[1:-1]
+        & moving[:-2]
+        & moving[2:]
+        & (np.sign(rate[1:-1]) == np.sign(rate[:-2]))
+        & (np.sign(rate[1:-1]) == np.sign(rate[2:]))
+    )
+    return float(np.median(size[1:-1][inner])) if inner.any() else 0.0
 
 
 def clock_factor(p: WorkingCopy) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import counted
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.clock_scale import clock_factor
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -42,7 +43,7 @@ def examine_wrap(p: WorkingCopy) -> None:
         # A wrap jumps by a full turn between two ordinary steps, inside one turn's range.
         if jumps.size and usual < 0.05 * period and float(np.ptp(psi)) < 1.05 * period:
             p.add(
-                "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {len(jumps)} times",
+                "heading-wrap", "psi", 0.99, f"the heading jumps by a full turn {counted(len(jumps), 'time')}",
                 "None in shipid, which unwraps headings; without that, the ship seems to turn in a circle at each of them.",
                 "Unwrap the heading.", at=index[jumps + 1], fix={"action": "unwrap"}, spoils=False,
             )  # fmt: skip
@@ -96,13 +97,15 @@ def examine_heading(p: WorkingCopy) -> None:
     for kind, mask in (("heading-interpolated", across), ("heading-glitch", bad & ~across)):
         if mask.any():
             ratio = float(np.max(np.abs(off[mask]) / threshold[mask]))
+            one, several = ("lies", "lie") if kind == "heading-interpolated" else ("disagrees", "disagree")
+            verb = one if mask.sum() == 1 else several
             what = (
-                "lie between 0 and 360 where the heading was interpolated across the wrap"
-                if kind == "heading-interpolated" else "disagree with the rate of turn"
+                "between 0 and 360 where the heading was interpolated across the wrap"
+                if kind == "heading-interpolated" else "with the rate of turn"
             )  # fmt: skip
             applied |= p.add(
                 kind, "psi", robust.confidence_of(ratio, 0.9, 1.8),
-                f"{int(mask.sum())} heading samples {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
+                f"{counted(int(mask.sum()), 'heading sample')} {verb} {what}, by up to {angle(float(np.abs(off[mask]).max()), 3)}",
                 "No ship makes such jumps: residuals, noise levels and intervals become too large, and the fit follows the "
                 "jumps.",
                 "Replace them by the integral of r between good neighbours; in a format file: "

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import counted
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.motion.way import Way, vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -85,7 +86,7 @@ def _jumps(p: WorkingCopy) -> None:
         total = float(np.sum(step[far]))
         p.add(
             "position-jump", "x,y", robust.confidence_of(float(np.max(step[far] / (fast[far] + 4 * rough))), 2.5, 6),
-            f"the positions jump {len(far)} times, by {total:.4g} m together, farther than the ship can sail",
+            f"the positions jump {counted(len(far), 'time')}, by {total:.4g} m together, farther than the ship can sail",
             "The position fix was lost for a while, or its clock lagged: tracks and speeds from positions are wrong there.",
             "Fit heading, rate and speed, and leave the positions out around the jump.", at=far, spoils=False,
         )  # fmt: skip

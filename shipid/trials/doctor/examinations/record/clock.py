@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.ndimage import maximum_filter1d
 
-from shipid.foundation.numbers import percent
+from shipid.foundation.numbers import counted, percent
 from shipid.trials import checks
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.record.clock_set import examine_clock_set
@@ -92,7 +92,7 @@ def _doubled_rows(p: WorkingCopy) -> None:
         return
     index = np.flatnonzero(same) + 1
     p.add(
-        "clock-repeats", "t", 0.99, f"{len(index)} rows are written twice, stamp and values",
+        "clock-repeats", "t", 0.99, f"{counted(len(index), 'row is', 'rows are')} written twice, stamp and values",
         "An interval of zero divides by zero, and the doubled samples weigh twice.", "Drop the second of each pair.",
         at=index, fix={"action": "drop-duplicates"},
     )  # fmt: skip
@@ -145,7 +145,7 @@ def _quantised(p: WorkingCopy) -> bool:
     )  # fmt: skip
     if repeats:
         p.add(
-            "clock-repeats", "t", 0.95, f"{repeats} stamps repeat the one before, for want of digits",
+            "clock-repeats", "t", 0.95, f"{counted(repeats, 'stamp repeats', 'stamps repeat')} the one before, for want of digits",
             "An interval of zero divides by zero; shipid refuses the record.", "Rebuild the clock, as above.",
             at=np.flatnonzero(d == 0) + 1, fix=fix,
         )  # fmt: skip
@@ -189,7 +189,7 @@ def _several_sensors(p: WorkingCopy) -> None:
     if mask.any() and _complementary(p, mask):
         index = np.flatnonzero(mask)
         applied = p.add(
-            "clock-repeats", "t", 0.97, f"{len(index)} rows share their stamp with the row before, and their channels complete one another",
+            "clock-repeats", "t", 0.97, f"{counted(len(index), 'row shares its', 'rows share their')} stamp with the row before, and the channels of the two complete one another",
             "None in shipid once they are one row: each sensor wrote a row of its own.",
             "Make one row of those with one stamp.", at=index, fix={"action": "merge-rows"}, spoils=False,
         )  # fmt: skip
@@ -209,7 +209,7 @@ def _repeats(p: WorkingCopy) -> None:
     # The clock stood still and caught up: the stamps between can be told. It went on as if nothing was: rows too many.
     caught_up = bool(np.all(np.diff(spread) > 0.2 * dt)) and not mask[-1]
     p.add(
-        "clock-repeats", "t", 0.99, f"{len(index)} stamps repeat the one before, with other values in the row",
+        "clock-repeats", "t", 0.99, f"{counted(len(index), 'stamp repeats', 'stamps repeat')} the one before, with other values in the row",
         "An interval of zero divides by zero; shipid refuses the record.",
         "Spread the stamps between their neighbours: the clock stood still and caught up." if caught_up
         else "Find out which of the rows is right, or state [clock] interval in a format file.",
@@ -274,7 +274,7 @@ def _gaps(p: WorkingCopy) -> None:
     )
     p.add(
         "gap", "t", robust.confidence_of(float(d[longest]) / limit, 0.8, 2.2),
-        f"{len(found)} gaps, about {lost} samples missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s{meanwhile}",
+        f"{counted(len(found), 'gap')}, about {counted(lost, 'sample')} missing, the longest {d[longest]:.4g} s from {p.t[longest]:.6g} s{meanwhile}",
         "What ship and rudder did meanwhile is unknown: nothing is measured across a gap, and no simulation runs through it.",
         "Use the stretches on either side (FILE@A:B).", at=np.unique(np.r_[found, found + 1]),
         spoils=missed > 0.05 or share > 0.3,

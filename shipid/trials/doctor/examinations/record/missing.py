@@ -57,12 +57,23 @@ def _share(p: WorkingCopy, name: str) -> float:
     return max(0.0, 1 - len(p.own(name)) / min(max(expected, 1.0), float(len(p))))
 
 
+def _by_chance(share: float, samples: int) -> float:
+    """Intervals up to which a silence is no more than chance, where this share of the samples is missing one by one."""
+    # A run of k missing samples is expected samples * share^k times: one in a hundred records has one longer than this.
+    return 1 + float(np.log(0.01 / samples) / np.log(share)) if 0 < share < 1 else 0.0
+
+
 def _missing(p: WorkingCopy, name: str) -> None:
     index, usual, share = p.own(name), p.interval(name), _share(p, name)
     times = np.concatenate((p.t[:1], p.t[index], p.t[-1:]))
     lengths = np.diff(times)
     holes = np.flatnonzero(lengths > GAP * usual)
-    if not len(holes):
+    longest = float(lengths.max()) / (GAP * usual)
+    missed = _missed_across(p, name, index, [int(h) for h in holes])
+    reach = float(np.ptp(p.measured(name)))
+    serious = missed > _TOLERABLE or share > _MANY
+    # Among samples that are missing one by one, some stand next to one another by chance.
+    if not len(holes) or (not serious and longest < max(1.0, _by_chance(share, len(p)) / GAP)):
         if share > 0.002:
             p.add(
                 "missing", name, robust.confidence_of(share, 0.0, 0.004),
@@ -74,9 +85,6 @@ def _missing(p: WorkingCopy, name: str) -> None:
         return
     k = int(holes[np.argmax(lengths[holes])])
     inside = p.blind(name)
-    missed = _missed_across(p, name, index, [int(h) for h in holes])
-    reach = float(np.ptp(p.measured(name)))
-    serious = missed > _TOLERABLE or share > _MANY
     over = (
         f"; it turns meanwhile, and a line across misses about {percent(missed)} of its range"
         if missed > _TOLERABLE

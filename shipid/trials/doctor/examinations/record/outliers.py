@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import median_filter
 
 from shipid.declaration.vocabulary import angle
+from shipid.foundation.numbers import counted
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.examinations.steering.rudder import fastest_gear
 from shipid.trials.doctor.working_copy import WorkingCopy
@@ -46,7 +47,7 @@ def examine_outliers(p: WorkingCopy) -> None:
         amount = f"by up to {angle(float(size.max()), 3)}" if name == "psi" else f"by up to {share:.0f} times the noise"
         applied = p.add(
             kind, name, robust.confidence_of(share, 7, 20),
-            f"{int(mask.sum())} samples of {name} differ from their neighbours {amount}",
+            f"{counted(int(mask.sum()), f'sample of {name} differs from its', f'samples of {name} differ from their')} neighbours {amount}",
             "Least squares weighs each with the square of its size: gains and damping follow the outliers.",
             "Empty these cells: such a sample is a missing one.",
             at=np.flatnonzero(bad), fix={"action": "empty", "column": name},

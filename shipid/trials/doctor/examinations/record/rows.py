@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS
+from shipid.foundation.numbers import counted
 from shipid.trials.doctor.working_copy import WorkingCopy
 from shipid.trials.missing_marks import LARGEST
 
@@ -112,7 +113,7 @@ def _unstamped(p: WorkingCopy) -> None:
     across = np.flatnonzero(np.diff(known) > 1)
     even = bool(usual > 0 and np.all(np.abs(step[across] - usual) < 0.1 * usual) and not lost[0] and not lost[-1])
     applied = p.add(
-        "no-time", "t", 0.97 if even else 0.99, f"{int(lost.sum())} rows with samples have no time",
+        "no-time", "t", 0.97 if even else 0.99, f"{counted(int(lost.sum()), 'row has', 'rows have')} samples and no time",
         "The time of these rows is unknown.",
         f"Give them the time between their neighbours: samples come every {usual:.4g} s." if even
         else "Complete the clock or remove the rows; in a format file: [clock] interval.",
@@ -140,7 +141,7 @@ def examine_marks(p: WorkingCopy, marks: Mapping[str, Mapping[int, float]]) -> N
         shown = ", ".join(f"{value:g}" for value in sorted(set(cells.values()))[:3])
         p.add(
             "sentinel", name, 0.97,
-            f"{len(cells)} samples of {name} are {shown}: no sensor shows that, it stands for a missing sample",
+            f"{counted(len(cells), 'sample')} of {name} {'is' if len(cells) == 1 else 'are'} {shown}: no sensor shows that, it stands for a missing sample",
             "Taken for measurements, one of them outweighs the whole record.",
             "Empty these cells: shipid reads them as missing.", at=np.array(sorted(cells)),
             fix={"action": "empty", "column": name}, spoils=False,

@@ -104,11 +104,12 @@ def examine_resolution(p: WorkingCopy) -> None:
 
 def _written_on_change(p: WorkingCopy, name: str, reach: float) -> bool:
     """Find a channel that is written again only when it has moved by more than a threshold; whether it is one."""
-    threshold = threshold_of(p.measured(name))
+    threshold = threshold_of(p.measured(name), p.own(name))
     if threshold is None:
         return False
     share = threshold / reach
-    still = float(np.mean(np.diff(p.measured(name)) == 0))
+    # Of a trial that was read the repeated values are left out already.
+    still = 1 - float(np.count_nonzero(np.diff(p.measured(name)))) / len(p)
     if share > _FINE:
         p.add(
             "written-on-change", name, robust.confidence_of(share, 0.0, 2 * _FINE),

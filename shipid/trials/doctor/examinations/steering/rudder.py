@@ -210,6 +210,10 @@ def examine_order(p: WorkingCopy) -> None:
         _order(p, 0.95, "delta equals delta_order in every sample", np.arange(len(p)))
     else:
         start, length, _reach = executes(delta)
+        # Across a gap the rudder has had the time it needed.
+        across = (np.diff(p.t) > 1.5 * p.sampling) | p.blind("delta")[1:] | p.blind("delta")[:-1]
+        seen = np.array([not across[a : a + n].any() for a, n in zip(start, length)], dtype=bool)
+        start, length = start[seen], length[seen]
         if len(start):
             step = np.abs(np.diff(delta))
             # One sample carries nearly the whole movement.
@@ -244,13 +248,13 @@ def _order_beside(p: WorkingCopy) -> None:
         if p.add(
             "rudder-sign", "delta_order", 0.97, f"{why}, whose sign is the ship's", effect,
             "Change the sign of delta_order; in a format file: sign = -1.",
-            fix={"action": "scale", "column": "delta_order", "factor": -1.0}, spoils=False,
+            fix={"action": "scale", "column": "delta_order", "factor": -1.0},
         ):  # fmt: skip
             p["delta_order"] = -order
     elif "after the rudder" in why:
         p.add(
             "order-late", "delta_order", 0.95, why, effect,
-            "Take the rudder angle: the executes are read back from its ramp.", spoils=False,
+            "Take the rudder angle: the executes are read back from its ramp.",
         )  # fmt: skip
     elif not why:
         _order_early(p, known)
@@ -264,8 +268,9 @@ def _order_early(p: WorkingCopy, known: np.ndarray) -> None:
         p.add(
             "order-early", "delta_order", robust.confidence_of(lag / limit, 0.8, 1.6),
             f"the rudder sets out {lag:.3g} s after delta_order: the steering gear has a dead time, or the order is stamped early",
-            "Overshoots counted from the order are too large, by the heading turned in that time, if the stamps are wrong.",
-            f"Find out which it is; shift delta_order by {lag:+.3g} s if its stamps are early.", spoils=False,
+            "Overshoots counted from the order are too large, by the heading turned in that time, if the stamps are wrong; the time is taken "
+            "for the ship's where a model is steered by the order.",
+            f"Find out which it is; shift delta_order by {lag:+.3g} s if its stamps are early.",
         )  # fmt: skip
 
 
