@@ -12,11 +12,10 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
+from shipid.foundation.statistics import WHITE
 from shipid.identification.noise.gusts import Gust
 from shipid.identification.noise.lasting_sensors import LastingSensors
 
-#: Probability below which innovations are not white.
-WHITE = 0.01
 #: Kind of the notice that the coefficients are biased by noise of the sensors that lasts.
 LASTING = "lasting-sensors"
 
