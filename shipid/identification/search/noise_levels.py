@@ -80,9 +80,7 @@ class NoiseLevels(Result):
         """What is wrong with coefficients that come with these levels."""
         told = []
         if self.lasting is not None:
-            words = (
-                f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
-            )
+            words = f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
             told.append(Notice(words, LASTING, serious=True))
         if self.apart:
             words = (
