@@ -22,7 +22,7 @@ from shipid.cli.frame.envelope import envelope, inputs_given
 from shipid.cli.frame.messages import progress, say, typed, warned
 from shipid.foundation.aliases import Plain
 from shipid.foundation.exit_codes import ExitCode
-from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.notices import plain_notices
 from shipid.foundation.printable import escaped, printable
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ Command = TypeVar("Command", bound=Callable[..., object])
 #: Significant digits of a number in JSON: more than any result has.
 _DIGITS = 12
 #: Where the context of a command keeps itself if JSON is asked for, and whether a result was printed.
-ASKED, _PRINTED = "shipid.json", "shipid.printed"
+ASKED, PRINTED = "shipid.json", "shipid.printed"
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
 _PDF = "report.pdf"
@@ -189,7 +189,7 @@ class Delivery:
                 failed = error
         if self.as_json:
             click.echo(json_text(data))
-            click.get_current_context().meta[_PRINTED] = True
+            click.get_current_context().meta[PRINTED] = True
         else:
             click.echo(printable(text))
             if self.folder is not None and failed is None:
@@ -209,30 +209,6 @@ class Delivery:
             The result.
         """
         return envelope(data | {"warnings": [*data.get("warnings", []), *plain_notices(warned())]}, self.inputs)
-
-
-def deliver_error(context: click.Context, code: ExitCode, kind: str, message: str) -> None:
-    """Print an error as JSON where that is asked for: a program that reads a command finds what went wrong where it looks.
-
-    Parameters
-    ----------
-    context : click.Context
-        Of any command.
-    code : ExitCode
-        What the command ends with.
-    kind : str
-        What went wrong, in lower case with hyphens.
-    message : str
-        The same in words, as on standard error.
-    """
-    asked: click.Context | None = context.meta.get(ASKED)
-    if asked is None or context.meta.get(_PRINTED):
-        return
-    with asked.scope(cleanup=False):
-        told = Notice(message, kind, serious=True)
-        data = {"warnings": [told.to_dict()], "error": {"kind": kind, "exit_code": int(code), "message": message}}
-        lines = asked.params.get("follow") is not None
-        click.echo(json_text(Delivery(as_json=True).enveloped(data), indent=None if lines else 1))
 
 
 def delivered(

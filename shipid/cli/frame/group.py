@@ -117,14 +117,14 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _tell_in_json(context: click.Context, error: Exception) -> None:
-    from shipid.cli.frame.delivery import deliver_error
+    from shipid.cli.frame.error_as_json import deliver_error
     from shipid.foundation.errors import ShipidError
 
     code, message = (error.exit_code, str(error)) if isinstance(error, ShipidError) else _failure(error)
     if code != ExitCode.USAGE:
         name = type(error).__name__.removesuffix("Error")
         kind = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower() or "error"
-        deliver_error(context, ExitCode(code), kind, message)
+        deliver_error(context, code, kind, message)
 
 
 def _stopped(code: ExitCode) -> ExitCode:
