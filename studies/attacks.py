@@ -5,9 +5,10 @@ Entries of the cache are cut, edited and replaced; saved states, schedules and s
 devices, onto a full disk, and by three processes at once; commands are killed (SIGKILL) and interrupted (SIGINT) at many places of
 their lives. A place is counted from where shipid begins: before that the interpreter answers.
 
-    python studies/attacks.py [--short] [--places 150] [--stopped NAME ...] [--seed 0] [--json]
+    python studies/attacks.py [--short] [--places 150] [--stopped NAME ...] [--signal kill] [--seed 0] [--json]
 
-``--stopped`` does nothing but stop these: a command that writes, ``cache`` while it is built, ``state`` while it is saved.
+``--stopped`` does nothing but stop these: a command that writes, ``cache`` while it is built, ``state`` while it is saved; ``none``
+stops nothing. ``--signal`` sends only that one.
 """
 
 from __future__ import annotations
@@ -42,6 +43,7 @@ BEGIN = "import sys; from shipid.cli import entry; print('begin', file=sys.stder
 IDENTIFY = ("identify", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg", "--starts", "1")
 TUNE = ("tune", "de-keizer", "--ship", "soesterberg", "--samples", "10", "--speeds", "7,9.5 m/s")
 FILTER = ("filter", str(TRIAL), "--model", "nomoto", "--ship", "soesterberg")
+SIGNALS = {"interrupt": signal.SIGINT, "kill": signal.SIGKILL}
 #: The commands that write, and by which option.
 WRITERS = {
     "identify": (*IDENTIFY, "--out"),
@@ -359,8 +361,9 @@ def main() -> None:
     parser.add_argument("--short", action="store_true", help="for every change: fewer of each, in less than a minute")
     parser.add_argument("--places", type=int, default=150, help="where each command is stopped")
     parser.add_argument(
-        "--stopped", action="append", choices=[*WRITERS, "cache", "state"], help="nothing but stop these"
+        "--stopped", action="append", choices=[*WRITERS, "cache", "state", "none"], help="nothing but stop these"
     )
+    parser.add_argument("--signal", choices=SIGNALS, action="append", help="by default both")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--json", action="store_true", help="print the rows as JSON")
     given = parser.parse_args()
@@ -368,10 +371,10 @@ def main() -> None:
     count = 2 if short else given.places
     with tempfile.TemporaryDirectory(prefix="shipid-attacks-") as name:
         folder = Path(name)
-        rows = [] if given.stopped else attacks(short, chance, folder)
+        rows = [] if given.stopped and given.stopped != ["none"] else attacks(short, chance, folder)
         names = given.stopped or (["identify", "state"] if short else [*WRITERS, "cache", "state"])
-        for number in (signal.SIGINT, signal.SIGKILL):
-            for what in names:
+        for number in (SIGNALS[name] for name in given.signal or SIGNALS):
+            for what in (n for n in names if n != "none"):
                 stop = {"cache": building, "state": saving}.get(what)
                 rows.append(stop(number, count, folder) if stop else life(what, number, count, folder))
                 print(rows[-1].what, rows[-1].measured, file=sys.stderr, flush=True)

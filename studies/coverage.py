@@ -185,7 +185,7 @@ def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> di
     own = sailed(ship, kind == "structure")
     gust = tuple(map(float, kind.split(":")[1:])) if kind.startswith("gust:") else None
     right = kind in ("white", "drift", "waves") or (purpose == "filter" and gust is not None)
-    begin, names, inside, errors, spreads, lost = time.perf_counter(), (), [], [], [], 0
+    begin, names, inside, errors, spreads, lost, told = time.perf_counter(), (), [], [], [], 0, 0
     for run in range(runs):
         rng = np.random.default_rng([2026, run])
         trials = []
@@ -199,6 +199,7 @@ def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> di
         if not fit.converged:
             lost += 1
             continue
+        told += any(n.serious for n in fit.warnings)
         names = [n for n in fit.estimated if kind != "structure" or n == "K"]
         found = [fit.parameters[n] for n in names]
         inside.append([e.ci95 is not None and e.ci95[0] <= own.truth[n] <= e.ci95[1] for n, e in zip(names, found)])
@@ -231,6 +232,7 @@ def coverage(ship: Ship, kind: str, runs: int, purpose: str | None = None) -> di
         "purpose": purpose or "none",
         "runs": runs,
         "not_converged": lost,
+        "told": told,
         "right": right,
         "coverage": together,
         "parameters": rows,
@@ -244,7 +246,7 @@ def show(result: dict[str, Any]) -> None:
     verdict = ("holds" if result["holds"] else "DOES NOT HOLD") if result["right"] else "the model is wrong, not asked"
     print(
         f"{result['model']} / {result['ship']}, {result['noise']}, for {result['purpose']}: {result['coverage']:.1%} of all truths "
-        f"in {result['runs']} campaigns ({result['not_converged']} not converged, {result['seconds']:.0f} s): {verdict}"
+        f"in {result['runs']} campaigns ({result['not_converged']} not converged, {result['told']} with a serious warning, {result['seconds']:.0f} s): {verdict}"
     )
     for r in result["parameters"]:
         mark = "" if r["holds"] else "  missed"

@@ -48,10 +48,11 @@ def second_overshoot_limit(unit_time: float) -> float:
 
 
 def loop_width_limit(unit_time: float) -> float:
-    """Return the recommended limit of the width of the spiral's loop in degrees.
+    """Return a limit of the width of the spiral's loop in degrees.
 
-    It is recommended beside the standard and no criterion of MSC.137(76): 0 below L/V 9 s, then L/V/3 - 3, and 12 from 45 s on. The limit
-    is the one ascribed to the ABS Guide for Vessel Maneuverability (March 2006); its section was not at hand to check it against.
+    It is no criterion of MSC.137(76): 0 below L/V 9 s, then L/V/3 - 3, and 12 from 45 s on. The limit is ascribed to the ABS Guide
+    for Vessel Maneuverability (March 2006). The guide exists, but its section was not at hand: the limit is not verified, and what
+    prints it says so.
 
     Parameters
     ----------
@@ -127,7 +128,7 @@ class Criteria(DrawnResult):
         The quantities.
     spiral : mapping or None
         ``half_width_deg``, ``loop_width_deg``, ``loop_height_deg_s``, ``stable``, with the band of the half width, and the
-        recommended limit of the width; None where the model has no spiral.
+        limit of the width; None where the model has no spiral.
     notes : tuple of str
         Notes for the reader.
     """

@@ -219,7 +219,7 @@ def _spiral(point: Spiral | None, drawn: Sequence[Spiral | None], unit_time: flo
         "loop_width": quantity(point.loop_width * deg, "deg"),
         "loop_height": quantity(None if point.loop_height is None else point.loop_height * deg, "deg/s"),
         "limit": quantity(limit, "deg"),
-        "limit_text": f"recommended limit {limit:.3g} deg at L/V {unit_time:.3g} s",
+        "limit_text": f"limit of {limit:.3g} deg at L/V {unit_time:.3g} s (ascribed to the ABS guide of 2006, not verified)",
         "within": bool(point.loop_width * deg <= limit),
     }
 

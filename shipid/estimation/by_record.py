@@ -8,7 +8,7 @@ from dataclasses import replace
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.kalman import ExtendedKalmanFilter
 from shipid.estimation.levels.judge_filter import judge_filter, unit_text
-from shipid.estimation.levels.record_levels import RecordLevels
+from shipid.estimation.levels.record_levels import BatchEstimate, RecordLevels
 from shipid.estimation.records.arrangement import FilterRecord
 from shipid.estimation.records.run import FilterRun
 from shipid.foundation.notices import Notice
@@ -24,6 +24,7 @@ def filter_by_record(
     record: FilterRecord,
     kept: Collection[str] = (),
     tell: Callable[[str], None] = lambda _: None,
+    identified: Callable[[], BatchEstimate | None] = lambda: None,
 ) -> tuple[FilterRun, RecordLevels]:
     """Filter a record with the noise levels under which it is most probable, and judge the result.
 
@@ -41,6 +42,9 @@ def filter_by_record(
         ``sensor:NAME`` and ``noise:NAME`` that stay as they are, and ``bias:INPUT`` that is none.
     tell : callable
         Called with what is being done.
+    identified : callable
+        What identification makes of the same record, or None where it cannot: the filter is judged beside it. It is asked where
+        the model has such an estimate, and the filter's own output error is taken instead where there is no answer.
 
     Returns
     -------
@@ -56,6 +60,10 @@ def filter_by_record(
     """
     tell("finding the noise levels")
     levels = kalman.learn_levels(record, tuple(kept))
+    if levels.simulated:
+        tell("identifying")
+        batch = identified()
+        levels = levels if batch is None else levels.beside(batch)
     tuned = kalman.with_levels(levels)
     tell("filtering")
     given = kalman.settings.start or {}

@@ -10,6 +10,8 @@ from scipy.special import chdtrc
 
 #: Two-sided 95 % quantile of the normal distribution.
 NORMAL_95 = 1.959963984540054
+#: Probability below which innovations or residuals are not white.
+WHITE = 0.01
 
 
 def interval_95(value: float, std: float) -> tuple[float, float]:

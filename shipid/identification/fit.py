@@ -39,7 +39,7 @@ from shipid.identification.fit_text import (
 )
 from shipid.identification.identified import Identified
 from shipid.identification.problem.prior_shares import prior_shares
-from shipid.identification.search.noise_levels import LASTING, NoiseLevels
+from shipid.identification.search.noise_levels import APART, LASTING, NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.uncertainty.amplitudes import beyond_of_record
 from shipid.identification.uncertainty.posterior import Posterior, posterior_of
@@ -379,7 +379,7 @@ class Fit(DrawnResult):
                 f"{self.model.name} fitted to {trials} ({self.method}; {state})",
                 # Before the coefficients: who reads only those has read it.
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
-                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING)),
+                *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART)),
                 *coefficient_lines(self.parameters),
                 *dead_time_lines(self.model),
                 *loading_lines(self.identified),

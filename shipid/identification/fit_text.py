@@ -11,10 +11,11 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, shown, to_display
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.statistics import WHITE
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.methods import METHODS
 from shipid.identification.problem.prior_shares import held_words
-from shipid.identification.search.noise_levels import WHITE, NoiseLevels
+from shipid.identification.search.noise_levels import NoiseLevels
 from shipid.identification.search.rung import Rung
 from shipid.identification.search.solution import Solution
 from shipid.identification.validation.comparison import Comparison

@@ -26,6 +26,7 @@ from shipid.identification.fit_text import method_words
 from shipid.identification.identified import Identified
 from shipid.identification.loading import with_load_part
 from shipid.identification.methods import LOSSES, METHODS, OUTPUT_ERROR, PURPOSES, Loss, Method, Purpose
+from shipid.identification.noise.coefficients_apart import coefficients_apart
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.dead_time import with_dead_time
 from shipid.identification.problem.first_weights import first_weights, given_weights
@@ -191,6 +192,8 @@ def identify(
         found = searched(problem, search_box(setting), method, how, records)
         if unasked and found.solution.levels is not None and found.solution.levels.lasting is not None:
             found = _by_lasting_sensors(problem, search_box(setting), how, records, found)
+        elif unasked:
+            found = _beside_simulation(problem, search_box(setting), how, records, found)
         if steered:
             found = replace(found, rungs=_for_autopilots(found.rungs, steered))
         fit = _result(setting, found, [t for _, t in pairs], noise is not None, load_part)
@@ -241,6 +244,19 @@ def _by_lasting_sensors(problem: Problem, box: Box, how: SearchSettings, records
     rungs = [replace(r, used=False) if r.method == "prediction-error" else r for r in before.rungs]
     used = [replace(r, reason=f"{words[0].upper()}{words[1:]}. {r.reason}") for r in found.rungs if r.used]
     return replace(found, solution=replace(solution, levels=at), rungs=(*rungs, *used))
+
+
+def _beside_simulation(problem: Problem, box: Box, how: SearchSettings, records: int, found: _Found) -> _Found:
+    """The same, with what output error finds elsewhere: an autopilot, which biases that, steers no trial here."""
+    if found.solution.levels is None or not found.solution.converged:
+        return found
+    other = _by_residuals(problem, box, None, how, records).solution
+    if not other.converged:
+        return found
+    shared = len(problem.estimated)
+    both = [(s.parameters, np.sqrt(np.diag(covariance_of(s).matrix)[:shared])) for s in (found.solution, other)]
+    apart = coefficients_apart(problem.model, problem.estimated, *both)
+    return replace(found, solution=replace(found.solution, levels=replace(found.solution.levels, apart=apart)))
 
 
 def _for_autopilots(rungs: tuple[Rung, ...], steered: Sequence[str]) -> tuple[Rung, ...]:

@@ -36,6 +36,7 @@ CALLS = {
 }
 #: Commands whose page is looked at here; those of the others take long, and are written by the tests of their own.
 WITH_A_PAGE = {"check", "report", "compare", "criteria", "filter", "plan", "predict", "track"}
+SHIP = ("--model", "nomoto", "--ship", "zeefakkel")
 HEAD = ["schema_version", "command", "provenance", "warnings"]
 #: A key that names an interval in another way.
 OTHER_INTERVAL = re.compile(r"(ci|band|interval|conf)_?95$|^(ci|band|interval)$", re.IGNORECASE)
@@ -143,6 +144,51 @@ def test_the_form_of_a_command(command, call, zigzag, tmp_path, words, raw_numbe
     if "{}" in "".join(CALLS[command]):
         hashed = hashlib.sha256(Path(zigzag).read_bytes()).hexdigest()
         assert told["provenance"]["inputs"] == [{"name": str(zigzag), "sha256": hashed}]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "kind"),
+    [
+        (["measure", "nothing.csv"], ExitCode.BAD_DATA, "missing-file"),
+        (["filter", "--follow", "nothing.csv", *SHIP], ExitCode.BAD_DATA, "missing-file"),
+        (
+            ["plan", *SHIP[:1], "norrbin", *SHIP[2:], "--set", "b3=-40000 s/rad^2", "--time", "12min", "--draws", "0"],
+            ExitCode.NO_CONVERGENCE,
+            "not-sailed",
+        ),
+    ],
+)
+def test_an_error_has_the_form_too(call, arguments, code, kind):
+    answer = call(*arguments, "--json")
+    told = parsed(answer.out)
+    check_form(told, arguments[0])
+    assert answer.code == code == told["error"]["exit_code"]
+    assert told["error"]["kind"] == kind and told["error"]["message"].split() == answer.said.split()[1:]
+    assert told["warnings"] == [{"kind": kind, "serious": True, "message": told["error"]["message"]}]
+
+
+def test_a_fault_has_the_form_too(call, monkeypatch, zigzag):
+    def fault(*_: object) -> None:
+        raise ZeroDivisionError("division by zero")
+
+    monkeypatch.setattr("shipid.cli.identification.filter._filter", fault)
+    answer = call("filter", zigzag, *SHIP, "--json")
+    told = parsed(answer.out)
+    check_form(told, "filter")
+    assert answer.code == ExitCode.FAULT == told["error"]["exit_code"] and told["error"]["kind"] == "zero-division"
+
+
+def test_a_usage_error_prints_nothing(refused):
+    refused(2, ["filter", "log.csv", "--model", "no-such-model", "--json"], "no-such-model")
+
+
+def test_a_result_that_could_not_be_written_is_printed_once(call, zigzag, tmp_path, monkeypatch):
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("shipid.cli.frame.delivery._fill", full)
+    answer = call("filter", zigzag, *SHIP, "--json", "--out", tmp_path / "out")
+    assert answer.code == ExitCode.BAD_DATA and "error" not in parsed(answer.out)
 
 
 def test_the_file_is_what_is_printed(call, zigzag, tmp_path):

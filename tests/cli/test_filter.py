@@ -254,11 +254,26 @@ def test_defaults_take_the_noise_from_the_record(call, tmp_path):
     assert levels["sensor:psi"]["value"] == pytest.approx(np.deg2rad(0.2), rel=0.1)
     assert levels["sensor:r"]["value"] == pytest.approx(np.deg2rad(0.02), rel=0.1)
     assert {v["from"] for v in levels.values()} == {"record"}
-    low, high = shipid.identify("nomoto", [shipid.read_trial(TRIAL)], ship="soesterberg").parameters["K"].ci95
+    batch = shipid.identify("nomoto", [shipid.read_trial(TRIAL)], ship="soesterberg").parameters["K"]
+    low, high = batch.ci95
     assert low < data["parameters"]["K"]["value"] < high
-    assert low < data["output_error"]["K"]["value"] < high
+    # One record has one output error: the number that identify prints.
+    assert data["output_error"]["K"]["value"] == pytest.approx(batch.value)
     text = call("filter", TRIAL, *NOMOTO)
     assert "noise from the record: psi 0.196 deg" in text.out and "output error on the same record: K" in text.out
+
+
+def test_a_value_outside_the_interval_of_identify_is_told(call, tmp_path):
+    """A heading of 2 deg noise: weights and priors of another output error than that of identify would not tell it."""
+    noise = {"psi": "2 deg", "r": "0.02 deg/s"}
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", noise=noise, seed=7)
+    shipid.write_trial(trial, tmp_path / "log.csv")
+    answer = call("filter", tmp_path / "log.csv", *NOMOTO, "--json")
+    low, high = shipid.identify("nomoto", [trial], ship="soesterberg").parameters["K"].ci95
+    data = json.loads(answer.out)
+    assert not low <= data["parameters"]["K"]["value"] <= high
+    assert answer.code == 5
+    assert any(w["serious"] and w["kind"] == "coefficients-differ" for w in data["warnings"])
 
 
 def test_samples_beyond_the_gate_are_told_while_they_arrive(call, lines, monkeypatch):

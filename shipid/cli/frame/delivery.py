@@ -34,13 +34,24 @@ Writer: TypeAlias = Callable[[Path], object]
 Command = TypeVar("Command", bound=Callable[..., object])
 #: Significant digits of a number in JSON: more than any result has.
 _DIGITS = 12
+#: Where the context of a command keeps itself if JSON is asked for, and whether a result was printed.
+ASKED, PRINTED = "shipid.json", "shipid.printed"
 #: The files of a result that every command names alike.
 RESULT, REPORT = "result.json", "report.html"
 _PDF = "report.pdf"
 #: Endings of files that are written: a folder is not called so by intent.
 _OF_FILES = {".html", ".htm", ".pdf", ".json", ".toml", ".csv"}
 
-json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+
+def _keep_asked(context: click.Context, _parameter: click.Parameter, asked: bool) -> bool:
+    """Keep that JSON is asked for where an error can be told in it."""
+    if asked:
+        context.meta[ASKED] = context
+    return asked
+
+
+# Eager: it is known before another option is refused.
+json_option = click.option("--json", "as_json", is_flag=True, is_eager=True, callback=_keep_asked, help="Print JSON.")
 overwrite_option = click.option("--overwrite", is_flag=True, help="Replace files that exist.")
 _open_option = click.option("--open", "open_report", is_flag=True, help="Open the report in the browser; with --out.")
 
@@ -178,6 +189,7 @@ class Delivery:
                 failed = error
         if self.as_json:
             click.echo(json_text(data))
+            click.get_current_context().meta[PRINTED] = True
         else:
             click.echo(printable(text))
             if self.folder is not None and failed is None:

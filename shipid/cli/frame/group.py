@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import warnings
 from collections.abc import Sequence
 
@@ -22,6 +23,17 @@ class _LazyGroup(click.Group):
         """Keep what was typed, before it is taken apart."""
         ctx.meta[TYPED] = list(args)
         return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run a command; an error is also told in JSON where that is asked for."""
+        try:
+            return super().invoke(ctx)
+        except Exception as error:
+            # Nobody reads behind a closed pipe, of a command that was stopped nothing more is written, and what click raises is usage.
+            others = (BrokenPipeError, click.ClickException, click.exceptions.Exit, click.Abort)
+            if why_stopped() is None and not isinstance(error, others):
+                _tell_in_json(ctx, error)
+            raise
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names in the order of the work."""
@@ -104,6 +116,17 @@ def run(arguments: Sequence[str] | None = None) -> int:
     return code if isinstance(code, int) else ExitCode.DONE
 
 
+def _tell_in_json(context: click.Context, error: Exception) -> None:
+    from shipid.cli.frame.error_as_json import deliver_error
+    from shipid.foundation.errors import ShipidError
+
+    code, message = (error.exit_code, str(error)) if isinstance(error, ShipidError) else _failure(error)
+    if code != ExitCode.USAGE:
+        name = type(error).__name__.removesuffix("Error")
+        kind = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", name).lower() or "error"
+        deliver_error(context, code, kind, message)
+
+
 def _stopped(code: ExitCode) -> ExitCode:
     """Say that the command was stopped from outside."""
     say(f"{code.meaning}; nothing more was written.")
@@ -114,16 +137,22 @@ def _failed(error: Exception | SystemExit) -> ExitCode:
     """Say in one paragraph what the system refused, or that shipid has a fault."""
     if isinstance(error, SystemExit):  # click raises it for a closed pipe
         return ExitCode.DONE
-    if isinstance(error, OSError):
-        say(f"{error.filename or 'the output'}: {error.strerror or error}.")
-        return ExitCode.BAD_DATA
-    if isinstance(error, MemoryError):
-        say(f"there is not enough memory: {error}. Ask for fewer samples: a shorter time, or a longer interval.")
-        return ExitCode.BAD_DATA
-    if os.environ.get("SHIPID_DEBUG"):
+    code, message = _failure(error)
+    if code == ExitCode.FAULT and os.environ.get("SHIPID_DEBUG"):
         raise error
-    say(f"a fault in shipid itself, {type(error).__name__}: {error}. Set SHIPID_DEBUG=1 to see where, and report it.")
-    return ExitCode.FAULT
+    say(message)
+    return code
+
+
+def _failure(error: Exception) -> tuple[ExitCode, str]:
+    """The exit code of an error that is none of shipid's own, and what is said of it."""
+    if isinstance(error, OSError):
+        return ExitCode.BAD_DATA, f"{error.filename or 'the output'}: {error.strerror or error}."
+    if isinstance(error, MemoryError):
+        advice = "Ask for fewer samples: a shorter time, or a longer interval."
+        return ExitCode.BAD_DATA, f"there is not enough memory: {error}. {advice}"
+    what = f"a fault in shipid itself, {type(error).__name__}: {error}"
+    return ExitCode.FAULT, f"{what}. Set SHIPID_DEBUG=1 to see where, and report it."
 
 
 def _refuse(error: click.ClickException) -> int:

@@ -29,6 +29,7 @@ from shipid.identification.recursive.methods import METHODS
 
 if TYPE_CHECKING:
     from shipid.declaration.model import Model
+    from shipid.estimation.levels.record_levels import BatchEstimate
     from shipid.estimation.settings.instruments import Amount
     from shipid.foundation.aliases import Plain
     from shipid.parameters.parameter_set import ParameterSet
@@ -166,6 +167,7 @@ def _filter(
     from shipid.estimation.kalman import ExtendedKalmanFilter
     from shipid.estimation.records.observability import observability
     from shipid.generation.reduction import reduced
+    from shipid.identification.beside_filter import beside_filter
     from shipid.identification.uncertainty.amplitudes import beyond_of_record
 
     sensors = _sensors(model, record) if measured is None else measured
@@ -178,7 +180,15 @@ def _filter(
     kept += [
         f"noise:{s.name}" for s in kalman.design.sources if not s.assumed and (s.place == "state" or s.name in given)
     ]
-    run, levels = filter_by_record(kalman, record, kept, tell)
+
+    def identified() -> BatchEstimate | None:
+        # With constants in place of columns it would be another record.
+        if settings["inputs"]:
+            return None
+        signals = None if measured is None else [kalman.design.instruments.quantity_of(n) for n in measured]
+        return beside_filter(model, record, ship, tuple(kalman.design.parameters), signals)
+
+    run, levels = filter_by_record(kalman, record, kept, tell, identified)
     for notice in beyond_of_record(model, ship, record, kalman.design.instruments.inputs):
         warn(notice)
     seen = observability(run)

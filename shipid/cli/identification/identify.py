@@ -110,22 +110,24 @@ def identify(
     shipid identify first.csv second.csv --model de-keizer --ship ship.toml --validate turn.csv --out result
     shipid identify log.csv@1622:1712 --format log.toml --model nomoto --fix tau='20 s'
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
-    from shipid.identification.assess import assess
-    from shipid.identification.identify import identify as run_identify
-    from shipid.parameters.parameter_file import write_parameter_set
-
     found = model_given(model, inputs)
     known = optional_ship_given(ship, values, found)
     with delivery.progress() as tell:
+        # Before the machinery is loaded: a trial that cannot be used is told at once.
+        read_trials, predicted = [read(t) for t in trials], [read(t) for t in validate]
+        from shipid.identification.assess import assess
+        from shipid.identification.identify import identify as run_identify
+        from shipid.parameters.parameter_file import write_parameter_set
+
         fit = run_identify(
             found,
-            [read(t) for t in trials],
+            read_trials,
             ship=known,
             estimate=estimate,
             fixed=assignments(fix),
             signals=None if signals is None else names_of(signals),
             noise=noise,
-            validate=[read(t) for t in validate],
+            validate=predicted,
             purpose=purpose,
             method=method,
             loss=loss,

@@ -8,20 +8,20 @@ from dataclasses import replace
 import numpy as np
 
 from shipid.declaration.units import pretty
-from shipid.estimation.levels.record_levels import RecordLevels
+from shipid.estimation.levels.record_levels import Judged, RecordLevels
 from shipid.estimation.records.consistency import FITTING, REJECTED_SHARE
 from shipid.estimation.records.run import FilterRun
 from shipid.estimation.recursion.gate import REJECTED, TAKEN
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import percent, uncertain_text
+from shipid.foundation.numbers import percent, probability, uncertain_text
+from shipid.foundation.statistics import WHITE, interval_95
 
 #: So many samples of a sensor say something.
 _ENOUGH = 10
 #: Innovations so many times larger than expected say nothing any more: intervals are withheld.
 _HOPELESS = 5.0
-#: So many standard deviations of output error off, a coefficient is another one; less than two, as both know the same record.
-#: One that is a tenth off is another one already at the second number, where output error is good to the third.
-_APART, _TENTH_APART, _TENTH, _GOOD = 1.75, 0.9, 0.1, 0.15
+#: Where identification knows a coefficient so well, one that is a tenth off is another one already at the second number.
+_TENTH_APART, _TENTH, _GOOD = 0.9, 0.1, 0.15
 #: So many standard deviations off its most probable value, the recursion has not come to it.
 _UNFINISHED = 2.0
 #: Intervals that grow by more are told of.
@@ -78,7 +78,27 @@ def _notices(
     yield from _about_search(levels)
     for name, (squares, beyond) in sizes.items():
         yield from _about_sensor(run, levels, name, squares, beyond)
+    yield from not_white(run)
     yield from _about_coefficients(run, levels)
+
+
+def not_white(run: FilterRun) -> Iterator[Notice]:
+    """Yield what there is to say of each sensor whose innovations are correlated.
+
+    Parameters
+    ----------
+    run : FilterRun
+        What the filter made of the record.
+    """
+    for name, innovations in run.innovations.items():
+        if innovations.white_p is not None and innovations.white_p < WHITE:
+            yield Notice(
+                f"The innovations of {name} are not white (p {probability(innovations.white_p)}): the model does not explain part of "
+                "them, and the standard deviations treat that part as noise.",
+                "innovations-not-white",
+                sensor=name,
+                p_value=innovations.white_p,
+            )
 
 
 def _about_search(levels: RecordLevels | None) -> Iterator[Notice]:
@@ -149,8 +169,8 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
             continue
         own = f"{name} {uncertain_text(estimate.value, estimate.std)}{unit}"
         simulated, deviation = judged.simulated, judged.simulated_std
-        if simulated is not None and deviation is not None and _differ(estimate.value, simulated, deviation):
-            other.append(f"{own} (by output error {uncertain_text(simulated, deviation)}{unit})")
+        if simulated is not None and deviation is not None and _differ(estimate.value, judged):
+            other.append(f"{own} (by {levels.method} {uncertain_text(simulated, deviation)}{unit})")
         elif abs(estimate.value - judged.value) > _UNFINISHED * judged.widening * float(run.std_of(name)[-1]) > 0:
             missed.append(f"{own} (most probable {judged.value:.4g}{unit})")
     if other:
@@ -169,10 +189,14 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
         )
 
 
-def _differ(value: float, other: float, deviation: float) -> bool:
-    off = abs(value - other)
-    much = off > max(_TENTH_APART * deviation, _TENTH * abs(other)) and deviation < _GOOD * abs(other)
-    return off > _APART * deviation or much
+def _differ(value: float, judged: Judged) -> bool:
+    """Whether an estimate is another one than that of the identification of the same record: it is outside its 95 % interval."""
+    other, deviation = judged.simulated, judged.simulated_std
+    if other is None or deviation is None:
+        return False
+    low, high = judged.simulated_ends or interval_95(other, deviation)
+    much = abs(value - other) > max(_TENTH_APART * deviation, _TENTH * abs(other)) and deviation < _GOOD * abs(other)
+    return not low <= value <= high or much
 
 
 def unit_text(unit: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from shipid.declaration.units import factor, pretty
@@ -35,6 +35,8 @@ class Judged:
         Its value by output error, where all that is not explained is sensor noise; None where that was not worked out.
     simulated_std : float or None
         Standard deviation of that one, under the residuals as they are.
+    simulated_ends : tuple of float, or None
+        95 % interval of that one, where it is not the normal one.
     """
 
     unit: str
@@ -43,6 +45,23 @@ class Judged:
     widening: float
     simulated: float | None = None
     simulated_std: float | None = None
+    simulated_ends: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class BatchEstimate:
+    """What identification makes of the same record.
+
+    Attributes
+    ----------
+    method : str
+        Its method, in words: ``"output error"``.
+    values : mapping of str to tuple
+        Value, standard deviation and 95 % interval of each coefficient, SI.
+    """
+
+    method: str
+    values: Mapping[str, tuple[float, float, tuple[float, float]]]
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,6 +105,8 @@ class RecordLevels(Result):
         How often the record was run through.
     units : mapping of str to tuple of str
         Unit of each level and of each ``bias:NAME``, and the one it is shown in, by key.
+    method : str
+        How `Judged.simulated` was found, in words.
     """
 
     sensors: Mapping[str, float]
@@ -97,6 +118,24 @@ class RecordLevels(Result):
     evaluations: int
     units: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     bias_standings: Mapping[str, BiasStanding] = field(default_factory=dict)
+    method: str = "output error"
+
+    def beside(self, batch: BatchEstimate) -> RecordLevels:
+        """Return the same levels with the coefficients of an identification beside them, where it has all of them.
+
+        Parameters
+        ----------
+        batch : BatchEstimate
+            The identification.
+        """
+        if not set(self.simulated) <= set(batch.values):
+            return self
+        known = {
+            n: replace(c, simulated=v[0], simulated_std=v[1], simulated_ends=v[2])
+            for n, c in self.coefficients.items()
+            if (v := batch.values.get(n)) is not None
+        }
+        return replace(self, coefficients={**self.coefficients, **known}, method=batch.method)
 
     @property
     def simulated(self) -> dict[str, tuple[float, float]]:
@@ -127,7 +166,7 @@ class RecordLevels(Result):
                 if not key.startswith("bias:")
             },
             "biases": {n: self._bias_to_dict(n, v) for n, v in self.biases.items()},
-            "output_error": {
+            self.method.replace(" ", "_"): {
                 n: {"value": v, "std": s, "unit": self.coefficients[n].unit} for n, (v, s) in self.simulated.items()
             },
         }
@@ -144,7 +183,7 @@ class RecordLevels(Result):
                 f"{n} {uncertain_text(v, s)} {pretty(self.coefficients[n].unit)}".removesuffix(" 1")
                 for n, (v, s) in self.simulated.items()
             )
-            said.append(f"output error on the same record: {', '.join(values)}")
+            said.append(f"{self.method} on the same record: {', '.join(values)}")
         return tuple(said)
 
     def _bias_to_dict(self, name: str, value: float) -> dict[str, Plain]:

@@ -6,7 +6,7 @@ turn one into an error of its own. So the signal is also noted, and asked for wh
 
 from __future__ import annotations
 
-import atexit
+import logging
 import os
 import signal
 import sys
@@ -144,14 +144,15 @@ def end_now(code: int) -> NoReturn:
     """End a process that was stopped, without taking the interpreter apart.
 
     A call of a library of C that was broken off may have left something behind that ends in a crash when Python takes itself
-    apart. What is registered for the end of the process is done, and what was printed is written.
+    apart, and what is registered for the end of the process may wait for that call. Nothing of shipid is left for then: folders and
+    processes are given back where the exception passed. What was printed is written.
 
     Parameters
     ----------
     code : int
         The exit code.
     """
-    atexit._run_exitfuncs()  # noqa: SLF001 - Python has no public way to do these without the rest
+    logging.shutdown()
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
             stream.flush()

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
@@ -111,4 +111,4 @@ def probability_of_common(bias: np.ndarray, covariance: np.ndarray) -> float:
     scatter = apart @ (covariance + spreads[:, None, None] ** 2 * np.eye(count)) @ apart
     away = apart @ bias
     squares = away @ np.linalg.pinv(scatter, rcond=1e-9, hermitian=True) @ away
-    return float(chi2.sf(squares, count - 1).mean())
+    return float(chdtrc(count - 1, squares).mean())

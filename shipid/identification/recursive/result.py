@@ -20,6 +20,7 @@ from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import percent, probability, quantity
 from shipid.foundation.result import DrawnResult
+from shipid.foundation.statistics import WHITE
 from shipid.identification.recursive.design import RecursiveDesign
 from shipid.identification.recursive.recursion import FEW
 
@@ -184,10 +185,14 @@ class RecursiveIdentification(DrawnResult):
 
     @property
     def warnings(self) -> tuple[Notice, ...]:
-        """What makes the estimates unusable."""
-        if not self.diverged:
+        """What makes the estimates unusable, and whether the innovations are not white."""
+        if self.diverged:
+            return (Notice(f"not reliable: {self.why_diverged}", "diverged", serious=True),)
+        p = self.white_p
+        if p is None or p >= WHITE:
             return ()
-        return (Notice(f"not reliable: {self.why_diverged}", "diverged", serious=True),)
+        words = f"The innovations are not white (p {probability(p)}): the model does not explain part of them."
+        return (Notice(words, "innovations-not-white", sensor=self.design.output, p_value=p),)
 
     @functools.cached_property
     def follow(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -12,11 +12,13 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
 from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
+from shipid.foundation.statistics import WHITE
+from shipid.identification.noise.coefficients_apart import CoefficientApart
 from shipid.identification.noise.gusts import Gust
 from shipid.identification.noise.lasting_sensors import LastingSensors
 
-#: Probability below which innovations are not white.
-WHITE = 0.01
+#: Kind of the notice that the coefficients are not those that simulate the ship; a filter of a record tells it by the same name.
+APART = "coefficients-differ"
 #: Kind of the notice that the coefficients are biased by noise of the sensors that lasts.
 LASTING = "lasting-sensors"
 
@@ -54,6 +56,8 @@ class NoiseLevels(Result):
         For each signal the probability of innovations as correlated as these, were they white (Ljung and Box 1978).
     lasting : LastingSensors or None
         Where noise of the sensors that lasts explains the record better: the likelihoods of both.
+    apart : tuple of CoefficientApart
+        Coefficients that output error finds elsewhere: the model is not exact.
     """
 
     parameters: np.ndarray
@@ -69,16 +73,23 @@ class NoiseLevels(Result):
     degrees: np.ndarray | None = None
     whiteness: Mapping[str, float] = field(default_factory=dict)
     lasting: LastingSensors | None = None
+    apart: tuple[CoefficientApart, ...] = ()
 
     @property
     def notices(self) -> tuple[Notice, ...]:
         """What is wrong with coefficients that come with these levels."""
-        if self.lasting is None:
-            return ()
-        words = (
-            f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
-        )
-        return (Notice(words, LASTING, serious=True),)
+        told = []
+        if self.lasting is not None:
+            words = f"{self.lasting.words}: it biases the coefficients of prediction error. Output error is not biased by it"
+            told.append(Notice(words, LASTING, serious=True))
+        if self.apart:
+            words = (
+                "the model is not exact, and what it leaves out counts here as noise that drives the ship: "
+                f"{', '.join(a.words for a in self.apart)}. The intervals do not hold that error; for "
+                "predictions take the coefficients that identify finds without --for filter"
+            )
+            told.append(Notice(words, APART, serious=True, coefficients=[a.to_dict() for a in self.apart]))
+        return tuple(told)
 
     def to_dict(self, model: Model) -> dict[str, Plain]:
         """Return plain values: densities per root second, and standard deviations of one sample, with their units.

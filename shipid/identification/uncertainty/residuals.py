@@ -8,13 +8,12 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
-from shipid.foundation.statistics import LjungBox, ljung_box, plain
+from shipid.foundation.statistics import WHITE, LjungBox, ljung_box, plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import autocorrelation_time
 
-#: Lags of the test, and the probability below which residuals are not white.
+#: Lags of the test.
 _LAGS = 20
-WHITE = 0.01
 
 
 @dataclass(frozen=True)

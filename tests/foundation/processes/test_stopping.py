@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 
@@ -91,3 +92,13 @@ def test_a_command_that_is_done_stays_done() -> None:
         ignore_from_now()
     signal.raise_signal(signal.SIGINT)
     signal.raise_signal(signal.SIGTERM)
+
+
+def test_a_stopped_process_ends_at_once() -> None:
+    """Its output is written; what others registered for the end, which may wait for a broken call of C, is not begun."""
+    code = (
+        "import atexit; from shipid.foundation.processes.stopping import end_now; "
+        "atexit.register(print, 'taken apart'); print('done', end=''); end_now(130)"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "done", "")

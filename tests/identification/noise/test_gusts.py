@@ -103,6 +103,18 @@ def test_a_gust_on_one_state_is_found_where_others_have_none():
         assert abs(fit.parameters[name].value - truth[name]) < 3 * fit.parameters[name].std
 
 
+def test_a_model_that_is_not_exact_is_told():
+    """A ship with a cubic damping under a model that has none: tau is 8 of its standard deviations off, and white innovations say
+    nothing of it, as what is left out counts as a gust."""
+    cubic = {"a": 0.08 / 12, "b1": 1 / 12, "b3": 300 / 12}
+    trial = record(0.0, 3, "norrbin", cubic)
+    fit = shipid.identify("nomoto", [trial], ship="zeefakkel", starts=1, purpose="filter")
+    assert fit.converged and "r" in fit.levels.gusts
+    told = [n for n in fit.warnings if n.kind == "coefficients-differ"]
+    assert len(told) == 1 and told[0].serious and "by output error" in told[0] and told[0] in fit.text()
+    assert any(abs(a.value - a.simulated) > 1.96 * a.std for a in fit.levels.apart)
+
+
 def test_waves_in_the_sensors_bias_no_coefficient():
     """Through a filter with white sensors tau is 2 to 3 of its standard deviations off."""
     fit = shipid.identify(

@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from shipid.foundation.numbers import probability
-from shipid.foundation.statistics import NORMAL_95
+from shipid.foundation.statistics import NORMAL_95, WHITE
 from shipid.report.figures.trials import Curve, Panel
 from shipid.report.page import Row
 from shipid.report.typography.quantities import Shown
 from shipid.report.views.filter.parameters import SETTLING
-
-#: Probability below which innovations are called coloured.
-COLOURED = 0.01
 
 
 def innovation_row(how: Shown, values: np.ndarray, white_p: float | None, **others: str) -> Row:
@@ -35,7 +32,7 @@ def innovation_row(how: Shown, values: np.ndarray, white_p: float | None, **othe
         "unit": how.unit,
         "rms": rms,
         "p": "" if white_p is None else probability(white_p),
-        "white": None if white_p is None else white_p >= COLOURED,
+        "white": None if white_p is None else white_p >= WHITE,
         **others,
     }
 

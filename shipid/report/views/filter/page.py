@@ -8,14 +8,15 @@ import numpy as np
 from markupsafe import Markup
 from scipy.special import chdtri
 
+from shipid.estimation.levels.judge_filter import not_white
 from shipid.estimation.records.observability import Observability
 from shipid.estimation.records.run import FilterRun
-from shipid.foundation.numbers import fixed, probability, uncertain
+from shipid.foundation.numbers import fixed, uncertain
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Row, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.innovations import innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
 from shipid.report.views.words import versions_now, with_unit
 
@@ -93,11 +94,8 @@ def _cautions(run: FilterRun) -> list[str]:
             said.append(
                 f"The innovations of {name} are {size} than expected (mean square {i.nis_mean:.2f} times the variance): {cause}."
             )
-        if i.white_p is not None and i.white_p < COLOURED:
-            said.append(
-                f"The innovations of {name} are not white (p {probability(i.white_p)}): the model does not explain part of "
-                "them, and the standard deviations treat that part as noise."
-            )
+    # One that was judged has said it.
+    said += [n for n in not_white(run) if n not in run.warnings]
     said += run.arranged.words
     if run.arranged.back:
         said.append(f"{run.arranged.back} samples were left out because the clock did not go forward.")

@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shipid.foundation.numbers import fixed, probability, uncertain
+from shipid.foundation.numbers import fixed, uncertain
 from shipid.identification.recursive.result import RecursiveIdentification
 from shipid.report.figures.trials import Curve, Panel, halves, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import shown
 from shipid.report.views.equations import equations_section
-from shipid.report.views.filter.innovations import COLOURED, innovation_panel, innovation_row
+from shipid.report.views.filter.innovations import innovation_panel, innovation_row
 from shipid.report.views.filter.parameters import parameters_section
 from shipid.report.views.words import sentence, versions_now, with_unit
 
@@ -34,14 +34,10 @@ def recursive_page(run: RecursiveIdentification) -> Page:
     run : RecursiveIdentification
         The run.
     """
-    design, white = run.design, run.white_p
+    design = run.design
     answer = [f"{sentence(design.method.line)}; {run.t.size} samples of {run.record}."]
     answer += [f"{n} ended at {with_unit(uncertain(p.value, p.std), p.unit)}." for n, p in run.parameters.items()]
-    cautions = list(run.arranged.words)
-    if white is not None and white < COLOURED:
-        cautions.append(
-            f"The innovations are not white (p {probability(white)}): the model does not explain part of them."
-        )
+    cautions = [*run.arranged.words, *(n for n in run.warnings if not n.serious)]
     return Page(
         f"Trial {run.record} identified with model {design.model.name}, by {design.method.name}",
         [("", answer)],

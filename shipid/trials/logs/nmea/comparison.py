@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import correlate
 
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.sources import SignalSource
@@ -93,6 +92,8 @@ def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[tuple[float, 
 
     The delay stands between the least and the largest one at which the two disagree hardly more.
     """
+    from scipy.signal import correlate  # loads all of scipy.signal, half a second
+
     n = one.size
     one, two = one - one.mean(), two - two.mean()
     most = min(round(_LONGEST / step), n // 3)

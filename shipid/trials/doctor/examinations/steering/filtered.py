@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy import signal
 
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -87,20 +86,24 @@ def filtered(signals: Signals, values: np.ndarray, constant: float) -> tuple[np.
     -------
     tuple of ndarray, shape (m,)
     """
+    from scipy.signal import lfilter  # loads all of scipy.signal, half a second
+
     # In units of the sampling interval: the numbers stay near one whatever the clock counts in.
     start = float(values[0])
-    found = [signal.lfilter(b, a, values - start) for b, a in _coefficients(constant / signals.step)]
+    found = [lfilter(b, a, values - start) for b, a in _coefficients(constant / signals.step)]
     return found[0] + start, found[1] / signals.step, found[2] / signals.step**2
 
 
 @lru_cache(maxsize=64)
 def _coefficients(width: float) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """Numerators and denominators of the filter and its first two derivatives, for a width in samples."""
+    from scipy.signal import cont2discrete
+
     denominator = np.poly([-1 / width] * _ORDER)
     gain = width**-_ORDER
     found = []
     for numerator in ([gain], [gain, 0.0], [gain, 0.0, 0.0]):
-        b, a, _ = signal.cont2discrete((numerator, denominator), 1.0, method="foh")
+        b, a, _ = cont2discrete((numerator, denominator), 1.0, method="foh")
         found.append((np.ravel(b), a))
     return tuple(found)
 
