@@ -103,9 +103,7 @@ def tracked(detection: float, interval: float, clutter: float, runs: range, trac
              found.score.false_tracks, found.score.false_movers, found.score.minutes)
         )  # fmt: skip
     visible, always, first, tracks, false, movers, minutes = np.array(rows).T
-    return Found(
-        visible, always, first, tracks.mean(), false.sum() / minutes.sum(), movers.sum() / minutes.sum()
-    )
+    return Found(visible, always, first, tracks.mean(), false.sum() / minutes.sum(), movers.sum() / minutes.sum())
 
 
 def main() -> None:

@@ -59,7 +59,10 @@ def motion_of(name: str, ship: ParameterSet | None = None) -> Motion:
             TargetMode("steady", acceleration=_STEADY),
             TargetMode("manoeuvring", acceleration=_MANOEUVRE, stays=_LASTS),
         )
-        return Motion(find_model("coordinated-turn-augmented"), modes if name == "imm" else (TargetMode("steady", acceleration=0.22),))
+        return Motion(
+            find_model("coordinated-turn-augmented"),
+            modes if name == "imm" else (TargetMode("steady", acceleration=0.22),),
+        )
     sharpest, model = _SHARPEST, "coordinated-turn-augmented"
     if ship is not None:
         length = ship.particular("L", "m")
