@@ -142,8 +142,27 @@ class TurningAtUnknownRate(CoordinatedTurn):
         return self.omega
 
 
+class CoordinatedCircleAugmented(CoordinatedTurn):
+    """A turn by an angle in each metre sailed, at any speed: a ship with a rudder angle; part of it is estimated."""
+
+    omega = derived("rad/s", "rate of turn of the course, positive to starboard", latex=r"\omega")
+    curvature = given("rad/m", "curvature of the track, positive to starboard", latex=r"\kappa")
+    dcurvature = state("rad/m", "curvature less that of the mode", nominal=0.001, latex=r"\Delta\kappa")
+
+    @omega.equals
+    def rate(self):
+        """Semerdjiev and Mihaylova (2000), eq. (18), with the speed over the ground."""
+        return (self.curvature + self.dcurvature) * self.SOG
+
+    @dcurvature.next
+    def displacement(self):
+        """Semerdjiev and Mihaylova (2000), eq. (20), the noise left to the filter."""
+        return self.dcurvature
+
+
 constant_velocity = join("constant-velocity", ConstantVelocity)
 coordinated_turn = join("coordinated-turn", CoordinatedTurn)
 coordinated_turn_augmented = join("coordinated-turn-augmented", CoordinatedTurnAugmented)
 constant_velocity_augmented = join("constant-velocity-augmented", ConstantVelocityAugmented)
+coordinated_circle_augmented = join("coordinated-circle-augmented", CoordinatedCircleAugmented)
 turning_at_unknown_rate = join("turning-at-unknown-rate", TurningAtUnknownRate)

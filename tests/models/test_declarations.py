@@ -46,8 +46,7 @@ TARGETS = {
     "coordinated-turn",
     "coordinated-turn-augmented",
     "turning-at-unknown-rate",
-    "target-turn",
-    "target-circle",
+    "coordinated-circle-augmented",
 }
 SHIP_MODELS = [n for n in MODELS if n not in FILTERS | TARGETS]
 FAMILIES = ("nomoto", "nomoto-second-order", "norrbin", "bech", "de-keizer", "van-leeuwen", "pershitz")

@@ -551,18 +551,10 @@ def moving_point(n: Numbers, a: float, extra: Numbers) -> Numbers:
     }
 
 
-def turning_point(n: Numbers, rate: float) -> Numbers:
-    return {"vx": -rate * n["vy"], "vy": rate * n["vx"], "more": 0.0, "x": n["vx"], "y": n["vy"]}
-
-
-def target_turn(n: Numbers) -> Numbers:
-    n |= {"vx": 5.3, "vy": -2.7, "turn": 0.012, "more": -0.003}
-    return turning_point(n, 0.012 - 0.003)
-
-
-def target_circle(n: Numbers) -> Numbers:
-    n |= {"vx": 5.3, "vy": -2.7, "curvature": 2.1e-3, "more": -4.0e-4}
-    return turning_point(n, (2.1e-3 - 4.0e-4) * hypot(5.3, -2.7))
+def coordinated_circle(n: Numbers) -> Numbers:
+    n |= {"curvature": 2.1e-3, "dcurvature": -4.0e-4}
+    rate = (2.1e-3 - 4.0e-4) * hypot(5.3, -2.7)
+    return moving_point(n, 3.0 * rate, {"omega": rate, "dcurvature": -4.0e-4})
 
 
 MODELS: dict[str, Case] = {
@@ -571,7 +563,7 @@ MODELS: dict[str, Case] = {
     "coordinated-turn": lambda n: moving_point(n, 3.0 * 0.013, {}),
     "coordinated-turn-augmented": lambda n: moving_point(n, 3.0 * (0.013 - 0.004), {"domega": -0.004}),
     "turning-at-unknown-rate": lambda n: moving_point(n, 3.0 * 0.013, {"omega": 0.013}),
-    "target-turn": target_turn, "target-circle": target_circle,
+    "coordinated-circle-augmented": coordinated_circle,
     "nomoto": nomoto, "nomoto-second-order": nomoto_second_order, "norrbin": norrbin, "bech": bech,
     "de-keizer": de_keizer, "de-keizer-minimal": de_keizer_minimal, "de-keizer-cubic": de_keizer_cubic, "de-keizer-asymmetric": de_keizer_asymmetric,
     "gain-scheduled": gain_scheduled, "van-leeuwen": van_leeuwen, "pershitz": pershitz,

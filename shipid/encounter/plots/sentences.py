@@ -10,10 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+from shipid.encounter.plots.ais import AisReader
 from shipid.encounter.plots.plots import Sensor
 from shipid.encounter.plots.raw_plots import RawPlots
-from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import MissingExtraError
 from shipid.trials.errors import EmptyFileError, NonFiniteError
 from shipid.trials.logs.nmea.opening import encoding_of
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
@@ -24,8 +23,6 @@ from shipid.trials.logs.tables.opening import opened
 _UNITS = {"K": 1000.0, "N": 1852.0, "S": 1609.344}
 #: The sentences that tell where own ship is and heads.
 _POSITIONS, _HEADINGS = ("GGA", "RMC", "GLL"), ("THS", "HDT")
-#: AIS messages with a position, and what stands for none.
-_REPORTS, _NO_LATITUDE, _NO_LONGITUDE = (1, 2, 3, 18, 19, 27), 91.0, 181.0
 _NAN = float("nan")
 
 
@@ -40,7 +37,9 @@ class _Found:
     lat: list[float] = field(default_factory=list)
     lon: list[float] = field(default_factory=list)
     own: list[tuple[float, float, float]] = field(default_factory=list)
+    fixed: bool = False
     left_out: int = 0
+    ais: AisReader = field(default_factory=AisReader)
 
 
 def holds_plots(file: Path) -> bool:
@@ -53,7 +52,7 @@ def holds_plots(file: Path) -> bool:
     """
     data, _ = opened(file)
     head = data[:2_000_000]
-    return b"TTM," in head or b"!AIVDM," in head or b"!BSVDM," in head
+    return b"TTM," in head or b"VDM," in head
 
 
 def plots_of_sentences(file: Path) -> RawPlots:
@@ -83,7 +82,7 @@ def plots_of_sentences(file: Path) -> RawPlots:
     radar = any(s.address.endswith("TTM") for _, s in lines)
     _collect(lines, found, radar)
     if not found.t:
-        left = f" {_left_out(found.left_out)}" if found.left_out else ""
+        left = "".join(f" {why}" for why in _left_out(found))
         raise EmptyFileError(
             f"'{file}' holds no target with a position: no TTM with a range, and no AIS position.{left}"
         )
@@ -108,37 +107,42 @@ def plots_of_sentences(file: Path) -> RawPlots:
         if radar
         else Sensor("AIS", position_std=10.0, period=period)
     )
-    notes = []
-    if found.left_out:
-        notes.append(_left_out(found.left_out))
-    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(notes))
+    return RawPlots(t[kept], columns, np.zeros(len(kept), int), sensors=(sensor,), notes=tuple(_left_out(found)))
 
 
-def _left_out(count: int) -> str:
+def _left_out(found: _Found) -> list[str]:
+    """What became of the rest, a sentence a cause."""
+    count = found.left_out
     what = "targets" if count > 1 else "target"
-    return f"{count} {what} left out: lost, or without a position, a unit or a heading to count from."
+    rest = (
+        [f"{count} {what} left out: lost, or without a position, a unit or a heading to count from."] if count else []
+    )
+    return rest + found.ais.why()
 
 
 @dataclass
 class _TimeOfDay:
-    """Times of day in the order of the log, which go on over midnight."""
+    """Times of day in the order of the log, which go on over midnight: each counts as the one nearest to the time before."""
 
-    days: float = 0.0
-    last: float = -math.inf
+    last: float = _NAN
 
     def on(self, seconds: float) -> float:
         """Return a time of day as seconds since the first midnight."""
-        if math.isfinite(seconds):
-            self.days += DAY if seconds + self.days < self.last - DAY / 2 else 0.0
-            self.last = seconds + self.days
-        return seconds + self.days
+        if math.isfinite(seconds) and math.isfinite(self.last):
+            # A wrong time far off goes one way, and the next right one comes back: no day is gained.
+            seconds = self.last + (seconds - self.last + DAY / 2) % DAY - DAY / 2
+        self.last = seconds if math.isfinite(seconds) else self.last
+        return seconds
 
 
 def _seconds(clock: str) -> float:
     """The time of day that hhmmss.ss says; NaN where it says none."""
     if len(clock) < 6 or not clock[:6].isdigit():
         return _NAN
-    return int(clock[:2]) * 3600.0 + int(clock[2:4]) * 60.0 + float(clock[4:])
+    hours, minutes, seconds = int(clock[:2]), int(clock[2:4]), float(clock[4:])
+    if hours > 23 or minutes > 59 or not 0 <= seconds < 61:  # a leap second
+        return _NAN
+    return hours * 3600.0 + minutes * 60.0 + seconds
 
 
 def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
@@ -158,7 +162,6 @@ def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
 def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) -> None:
     heading = utc = _NAN
     day = _TimeOfDay()
-    parts: dict[str, list[str]] = {}
     for at, sentence in lines:
         fields = sentence.text.split(",")
         kind = sentence.address[-3:]
@@ -173,12 +176,15 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                 if kind in _POSITIONS:
                     when = at if math.isfinite(at) else utc
                     if math.isfinite(when + known["lat"] + known["lon"]):
+                        if not found.fixed:
+                            # Her own AIS repeats the fixes of her receiver, later and coarser.
+                            found.own, found.fixed = [], True
                         found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
             elif kind == "TTM":
                 _take_ttm(fields, at, utc, heading, day, found)
-            elif kind == "VDM" and not radar:
-                _take_ais(fields, sentence, at, utc, parts, found)
-        except ValueError:
+            elif kind == "VDO" or (kind == "VDM" and not radar):
+                _take_ais(fields, sentence, at if math.isfinite(at) else utc, found)
+        except (ValueError, IndexError):
             found.left_out += 1
 
 
@@ -188,9 +194,8 @@ def _take_ttm(fields: list[str], at: float, utc: float, heading: float, day: _Ti
     said = day.on(_seconds(fields[14]))
     when = next((w for w in (at, said, utc) if math.isfinite(w)), _NAN)
     unit = _UNITS.get(fields[10])
-    bearing = float(fields[3]) if fields[3] else _NAN
-    if fields[4] == "R":
-        bearing += heading
+    # From north, or from the bow; where it does not say, nobody knows.
+    bearing = float(fields[3]) + {"T": 0.0, "R": heading}.get(fields[4], _NAN) if fields[3] else _NAN
     if unit is None or fields[12] == "L" or not fields[2] or not math.isfinite(bearing):
         found.left_out += 1
         return
@@ -200,38 +205,18 @@ def _take_ttm(fields: list[str], at: float, utc: float, heading: float, day: _Ti
     found.bearing.append(math.radians(bearing))
 
 
-def _take_ais(
-    fields: list[str], sentence: Sentence, at: float, utc: float, parts: dict[str, list[str]], found: _Found
-) -> None:
-    """A message of one sentence or several."""
-    try:
-        import pyais
-        from pyais.exceptions import AISBaseException
-    except ImportError:
-        raise MissingExtraError("reading AIS", "pyais", "ais", "Targets of a radar (TTM) need no package.") from None
-    text = sentence.text + (f"*{sentence.checksum}" if sentence.checksum else "*" + checksum(sentence.text[1:]))
-    whole = [text]
-    if fields[1] != "1":
-        key = f"{fields[3]}{fields[4]}"
-        whole = parts.setdefault(key, [])
-        whole.append(text)
-        if len(whole) < int(fields[1]):
-            return
-        del parts[key]
-    try:
-        message: Plain = pyais.decode(*whole)
-    except AISBaseException:
-        found.left_out += 1
+def _take_ais(fields: list[str], sentence: Sentence, when: float, found: _Found) -> None:
+    """A ship that reports herself: another one, or own ship."""
+    report = found.ais.take(fields, sentence)
+    if report is None:
         return
-    if message.msg_type not in _REPORTS:
-        return
-    if abs(message.lat) >= _NO_LATITUDE or abs(message.lon) >= _NO_LONGITUDE:
-        found.left_out += 1
-        return
-    found.t.append(at if math.isfinite(at) else utc)
-    found.label.append(str(message.mmsi))
-    found.lat.append(math.radians(message.lat))
-    found.lon.append(math.radians(message.lon))
+    if not report.own:
+        found.t.append(when)
+        found.label.append(report.label)
+        found.lat.append(report.lat)
+        found.lon.append(report.lon)
+    elif not found.fixed and math.isfinite(when):
+        found.own.append((when, report.lat, report.lon))
 
 
 def _repeated(t: np.ndarray, label: np.ndarray) -> float | None:

@@ -10,11 +10,12 @@ from shipid.encounter.closest_approach import ClosestApproach, closest_approach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.read_plots import Detections
 from shipid.encounter.plots.ship_path import ShipPath
-from shipid.encounter.tracking.contradictions import contradictions
 from shipid.encounter.tracking.filters.alpha_beta import FuzzySettings
 from shipid.encounter.tracking.filters.alpha_beta_filters import AlphaBetaFilters
 from shipid.encounter.tracking.filters.target_filters import TargetFilters
 from shipid.encounter.tracking.filters.trackers import motion_of
+from shipid.encounter.tracking.remarks.contradictions import contradictions
+from shipid.encounter.tracking.remarks.own_echoes import without_own_ship
 from shipid.encounter.tracking.scatter import tracked
 from shipid.encounter.tracking.scoring import score_tracks
 from shipid.encounter.tracking.target_track import Status, TargetTrack
@@ -73,7 +74,7 @@ def track(
     labels = filters.labels
     engine, standings, scatter = tracked(filters, plots, rules)
     plots = replace(plots, sensors=engine.sensors)
-    tracks = _tracks(standings, rules, found)
+    tracks, own_echo = without_own_ship(_tracks(standings, rules, found), found)
     score = score_tracks(tracks, plots, found.truth, found.own) if found.truth else None
     return Tracking(
         found.name,
@@ -86,7 +87,13 @@ def track(
         found.relative,
         found.truth,
         score,
-        (*_warnings(found, tracks, engine), *scatter, *_widened(tracks), *(contradictions(score) if score else ())),
+        (
+            *_warnings(found, tracks, engine),
+            *own_echo,
+            *scatter,
+            *_widened(tracks),
+            *(contradictions(score) if score else ()),
+        ),
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 
@@ -33,8 +35,9 @@ def packed_of(full: np.ndarray) -> np.ndarray:
     return np.asarray(full[..., rows, columns])
 
 
+@functools.lru_cache(maxsize=64)
 def _places(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns of the entries of a packed upper triangle."""
+    """Rows and columns of the entries of a packed upper triangle; kept, as a sample that arrives alone asks for them every time."""
     rows = np.concatenate([np.arange(j + 1) for j in range(n)]) if n else np.zeros(0, dtype=int)
     return rows, np.repeat(np.arange(n), np.arange(1, n + 1))
 

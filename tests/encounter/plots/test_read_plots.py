@@ -360,3 +360,89 @@ def test_ais_takes_the_time_of_the_clock_before_it(tmp_path):
     (tmp_path / "ais.nmea").write_text("\n".join(lines))
     found = read_detections(tmp_path / "ais.nmea")
     assert [s.t for s in found.plots] == [0.0, 3.0, 6.0, 9.0]
+
+
+def test_a_wrong_time_of_day_is_no_midnight(tmp_path):
+    """One impossible time and one wrong one in a log of TTM: no day is gained, and the wrong plot is left out."""
+    lines = [ttm(k) for k in range(T.size)]
+    wrong = lines[5].split("*")[0][1:].split(",")
+    for clock in ("999999.00", "233000.00"):
+        wrong[14] = clock
+        lines.insert(6, sentence(",".join(wrong)))
+    (tmp_path / "radar.nmea").write_text("\n".join(lines))
+    found = read_detections(tmp_path / "radar.nmea")
+    assert found.plots.span[1] - found.plots.span[0] == pytest.approx(T[-1] - T[0])
+    assert "plots-far-in-time" in {n.kind for n in found.plots.notes}
+
+
+def test_a_wrong_time_in_a_table_is_left_out(tmp_path):
+    t = 36000.0 + T
+    t[7] = 80000.0
+    log = table(tmp_path / "p.csv", "t [s],x [m],y [m]", t, NORTH, EAST)
+    found = read_detections(log)
+    assert len(found.plots) == T.size - 1 and found.plots.span[1] == pytest.approx(T[-1] - T[0])
+
+
+def test_ttm_that_does_not_say_from_where_its_bearing_counts(tmp_path):
+    lines = [ttm(k) for k in range(T.size)]
+    lines.append(sentence("RATTM,02,1.0,10.0,,,,T,,,N,,T,,100000.00,A"))
+    (tmp_path / "radar.nmea").write_text("\n".join(lines))
+    found = read_detections(tmp_path / "radar.nmea")
+    assert len(found.plots) == T.size and any("1 target left out" in n for n in found.plots.notes)
+
+
+def test_ais_of_what_is_no_ship_and_of_own_ship(tmp_path):
+    """Base station, buoy, aircraft, MMSI 0, long-range and cut messages are left out with their cause; VDO is own ship."""
+    from pyais.encode import encode_dict
+
+    others = [
+        {"type": 4, "mmsi": 2442000, "lat": 50.0, "lon": 1.0, "year": 2026, "month": 1, "day": 1},
+        {"type": 21, "mmsi": 992440000, "lat": 50.0, "lon": 1.0, "name": "BUOY"},
+        {"type": 9, "mmsi": 111244000, "lat": 50.0, "lon": 1.0, "alt": 300},
+        {"type": 1, "mmsi": 0, "lat": 50.0, "lon": 1.0},
+        {"type": 27, "mmsi": 244000003, "lat": 50.0, "lon": 1.0},
+    ]
+    lines = ais(tmp_path).read_text().splitlines()
+    stamp = lines[0].split("!")[0]
+    lines += [stamp + text for d in others for text in encode_dict(d, talker_id="AI", sentence_type="VDM")]
+    for body in (
+        "AIVDM",
+        "AIVDM,1",
+        "AIVDM,x,1,,A,13,0",
+        "AIVDM,1,1,,A,13`l,0",
+        "AIVDM,1,1,,A,,0",
+        "AIVDM,1,1,,A,~~~~,0",
+    ):
+        lines.append(f"{stamp}!{body}*{checksum(body)}")
+    for k in (0, T.size - 1):
+        own = {"type": 1, "mmsi": 244000009, "lat": 50.01, "lon": 1.0}
+        front = f"2026-01-01T10:{int(T[k]) // 60:02d}:{int(T[k]) % 60:02d}.000Z "
+        lines.append(front + encode_dict(own, talker_id="AI", sentence_type="VDO")[0])
+    log = tmp_path / "more.ais"
+    log.write_text("\n".join(lines))
+    found = read_detections(log)
+    assert len(found.plots) == T.size and found.own is not None
+    told = " ".join(found.plots.notes)
+    for words in (
+        "5 AIS messages that cannot be decoded",
+        "3 AIS reports of base stations",
+        "MMSI 0",
+        "1 long-range AIS report",
+        "without a position",
+    ):
+        assert words in told
+
+
+def test_own_ships_receiver_goes_before_her_ais(tmp_path):
+    from pyais.encode import encode_dict
+
+    lines = ais(tmp_path).read_text().splitlines()
+    for k in (0, T.size - 1):
+        front = f"2026-01-01T10:{int(T[k]) // 60:02d}:{int(T[k]) % 60:02d}.000Z "
+        own = {"type": 1, "mmsi": 244000009, "lat": 51.0, "lon": 1.0}
+        lines.append(front + encode_dict(own, talker_id="AI", sentence_type="VDO")[0])
+        lines.append(front + sentence("GPGLL,5000.6,N,00100.0,E,100000.00,A"))
+    log = tmp_path / "both.ais"
+    log.write_text("\n".join(lines))
+    found = read_detections(log)
+    assert found.own is not None and np.ptp(found.own.x) < 1.0

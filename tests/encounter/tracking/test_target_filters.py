@@ -14,7 +14,7 @@ from shipid.encounter.tracking.filters.trackers import NAMES, motion_of
 from shipid.foundation.errors import UnknownNameError
 from shipid.parameters.catalogue import find_model, find_ship
 
-MODEL = find_model("target-turn")
+MODEL = find_model("coordinated-turn-augmented")
 TWO = Motion(MODEL, (TargetMode("steady", acceleration=0.1), TargetMode("manoeuvring", acceleration=1.0, stays=20.0)))
 R = np.array([[[25.0, 4.0], [4.0, 16.0]]])
 
@@ -36,7 +36,7 @@ def test_a_turn_is_a_circle() -> None:
 
 
 def test_the_curvature_turns_whatever_the_speed() -> None:
-    motion = Motion(find_model("target-circle"), (TargetMode("starboard", turn=0.01),))
+    motion = Motion(find_model("coordinated-circle-augmented"), (TargetMode("starboard", turn=0.01),))
     for speed in (2.0, 8.0):
         x = np.array([[[0.0, 0.0, speed, 0.0, 0.0]]])
         for _ in range(4):
@@ -138,7 +138,7 @@ def test_a_ship_says_how_sharply_targets_turn() -> None:
     length = ship.particular("L", "m")
     assert length is not None
     motion = motion_of("vs-aimm", ship)
-    assert motion.model.name == "target-circle"
+    assert motion.model.name == "coordinated-circle-augmented"
     assert motion.modes[2].high == pytest.approx(2 / (3.5 * length))
 
 

@@ -244,3 +244,23 @@ def test_the_same_plots_give_the_same_tracks(scene):
 def test_detections_are_what_is_tracked(scene):
     found: Detections = scene(CROSSING)
     assert track(found.plots).tracks[0].x == pytest.approx(track(found).tracks[0].x)
+
+
+def test_a_track_on_own_ship_is_no_target(scene):
+    """Her own AIS sails with her; another ship is tracked as before."""
+    both = scene([(0.0, 0.0, 4.0, 1.0), (500.0, 300.0, -3.0, 0.0)], clutter=0.0)
+    times = both.own.t
+    own = replace(both.own, x=4.0 * times, y=1.0 * times)
+    found = track(replace(both, own=own))
+    (told,) = [w for w in found.warnings if w.kind == "track-on-own-ship"]
+    assert not told.serious and told.known["tracks"] == [1] and "track 1 stays within" in told
+    assert [one.approach is None for one in found.tracks] == [True, False]
+
+
+def test_plots_that_stand_at_the_origin_are_told():
+    """Where nothing is known of own ship, what never leaves x = y = 0 is no target; plots elsewhere are."""
+    t = 2.5 * np.arange(40)
+    for north, count in ((0.0, 1), (400.0, 0)):
+        plots = make_plots(t, np.full(40, north), np.zeros(40), own=np.full((40, 2), np.nan))
+        told = [w for w in track(plots).warnings if w.kind == "track-on-own-ship"]
+        assert [w.serious for w in told] == [True] * count

@@ -18,10 +18,25 @@ from shipid.estimation.settings.noise import NoiseSource
 from shipid.foundation.aliases import Expression
 from shipid.generation.loop import Loop, make_loop
 
-#: The states that the association reads, in their order; further states follow.
-STATES = ("x", "y", "vx", "vy", "more")
-_SIZE = len(STATES)
-_PACKED = covariance_form.size(_SIZE)
+#: The states that the association reads, in their order; one more follows: the estimated part of the turn.
+STATES = ("x", "y", "vx", "vy")
+SIZE = len(STATES) + 1
+_PACKED = covariance_form.size(SIZE)
+
+
+def turn_of(model: Model) -> tuple[str, str] | None:
+    """Return the input that says how a target turns, and the state that is its estimated part; None where a model has no such pair.
+
+    Parameters
+    ----------
+    model : Model
+        The motion of a target.
+    """
+    stated = [n for n in model.inputs if model[n].number("default") is None]
+    further = [n for n in model.states if n not in STATES]
+    if not set(STATES) <= set(model.states) or len(stated) != 1 or len(further) != 1:
+        return None
+    return stated[0], further[0]
 
 
 def predicted(
@@ -32,13 +47,13 @@ def predicted(
     Parameters
     ----------
     model : Model
-        The motion of a target, with the states `STATES` and one input.
+        The motion of a target, with the states `STATES` and one more.
     x : ndarray, shape (..., 5)
         Estimates.
     P : ndarray, shape (..., 5, 5)
         Their covariances.
     turn : ndarray, shape (...)
-        The input.
+        Its input.
     level : ndarray, shape (...)
         Density of the noise that drives the velocities, m/s^1.5.
     interval : float
@@ -65,7 +80,7 @@ def mixed(weights: np.ndarray, x: np.ndarray, P: np.ndarray) -> tuple[np.ndarray
     x, P : ndarray, shapes (n, mixtures, 5) and (n, mixtures, 5, 5)
     """
     n, modes, mixtures = weights.shape
-    parts = np.concatenate([x.reshape(n, modes * _SIZE), packed_of(P).reshape(n, modes * _PACKED)], axis=1)
+    parts = np.concatenate([x.reshape(n, modes * SIZE), packed_of(P).reshape(n, modes * _PACKED)], axis=1)
     rows = [weights.swapaxes(1, 2), np.broadcast_to(parts[:, None], (n, mixtures, parts.shape[1]))]
     return _estimates(_over(_mixture(modes), rows))
 
@@ -96,7 +111,7 @@ def _over(loop: Loop, parts: list[np.ndarray]) -> np.ndarray:
 def _estimates(out: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Means and covariances out of rows of a mean and a packed covariance."""
     rows = out.shape[:-1]
-    return out[..., :_SIZE], unpacked(out[..., _SIZE:].reshape(-1, _PACKED), _SIZE).reshape(*rows, _SIZE, _SIZE)
+    return out[..., :SIZE], unpacked(out[..., SIZE:].reshape(-1, _PACKED), SIZE).reshape(*rows, SIZE, SIZE)
 
 
 def _rowwise(name: str, row: Expression, out: Expression) -> Loop:
@@ -108,13 +123,17 @@ def _rowwise(name: str, row: Expression, out: Expression) -> Loop:
 
 @functools.lru_cache(maxsize=8)
 def _prediction(model: Model) -> Loop:
+    row = ca.SX.sym("row", SIZE + _PACKED + 3)
     sources = tuple(NoiseSource(name, 1.0, "state", True) for name in ("vx", "vy"))
-    equations = make_equations(model, ("x", "y"), sources, "rk4", "zero", 3)
-    order = [equations.system.states.index(name) for name in STATES]
-    row = ca.SX.sym("row", _SIZE + _PACKED + 3)
-    x, packed = row[:_SIZE], row[_SIZE:-3]
-    own, cov = ca.SX(_SIZE, 1), covariance_form.unpack(packed, _SIZE)
-    reordered = ca.SX(_SIZE, _SIZE)
+    equations = make_equations(model, ("x", "y"), sources, "rk4", "zero", 1)
+    named = turn_of(model)
+    assert named is not None, "checked where a motion is made"
+    order = [equations.system.states.index(name) for name in (*STATES, named[1])]
+    inputs = ca.SX.zeros(equations.u0.shape[0])
+    inputs[equations.system.inputs.index(named[0])] = row[-3]
+    x, packed = row[:SIZE], row[SIZE:-3]
+    own, cov = ca.SX(SIZE, 1), covariance_form.unpack(packed, SIZE)
+    reordered = ca.SX(SIZE, SIZE)
     for a, i in enumerate(order):
         own[i] = x[a]
         for b, j in enumerate(order):
@@ -124,8 +143,8 @@ def _prediction(model: Model) -> Loop:
         [equations.joint, equations.u0, equations.u1, equations.T, equations.p, equations.levels, equations.scale],
         [
             own,
-            row[-3],
-            row[-3],
+            inputs,
+            inputs,
             row[-1],
             ca.SX(equations.p.shape[0], 1),
             ca.vertcat(row[-2], row[-2]),
@@ -137,13 +156,13 @@ def _prediction(model: Model) -> Loop:
 
 @functools.lru_cache(maxsize=8)
 def _mixture(modes: int) -> Loop:
-    row = ca.SX.sym("row", modes * (1 + _SIZE + _PACKED))
-    weights, means, triangles = ca.vertsplit(row, [0, modes, modes * (1 + _SIZE), row.shape[0]])
+    row = ca.SX.sym("row", modes * (1 + SIZE + _PACKED))
+    weights, means, triangles = ca.vertsplit(row, [0, modes, modes * (1 + SIZE), row.shape[0]])
     parts = [
-        (mean, covariance_form.unpack(triangle, _SIZE))
-        for mean, triangle in zip(ca.vertsplit(means, _SIZE), ca.vertsplit(triangles, _PACKED))
+        (mean, covariance_form.unpack(triangle, SIZE))
+        for mean, triangle in zip(ca.vertsplit(means, SIZE), ca.vertsplit(triangles, _PACKED))
     ]
-    x, P = merged(ca.vertsplit(weights), parts, parts[0][0], [False] * _SIZE)
+    x, P = merged(ca.vertsplit(weights), parts, parts[0][0], [False] * SIZE)
     return _rowwise("mix_targets", row, ca.vertcat(x, covariance_form.pack(P)))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.tracking.filters.generated import STATES, predicted
+from shipid.encounter.tracking.filters.generated import STATES, predicted, turn_of
 from shipid.estimation.multiple.cycle.moves import DisplacedMoves, GridMoves
 from shipid.estimation.multiple.structures import AdaptiveGrid
 from shipid.foundation.result import Result
@@ -52,7 +52,7 @@ class Motion(Result):
     Attributes
     ----------
     model : Model
-        A declared model with the states x, y, vx, vy and more, and one input: the turn.
+        A declared model with the states x, y, vx, vy and the estimated part of a turn, and one input without a default: the turn.
     modes : tuple of TargetMode
         The one that moves straight on comes first where a track begins.
     structure : {"fixed", "variable", "grid"}
@@ -67,9 +67,10 @@ class Motion(Result):
         """Refuse modes that cannot be meant."""
         if not self.modes:
             raise EncounterRequestError("a motion needs at least one mode.")
-        if set(STATES) != set(self.model.states) or len(self.model.inputs) != 1:
+        if turn_of(self.model) is None:
             raise EncounterRequestError(
-                f"model {self.model.name} is no motion of a target: it has to have the states {', '.join(STATES)} and one input."
+                f"model {self.model.name} is no motion of a target: it has to have the states {', '.join(STATES)} and one more, and "
+                "one input without a default."
             )
         for mode in self.modes:
             if not (mode.acceleration > 0 and mode.stays > 0 and mode.more >= 0 and mode.low <= mode.high):
@@ -84,6 +85,13 @@ class Motion(Result):
                 raise EncounterRequestError(
                     f"the bounds of the modes '{one}' and '{other}' overlap: a turn would belong to both."
                 )
+
+    @property
+    def turn(self) -> str:
+        """The input that tells the modes apart: a rate of turn or a curvature."""
+        named = turn_of(self.model)
+        assert named is not None, "checked in __post_init__"
+        return named[0]
 
     @property
     def transitions(self) -> np.ndarray:
@@ -126,7 +134,7 @@ class Motion(Result):
         Parameters
         ----------
         x : ndarray, shape (n, modes, 5)
-            Estimates in the order of `STATES`.
+            Estimates: `STATES`, and the estimated part of the turn.
         P : ndarray, shape (n, modes, 5, 5)
             Their covariances.
         turn : ndarray, shape (n, modes)
@@ -156,7 +164,7 @@ def moves_of(motion: Motion) -> DisplacedMoves | GridMoves | None:
     motion : Motion
         The modes.
     """
-    modes, parameter = motion.modes, motion.model.inputs[0]
+    modes, parameter = motion.modes, motion.turn
     if motion.structure == "variable":
         low, high = (np.array([getattr(m, end) for m in modes]) for end in ("low", "high"))
         return DisplacedMoves(parameter, (0,) * len(modes), low, high, True)

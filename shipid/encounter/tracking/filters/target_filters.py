@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.encounter.tracking.filters.generated import STATES, mixed, moved
+from shipid.encounter.tracking.filters.generated import SIZE, mixed, moved
 from shipid.encounter.tracking.filters.motion import Motion, moves_of
 
-_SIZE = len(STATES)
 #: A mode is never held impossible: it could not come back.
 _LEAST = 1e-6
 #: Velocity of a new track in m/s: a ship that lies still has no course, and a circle needs one.
@@ -57,7 +56,7 @@ class TargetFilters:
     motion : Motion
         The modes.
     x : ndarray, shape (n, modes, 5)
-        By mode, in the order of `shipid.encounter.tracking.filters.motion.STATES`.
+        By mode: north and east position and velocity, and the estimated part of the turn.
     P : ndarray, shape (n, modes, 5, 5)
         Covariances.
     mu : ndarray, shape (n, modes)
@@ -82,7 +81,7 @@ class TargetFilters:
             The modes.
         """
         m = len(motion.modes)
-        return cls(motion, np.zeros((0, m, _SIZE)), np.zeros((0, m, _SIZE, _SIZE)), np.zeros((0, m)), np.zeros((0, m)))
+        return cls(motion, np.zeros((0, m, SIZE)), np.zeros((0, m, SIZE, SIZE)), np.zeros((0, m)), np.zeros((0, m)))
 
     def __len__(self) -> int:
         return int(self.x.shape[0])
@@ -112,9 +111,9 @@ class TargetFilters:
             Standard deviation of the velocity along each axis, m/s.
         """
         k, modes = len(z), self.motion.modes
-        x = np.zeros((k, len(modes), _SIZE))
+        x = np.zeros((k, len(modes), SIZE))
         x[:, :, :2], x[:, :, 2] = z[:, None], _HARDLY
-        P = np.zeros((k, len(modes), _SIZE, _SIZE))
+        P = np.zeros((k, len(modes), SIZE, SIZE))
         P[:, :, :4, :4] = first_spread(R, delay, speed)[:, None]
         P[:, :, 4, 4] = np.array([m.more**2 for m in modes])
         new = (x, P, np.tile(self.motion.first_probabilities, (k, 1)), np.tile([m.turn for m in modes], (k, 1)))
@@ -225,7 +224,7 @@ class TargetFilters:
     def turn_rates(self) -> np.ndarray:
         """Return the rate of turn over all modes, shape (n,), rad/s."""
         turn = self.turn + self.x[:, :, 4]
-        if self.motion.model.states and "curvature" in self.motion.model.inputs:
+        if self.motion.turn == "curvature":
             turn = turn * np.hypot(self.x[:, :, 2], self.x[:, :, 3])
         return np.asarray((self.mu * turn).sum(axis=1))
 

@@ -59,13 +59,16 @@ def motion_of(name: str, ship: ParameterSet | None = None) -> Motion:
             TargetMode("steady", acceleration=_STEADY),
             TargetMode("manoeuvring", acceleration=_MANOEUVRE, stays=_LASTS),
         )
-        return Motion(find_model("target-turn"), modes if name == "imm" else (TargetMode("steady", acceleration=0.22),))
-    sharpest, model = _SHARPEST, "target-turn"
+        return Motion(
+            find_model("coordinated-turn-augmented"),
+            modes if name == "imm" else (TargetMode("steady", acceleration=0.22),),
+        )
+    sharpest, model = _SHARPEST, "coordinated-turn-augmented"
     if ship is not None:
         length = ship.particular("L", "m")
         if length is None:
             raise EncounterRequestError(f"ship {ship.name} has no length L, which says how sharply she turns.")
-        sharpest, model = 2 / (_DIAMETER * length), "target-circle"
+        sharpest, model = 2 / (_DIAMETER * length), "coordinated-circle-augmented"
     low, spread = sharpest / 3, sharpest / 5
     structure = {"fs-aimm": "fixed", "vs-aimm": "variable", "agimm": "grid"}[name]
     # The grid has no estimated part: its turns themselves move.

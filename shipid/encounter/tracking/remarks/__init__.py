@@ -1,0 +1,1 @@
+"""What is said beside the tracks: what they contradict, and which of them are no target."""
