@@ -97,6 +97,8 @@ def linearise(
     states: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
     outputs: Sequence[str] | None = None,
+    *,
+    delayed: bool = False,
 ) -> Linearisation:
     """Linearise a continuous model at a condition, with exact Jacobians.
 
@@ -108,6 +110,8 @@ def linearise(
         SI values of states (0 where not given), inputs, parameters and constants.
     states, inputs, outputs : sequence of str, optional
         Which to keep; by default all states, all inputs, and the states as outputs.
+    delayed : bool
+        Whether who asks takes account of inputs that have a dead time; a linear system alone cannot.
 
     Returns
     -------
@@ -120,7 +124,8 @@ def linearise(
     UnknownNameError
         If the model has no such state, input or output.
     """
-    refuse_delay(model, "A linear system without one")
+    if not delayed:
+        refuse_delay(model, "A linear system without one")
     system = generate(model)
     _ = system.right_hand_side  # raises for a sampled model
     at = (
@@ -135,13 +140,13 @@ def linearise(
         for name in names:
             if name not in known:
                 raise UnknownNameError(f"{kind} of model {model.name} called", name, known)
-    y = system.expression(shown)
+    rates, y = (system.at_an_instant(e) for e in (system.rates, system.expression(shown)))
     blocks = ca.Function(
         "linear",
         [system.x, system.u, system.p],
         [
-            ca.jacobian(system.rates, system.x),
-            ca.jacobian(system.rates, system.u),
+            ca.jacobian(rates, system.x),
+            ca.jacobian(rates, system.u),
             ca.jacobian(y, system.x),
             ca.jacobian(y, system.u),
         ],

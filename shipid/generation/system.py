@@ -20,6 +20,9 @@ from shipid.generation.symbolic_evaluation import SymbolicEvaluation
 # CasADi has two modes for NumPy functions of its symbols; equations need the one that returns symbols.
 ca.GlobalOptions.setNumpyMode(1)
 
+#: The sampling interval in s of what is looked at as continuous: short beside the response of any ship.
+_INSTANT = 0.005
+
 
 @dataclass(frozen=True)
 class System:
@@ -91,7 +94,18 @@ class System:
         names : sequence of str
             States, inputs, derived quantities or outputs.
         """
-        return ca.Function("quantities", [self.x, self.u, self.p], [self.expression(names)], ["x", "u", "p"], ["y"])
+        quantities = self.at_an_instant(self.expression(names))
+        return ca.Function("quantities", [self.x, self.u, self.p], [quantities], ["x", "u", "p"], ["y"])
+
+    def at_an_instant(self, expression: Expression) -> Expression:
+        """Return an expression of a continuous model as it is at a very short sampling interval; the same of a sampled one.
+
+        Parameters
+        ----------
+        expression : casadi.SX
+            Of the symbols of this system.
+        """
+        return expression if self.nexts else ca.substitute(expression, self.T, _INSTANT)
 
     @functools.cached_property
     def right_hand_side(self) -> CasadiFunction:
@@ -105,7 +119,8 @@ class System:
         if self.nexts:
             sampled = ", ".join(self.states[i] for i in self.nexts)
             raise DeclarationError(f"model {self.model.name} has no right-hand side: {sampled} is sampled. Use a step.")
-        return ca.Function("right_hand_side", [self.x, self.u, self.p], [self.rates], ["x", "u", "p"], ["dx"])
+        rates = self.at_an_instant(self.rates)
+        return ca.Function("right_hand_side", [self.x, self.u, self.p], [rates], ["x", "u", "p"], ["dx"])
 
     def jacobian(self, of: str, by: str) -> CasadiFunction:
         """Return the CasADi function ``(x, u, p) -> Jacobian``, exact.
@@ -117,7 +132,7 @@ class System:
         by : {"x", "u", "p"}
             The argument to differentiate by.
         """
-        wanted = self.rates if of == "rates" else self.expression([of])
+        wanted = self.at_an_instant(self.rates if of == "rates" else self.expression([of]))
         derivative = ca.jacobian(wanted, {"x": self.x, "u": self.u, "p": self.p}[by])
         return ca.Function("jacobian", [self.x, self.u, self.p], [derivative], ["x", "u", "p"], ["J"])
 

@@ -6,12 +6,15 @@ is a shift of the rudder (`shipid.declaration.delays`); in a closed loop it is a
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.declaration.quantity import derived, given, parameter, state
 from shipid.foundation.aliases import Expression
+from shipid.parts.helm import DirectRudder
 from shipid.parts.steering_machine import SteeringMachine
 
 _DEAD_TIME = "time by which the rudder acts later than it is recorded"
@@ -69,6 +72,18 @@ class LateRudder(Component):
         return self.behind - 2 / 5 * late * self.behind_rate + late**2 / 20 * self.behind_bend
 
 
+class LateDirectRudder(LateRudder):
+    """A rudder that is where it is ordered, and acts behind a dead time."""
+
+    delta_order = given("rad", "rudder order, positive turns to starboard")
+    delta_recorded = derived("rad", "rudder angle as it is recorded, positive turns to starboard", latex=r"\delta")
+
+    @delta_recorded.equals
+    def direct(self) -> Expression:
+        """No lag of the rudder itself."""
+        return self.delta_order
+
+
 class LateSteeringMachine(LateRudder, SteeringMachine):
     """A steering machine whose rudder acts behind a dead time."""
 
@@ -82,6 +97,10 @@ class LateSteeringMachine(LateRudder, SteeringMachine):
         return self.towards_order(self.delta_recorded)
 
 
+#: By actuator, the one of a rudder that acts late.
+_LATE: dict[type[Component], type[Component]] = {SteeringMachine: LateSteeringMachine, DirectRudder: LateDirectRudder}
+
+
 def steering_machine_of(model: Model) -> type[Component]:
     """Return the steering machine that a model is joined with: one of a rudder that acts late where it has a dead time.
 
@@ -90,7 +109,36 @@ def steering_machine_of(model: Model) -> type[Component]:
     model : Model
         A ship model that reads the rudder angle.
     """
-    return LateSteeringMachine if "delta" in model.delays else SteeringMachine
+    return actuator_of(model, SteeringMachine)
+
+
+def actuator_of(model: Model, actuator: type[Component]) -> type[Component]:
+    """Return what turns an order into the rudder of a model: an actuator, or its counterpart that acts behind a dead time.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model that reads the rudder angle.
+    actuator : type[Component]
+        The steering machine of a ship without a dead time, or a rudder that is where it is ordered. Any other is returned as it is.
+    """
+    return _LATE.get(actuator, actuator) if "delta" in model.delays else actuator
+
+
+def at_rest(model: Model, known: Mapping[str, float]) -> dict[str, float]:
+    """Return what is known of a ship, with the states of a rudder that has stood where it is for longer than its dead time.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model joined with `LateRudder`, or any other: then nothing is added.
+    known : mapping of str to float
+        Quantities of the model, SI; the rudder angle is ``delta``.
+    """
+    rudder = known.get("delta")
+    if rudder is None or "behind" not in model.states:
+        return dict(known)
+    return {"behind": rudder, "delta_recorded": rudder, **known}
 
 
 def recorded_rudder(model: Model) -> str:

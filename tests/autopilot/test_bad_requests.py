@@ -14,6 +14,7 @@ from shipid.generation.simulator import UnstatedInputError
 from shipid.models import PlanarMotion, SteeringMachine
 from shipid.parameters.held_inputs import hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, Value
+from shipid.parameters.replaced import with_values
 
 
 class Yaw(Component):
@@ -120,8 +121,26 @@ def test_a_model_without_heading_rudder_or_rate():
         shipid.design_autopilot(join("steered", shipid.find_model("nomoto"), SteeringMachine), "soesterberg")
     with pytest.raises(NotSteerableError, match="no rate of turn 'r'"):
         shipid.design_autopilot(join("moving", PlanarMotion), ship(**GOOD))
-    with pytest.raises(NotSteerableError, match=r"has a dead time of the rudder, 'delay'.*one with a lag"):
-        shipid.design_autopilot("norrbin-delay", "zeefakkel")
+
+
+class OwnMachine(Component):
+    """A steering machine that knows of no dead time."""
+
+    delta_order = given("rad", "rudder order")
+    delta = derived("rad", "rudder angle")
+
+    @delta.equals
+    def follows(self):
+        """A test."""
+        return 0.9 * self.delta_order
+
+
+def test_an_actuator_of_ones_own_has_to_carry_the_dead_time_of_the_model():
+    late = with_values(shipid.find_ship("zeefakkel"), {"delay": "2 s"}, [shipid.find_model("norrbin-delay")])
+    with pytest.raises(
+        NotSteerableError, match=r"'delay', and the actuator OwnMachine has none.*derive yours from LateRudder"
+    ):
+        shipid.design_autopilot("norrbin-delay", late, actuator=OwnMachine)
 
 
 def test_a_sampled_model_is_refused_with_the_states_that_are():

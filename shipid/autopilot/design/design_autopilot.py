@@ -10,9 +10,9 @@ import numpy as np
 from shipid.autopilot.design.autopilot import Autopilot, Design, Mode
 from shipid.autopilot.design.closed_loop import schedule_poles
 from shipid.autopilot.design.design_warnings import design_warnings
-from shipid.autopilot.design.gain_design import GainDesign, read_request
+from shipid.autopilot.design.gain_design import DEAD_ANGLE, GainDesign, dead_time_of, read_request
 from shipid.autopilot.design.placement import Gains, closed_poles
-from shipid.autopilot.design.plant import check_steerable
+from shipid.autopilot.design.plant import check_carries_delay, check_steerable
 from shipid.autopilot.design.schedule import Schedule
 from shipid.autopilot.design.speeds import MOST_SPEEDS, parse_speeds
 from shipid.autopilot.errors import DesignRequestError
@@ -25,6 +25,7 @@ from shipid.foundation.numbers import percent
 from shipid.parameters.catalogue import known_component, model_of, ship_of
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
+from shipid.parts.rudder_delay import LateDirectRudder, actuator_of
 from shipid.parts.steering_machine import SteeringMachine
 
 DESIGNS: tuple[Design, ...] = get_args(Design)
@@ -67,7 +68,7 @@ def design_autopilot(
         The ship; several are load conditions of one ship, between which the schedule is linear.
     actuator : component class, str or None
         The steering machine, by default `shipid.parts.steering_machine.SteeringMachine`; None for a rudder that is where it is ordered.
-        The gains are those of the ship alone, as published; the judgement includes the machine.
+        The gains are those of the ship alone, as published; the judgement includes the machine, and a dead time of the rudder.
     speeds : str or sequence of float, optional
         ``"4:12:1 m/s"``, ``"8,12,16 kn"``, or numbers in m/s; by default 0.5 to 1.2 of
         the ship's own speed, by tenths of it.
@@ -79,7 +80,8 @@ def design_autopilot(
         and heading.
     omega_n : str or float, optional
         Natural frequency of the heading in rad/s at the ship's own speed, or with a unit; it follows u/L. By default the one
-        at which the rudder angle equals the heading error, or that of the ship itself where that is faster.
+        at which the rudder angle equals the heading error, or that of the ship itself where that is faster; less where a dead time of
+        the rudder bears no more.
     damping : float, optional
         Damping ratio of the heading; 0.9 by default.
     integral : float
@@ -121,6 +123,8 @@ def design_autopilot(
     grid = parse_speeds(speeds, own)
     service = own if own is not None else float(np.median(grid))
     machine = known_component(actuator) if isinstance(actuator, str) else DirectRudder if actuator is None else actuator
+    machine = actuator_of(whole, machine)
+    check_carries_delay(whole, machine)
     limits, warnings = _limits(ships[0], machine)
     limit = to_si(rudder_limit, "rad", "the rudder limit") if isinstance(rudder_limit, str) else float(rudder_limit)
     if not 0 < limit <= np.pi / 2:
@@ -134,6 +138,12 @@ def design_autopilot(
     problem = GainDesign(whole, ships, design, request, service)
     schedule = _refined(problem, grid)
     warnings += design_warnings(problem, schedule, limit, limits)
+    dead_time = dead_time_of(whole, ships[0], service)
+    if omega_n is None and request.get("omega_n", 0.0) * dead_time > 0.999 * DEAD_ANGLE:
+        warnings.append(
+            f"dead time: the rudder acts {dead_time:.3g} s late, by which the natural frequency was chosen, {request['omega_n']:.3g} rad/s; a "
+            "gear without it bears a faster one."
+        )
     if mode == "rate":
         warnings.append(
             "rate of turn: the heading is not fed back, so that it drifts with the bias of the rate gyro; the course changes of "
@@ -216,7 +226,7 @@ def _limits(ship: ParameterSet, machine: type[Component]) -> tuple[dict[str, flo
         found[name] = _LIMITS[name] if own is None else own
         if not found[name] > 0:
             raise ParameterSetError(f"the largest {words} of ship {ship.name} is {found[name]:g}: give one above zero.")
-        if own is None and (name == "delta_max" or machine is not DirectRudder):
+        if own is None and (name == "delta_max" or machine not in (DirectRudder, LateDirectRudder)):
             assumed.append(
                 f"assumed: the largest {words} of ship {ship.name} is not known; {shown(found[name], name, unit, 3)} is taken."
             )

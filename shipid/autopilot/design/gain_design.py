@@ -22,6 +22,11 @@ from shipid.autopilot.errors import DesignRequestError
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.ship_coefficients import coefficients_at
+
+#: Largest natural frequency by default, over one in the dead time of the rudder: the loop crosses over at about twice that frequency, and
+#: loses so much phase there, 23 deg.
+DEAD_ANGLE = 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +166,24 @@ def read_request(
     return found
 
 
+def dead_time_of(model: Model, ship: ParameterSet, speed: float) -> float:
+    """Return how much later the rudder of a ship acts in s; zero where it acts at once.
+
+    Parameters
+    ----------
+    model : Model
+        The ship's model.
+    ship : ParameterSet
+        The ship.
+    speed : float
+        In m/s.
+    """
+    name = model.delays.get("delta")
+    return 0.0 if name is None else max(0.0, coefficients_at(model, ship, speed).values[name])
+
+
 def _default_omega(model: Model, ship: ParameterSet, service: float, damping: float) -> float:
     plant = ship_plants(model, ship, np.array([service])).at(0)
-    return default_natural_frequency(plant, damping, service / (ship.particular("L", "m") or service))
+    omega = default_natural_frequency(plant, damping, service / (ship.particular("L", "m") or service))
+    dead_time = dead_time_of(model, ship, service)
+    return min(omega, DEAD_ANGLE / dead_time) if dead_time else omega

@@ -13,12 +13,14 @@ import casadi as ca
 import numpy as np
 
 from shipid.autopilot.errors import NoStraightCourseError, NotSteerableError
+from shipid.declaration.component import Component
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction
 from shipid.generation.straight_course import straight_course
 from shipid.generation.system import generate
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
+from shipid.parts.rudder_delay import LateRudder
 
 #: What an autopilot measures.
 MEASURED = ("psi", "r")
@@ -82,7 +84,7 @@ def check_steerable(model: Model) -> None:
     Raises
     ------
     NotSteerableError
-        If it has no heading, no rate of turn, or reads no rudder, or one behind a dead time.
+        If it has no heading, no rate of turn, or reads no rudder.
     """
     if "psi" not in model.states:
         raise NotSteerableError(f"model {model.name} has no heading 'psi' among its states: join it with PlanarMotion.")
@@ -98,11 +100,28 @@ def check_steerable(model: Model) -> None:
         )
     if "delta" not in model.inputs:
         raise NotSteerableError(f"model {model.name} reads no rudder angle 'delta', so an autopilot cannot steer it.")
-    if "delta" in model.delays:
+
+
+def check_carries_delay(model: Model, actuator: type[Component]) -> None:
+    """Raise an error for an actuator that does not know of a dead time of the rudder, where the model has one.
+
+    Parameters
+    ----------
+    model : Model
+        A ship model.
+    actuator : type[Component]
+        What turns an order into its rudder angle.
+
+    Raises
+    ------
+    NotSteerableError
+        If the rudder acts behind a dead time, and the actuator states where it is without one.
+    """
+    if "delta" in model.delays and not issubclass(actuator, LateRudder):
         raise NotSteerableError(
-            f"model {model.name} has a dead time of the rudder, '{model.delays['delta']}', and an autopilot is designed for a ship without "
-            "one. Identify the same model without it, or one with a lag, on the same trials; the delay margin of that design says "
-            "which dead time it bears."
+            f"model {model.name} has a dead time of the rudder, '{model.delays['delta']}', and the actuator {actuator.__name__} has none: the "
+            "autopilot would be judged without it. Take the actuator SteeringMachine or None, which have one then, or derive yours from "
+            "LateRudder as LateSteeringMachine does."
         )
 
 
@@ -111,14 +130,14 @@ def _linear(model: Model, by: str) -> CasadiFunction:
     """The CasADi function (x, u, p) -> rates and the Jacobians by the states and by one input."""
     system = generate(model)
     column = system.inputs.index(by)
-    y = system.expression(MEASURED)
+    rates, y = (system.at_an_instant(e) for e in (system.rates, system.expression(MEASURED)))
     return ca.Function(
         "linear",
         [system.x, system.u, system.p],
         [
-            ca.densify(system.rates),
-            ca.densify(ca.jacobian(system.rates, system.x)),
-            ca.densify(ca.jacobian(system.rates, system.u)[:, column]),
+            ca.densify(rates),
+            ca.densify(ca.jacobian(rates, system.x)),
+            ca.densify(ca.jacobian(rates, system.u)[:, column]),
             ca.densify(ca.jacobian(y, system.x)),
         ],
     )

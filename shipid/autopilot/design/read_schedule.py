@@ -11,7 +11,7 @@ import numpy as np
 from shipid.autopilot.design.autopilot import REQUEST_UNITS, Autopilot, Design, Mode
 from shipid.autopilot.design.closed_loop import schedule_poles
 from shipid.autopilot.design.design_autopilot import DESIGNS, MODES
-from shipid.autopilot.design.plant import check_steerable
+from shipid.autopilot.design.plant import check_carries_delay, check_steerable
 from shipid.autopilot.design.schedule import GAINS, Schedule
 from shipid.autopilot.design.write_schedule import KIND, LIMIT_UNITS
 from shipid.autopilot.errors import ModelFileError, ScheduleError
@@ -25,6 +25,7 @@ from shipid.parameters.catalogue import find_model, known_component, model_of, n
 from shipid.parameters.parameter_file import parse_parameter_set
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
+from shipid.parts.rudder_delay import actuator_of
 
 _REQUIRED = ("model", "design", "service_speed", "rudder_limit", "schedule", "ship")
 _KEYS = (*_REQUIRED, "kind", "written_by", "actuator", "mode", "request", "limits", "condition", "warnings")
@@ -78,7 +79,7 @@ def read_schedule(path: str | Path, model: Model | type[Component] | str | None 
     return Autopilot(
         model=found,
         ships=ships,
-        actuator=_actuator(table, actuator),
+        actuator=_actuator(table, actuator, found),
         design=cast(Design, table.choice("design", DESIGNS)),
         mode=cast(Mode, table.choice("mode", MODES, "course")),
         request=_numbers(table.table("request"), REQUEST_UNITS),
@@ -114,15 +115,17 @@ def _names(given: Model | type[Component] | str, model: Model) -> set[str]:
     return {model.name, *(c.__name__ for c in model.components)}
 
 
-def _actuator(table: Table, name: str) -> type[Component]:
+def _actuator(table: Table, name: str, model: Model) -> type[Component]:
     if not name:
-        return DirectRudder
+        return actuator_of(model, DirectRudder)
     actuator = known_component(name)
     stated = {n for n, q in declared_quantities(actuator).items() if q.kind in ("state", "derived")}
     if "delta" not in stated or "delta_order" not in declared_quantities(actuator):
         raise table.fail(
             f"'actuator' is {name}, which turns no order into a rudder angle. Write SteeringMachine, or ''."
         )
+    actuator = actuator_of(model, actuator)
+    check_carries_delay(model, actuator)
     return actuator
 
 

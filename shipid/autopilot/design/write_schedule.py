@@ -14,6 +14,7 @@ from shipid.foundation.aliases import Plain
 from shipid.foundation.replacing import write_text
 from shipid.parameters.parameter_file import parameter_table
 from shipid.parts.helm import DirectRudder
+from shipid.parts.rudder_delay import LateDirectRudder
 
 #: The entry ``kind`` of every schedule.
 KIND = "shipid autopilot schedule"
@@ -71,7 +72,7 @@ def schedule_table(pilot: Autopilot, source: str | None = None) -> dict[str, Pla
         "kind": KIND,
         "written_by": f"shipid {shipid.__version__}",
         "model": source or pilot.model.name,
-        "actuator": "" if pilot.actuator is DirectRudder else pilot.actuator.__name__,
+        "actuator": "" if pilot.actuator in (DirectRudder, LateDirectRudder) else pilot.actuator.__name__,
         "design": pilot.design,
         "mode": pilot.mode,
         "warnings": list(pilot.warnings),

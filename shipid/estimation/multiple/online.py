@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from shipid.declaration.delays import refuse_delay
 from shipid.declaration.model import Model
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.multiple.design import MultipleModelDesign
@@ -150,6 +151,8 @@ class OnlineMultipleModel:
         self.t: float | None = None
         self._recent: tuple[float, ...] = ()
         self._stepper: Stepper | None = None
+        for one in design.designs:
+            refuse_delay(one.model, "A multiple-model filter that takes one sample at a time")
         self._readers = tuple(SampleReader(d.instruments) for d in design.designs)
 
     @property

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from shipid.declaration.delays import refuse_delay
 from shipid.estimation.design import FilterDesign
 from shipid.estimation.errors import FilterDivergedError
 from shipid.estimation.online.online_estimate import OnlineEstimate
@@ -20,6 +19,7 @@ from shipid.estimation.online.saving import (
     check_clock,
     check_counts,
     check_finite,
+    check_late,
     examined,
     names_among,
     numbers,
@@ -71,13 +71,12 @@ class OnlineFilter:
     Raises
     ------
     UsageError
-        If the lag is not longer than zero, or the model has a dead time.
+        If the lag is not longer than zero.
     """
 
     def __init__(self, design: FilterDesign, lag: float | None = None) -> None:
         if lag is not None and not lag > 0:
             raise UsageError(f"a lag of {lag:g} s is too short; give one greater than zero.")
-        refuse_delay(design.model, "A filter that takes one sample at a time")
         self.design, self.lag = design, lag
         self.rejected = dict.fromkeys(design.measured, 0)
         self.stepper: Stepper | None = None
@@ -317,6 +316,7 @@ class OnlineFilter:
         layout = design.layout
         with examined(path, "filter"):
             check_clock(state, design.instruments.rates)
+            check_late(state, design.instruments.delays)
             carried = numbers(state, "carried", total(layout.carried))
             out = numbers(state, "out", layout.brief["ll"].stop)
             check_carried(design, carried)

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from shipid.estimation.online.delay_line import DelayLine
 from shipid.estimation.records.clock import LATEST, FilterClock, steps
 from shipid.estimation.settings.instruments import Instruments
 from shipid.foundation.aliases import Plain
@@ -45,6 +46,7 @@ class SampleReader:
         self._inputs = tuple(
             (n, instruments.inputs.get(n), n in instruments.lost, instruments.biases.get(n, 0.0)) for n in model.inputs
         )
+        self._late = {model.inputs.index(n): DelayLine(delay) for n, delay in instruments.delays.items()}
         self._sensors = tuple(
             (i, n, model[n].quantity.measures, instruments.rates.get(n), *instruments.ranges.get(n, free))
             for i, n in enumerate(instruments.sensors)
@@ -63,6 +65,11 @@ class SampleReader:
             "clock": [[float(v).hex() for v in part] for part in self.clock.state],
             "counts": self._counts,
             "refused": self.refused,
+            **(
+                {"late": {self.instruments.model.inputs[i]: line.state for i, line in self._late.items()}}
+                if self._late
+                else {}
+            ),
         }
 
     @state.setter
@@ -70,6 +77,8 @@ class SampleReader:
         self._began = float.fromhex(plain["began"])
         self.clock.state = [[float.fromhex(v) for v in part] for part in plain["clock"]]
         self._counts, self.refused = dict(plain["counts"]), int(plain["refused"])
+        for i, line in self._late.items():
+            line.state = plain["late"][self.instruments.model.inputs[i]]
 
     def elapsed(self, sample: Mapping[str, float]) -> float | None:
         """Return the seconds since the sample before, or None for a sample that is left out, and go on to its time.
@@ -109,7 +118,7 @@ class SampleReader:
         return f"its time {sample['t']:g} s does not follow the last one, {self.t:g} s"
 
     def inputs(self, sample: Mapping[str, float], held: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
-        """Return the inputs of a sample, SI, and which of them are missing, shapes (inputs,).
+        """Return the inputs that act at a sample, SI, and which of them are missing, shapes (inputs,).
 
         Parameters
         ----------
@@ -130,7 +139,13 @@ class SampleReader:
                 values[i] = value + bias
                 continue
             lost[i] = name in sample or can_be_lost
-            values[i] = held[i] if held is not None else self._first_input(name, sample)
+            # What is carried of a late input is what acted, and not what was given last.
+            line = self._late.get(i)
+            before = line.last if line is not None else None if held is None else held[i]
+            values[i] = self._first_input(name, sample) if before is None else before
+        for i, line in self._late.items():
+            line.take(self.clock.now, float(values[i]))
+            values[i] = line.at(self.clock.now)
         return values, lost
 
     def _first_input(self, name: str, sample: Mapping[str, float]) -> float:
@@ -158,7 +173,10 @@ class SampleReader:
         """
         count = steps(elapsed, self.clock.typical)
         for k in range(1, count):
-            yield elapsed / count, last + k / count * (inputs - last), False
+            between = last + k / count * (inputs - last)
+            for i, line in self._late.items():
+                between[i] = line.at(self.clock.now - (1 - k / count) * elapsed)
+            yield elapsed / count, between, False
         yield elapsed / count, inputs, True
 
     def shown(self, sample: Mapping[str, float], z: np.ndarray, there: np.ndarray) -> tuple[str, ...]:

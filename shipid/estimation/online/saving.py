@@ -340,6 +340,29 @@ def check_clock(state: Mapping[str, Plain], rates: Iterable[str]) -> None:
     check_count("refused", state["refused"])
 
 
+def check_late(state: Mapping[str, Plain], late: Iterable[str]) -> None:
+    """Check what a state says of inputs that act later than they are given: their last values, with their times.
+
+    Parameters
+    ----------
+    state : mapping of str to Plain
+        The state.
+    late : iterable of str
+        The inputs.
+
+    Raises
+    ------
+    ValueError
+        If an entry cannot be right.
+    """
+    for name in late:
+        times, values = (_numbers("late", row, 1, _LARGEST_FILE) for row in state["late"][name])
+        check_finite("late", times, -10 * LATEST, 10 * LATEST)
+        check_finite("late", values)
+        if times.size != values.size or (np.diff(times) < 0).any():
+            raise ValueError(f"'late' holds no record of '{name}'")
+
+
 def check_carried(design: FilterDesign, carried: np.ndarray) -> None:
     """Check what is carried from sample to sample.
 

@@ -12,6 +12,7 @@ from shipid.declaration.component import Component
 from shipid.foundation.errors import UsageError
 from shipid.foundation.notices import Notice
 from shipid.parts.helm import DirectRudder
+from shipid.parts.rudder_delay import actuator_of
 from shipid.prediction.situations.past import LOOKED_AT, RUN_AWAY, Past, errors_of, told_of
 from shipid.prediction.situations.ship_spread import with_coefficients
 from shipid.prediction.situations.situation import PastErrors, Situation
@@ -71,7 +72,7 @@ def past_errors(pilot: Autopilot, past: Past, parts: tuple[type[Component], ...]
     nothing = np.full((1, LOOKED_AT.size), np.nan)
     if not past.situations:
         return errors_of(nothing, nothing)
-    predictor = TrackPredictor(replace(pilot, actuator=DirectRudder), parts=parts)
+    predictor = TrackPredictor(replace(pilot, actuator=actuator_of(pilot.model, DirectRudder)), parts=parts)
     begun = np.interp([s.t for s in past.situations], past.t, past.sailed)
     horizon = float(LOOKED_AT[-1])
     s = np.arange(round(horizon * _STEPS)) / _STEPS * pilot.length

@@ -26,6 +26,7 @@ from shipid.generation.simulator import initial_state, input_rows
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
 from shipid.parameters.parameter_set import ParameterSet
+from shipid.parts.rudder_delay import at_rest
 from shipid.prediction.sailing.sail import steering
 from shipid.trials.manoeuvres.simulate import NotSailedError
 
@@ -125,7 +126,7 @@ class SimulatedShip:
         self._p = self._system.vector(self._system.coefficients, {**known, **(values or {})})
         begin = {"u": self.speed, **(start or {})}
         begin.setdefault("psi_ramp", begin.get("psi", 0.0))
-        self._x = initial_state(self.model, begin)
+        self._x = initial_state(self.model, at_rest(self.model, begin))
         self.inputs: dict[str, float] = {
             **CALM,
             "u": self.speed,

@@ -22,6 +22,7 @@ from shipid.generation.loop import Loop, make_loop
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
 from shipid.parts.manoeuvring_range import LEAST_SPEED
+from shipid.parts.rudder_delay import recorded_rudder
 
 #: What is recorded at every node.
 NODE = ("track_s", "track_t", "x", "y", "psi", "r", "u", "track_v", "track_rudder")
@@ -179,9 +180,10 @@ def make_distance_loop(
     # Heun's method with the servo's step differs from Runge and Kutta's by less than 1e-4 ship lengths, at half the cost.
     step = make_step(system, "heun", "zero", substeps)
     distance, least = ca.SX.sym("ds"), ca.SX.sym("least")
+    # As in a record: a rudder that acts behind a dead time is shown where it is.
+    shown = (recorded_rudder(model) if n == "track_rudder" and "delta_recorded" in model else n for n in NODE)
     interval = distance / ca.fmax(system.values["u"], least)
-    x_next = ca.substitute(step.x_next, system.T, interval)
-    out = system.expression((*NODE, *model.guards))
+    x_next, out = ca.substitute([step.x_next, system.expression((*shown, *model.guards))], [system.T], [interval])
     control = distance
     if steered:
         rudder = ca.SX.sym("rudder")
@@ -204,7 +206,7 @@ def make_distance_loop(
     lower = ca.SX.sym("P", ca.Sparsity.lower(count))
     covariance = ca.tril2symm(lower)
     by = ca.vertcat(system.x, unknown) if extra else system.x
-    step_by, out_by = ca.jacobian(x_next, by), ca.jacobian(ca.vertcat(*(system.values[n] for n in SHOWN)), by)
+    step_by, out_by = ca.jacobian(x_next, by), ca.jacobian(system.expression(SHOWN), by)
     rest = ca.horzcat(ca.SX(len(extra), len(system.states)), ca.SX.eye(len(extra)))
     A = ca.vertcat(step_by, rest) if extra else step_by
     following = A @ covariance @ A.T + ca.diag(noise**2) * interval

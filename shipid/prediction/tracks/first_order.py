@@ -14,11 +14,13 @@ from shipid.autopilot.design.closed_loop import coefficients_of, heading_frequen
 from shipid.autopilot.on_board.model_reference import first_order_equivalent
 from shipid.declaration.component import Component
 from shipid.declaration.joining.join import join
+from shipid.declaration.model import Model
 from shipid.declaration.quantity import constant, derived, given, parameter, state
 from shipid.foundation.aliases import Expression
 from shipid.generation.linearisation import linearise
 from shipid.generation.system import generate
 from shipid.parts.planar_motion import PlanarMotion
+from shipid.parts.rudder_delay import RudderDelay
 from shipid.prediction.situations.situation import Situation
 
 
@@ -75,6 +77,18 @@ def at_cruising_speed(situation: Situation) -> Situation:
 
 
 first_order_ship = join("first-order", FirstOrderShip, PlanarMotion)
+_first_order_late = join("first-order-delay", FirstOrderShip, PlanarMotion, RudderDelay)
+
+
+def first_order_for(model: Model) -> Model:
+    """Return the model of first order that predicts in place of a ship's own: with a dead time of the rudder where that has one.
+
+    Parameters
+    ----------
+    model : Model
+        The ship's own model.
+    """
+    return _first_order_late if "delta" in model.delays else first_order_ship
 
 
 def first_order_coefficients(pilot: Autopilot, speed: float, condition: int = 0) -> dict[str, float]:
@@ -100,7 +114,7 @@ def first_order_coefficients(pilot: Autopilot, speed: float, condition: int = 0)
         system = generate(pilot.model)
         driven = system.states_driven_by(["delta"])
         states = [s for s in system.states_behind(["v", "r"]) if s in driven and s != "psi"]
-        linear = linearise(pilot.model, known, states, ["delta"], ["v", "r"])
+        linear = linearise(pilot.model, known, states, ["delta"], ["v", "r"], delayed=True)
         turning = -linear.C @ np.linalg.solve(linear.A, linear.B) + linear.D
         found["gamma"] = float(-turning[0, 0] / (turning[1, 0] * pilot.length))
     return found

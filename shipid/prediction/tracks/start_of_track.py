@@ -17,6 +17,7 @@ from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UsageError
 from shipid.generation.simulator import initial_state
 from shipid.generation.system import generate
+from shipid.parts.rudder_delay import at_rest
 from shipid.prediction.situations.situation import Situation
 
 #: Newton's steps, and the largest share of its size a quantity may be off after them.
@@ -77,7 +78,7 @@ def states_in(
     UsageError
         If no state of the model is what the situation says.
     """
-    system, known = generate(model), {**situation.values, **start}
+    system, known = generate(model), at_rest(model, {**situation.values, **start})
     x = initial_state(model, known)
     shown, states, function = _forms(model)
     wanted = [(n, s) for n, s in zip(shown, states) if n in known and s not in known]

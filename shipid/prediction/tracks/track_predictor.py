@@ -24,7 +24,7 @@ from shipid.parts.wind import Wind
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.bands import linear_track, sampled_track, tracked
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
-from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_ship
+from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_for
 from shipid.prediction.tracks.order import Order, read_order
 from shipid.prediction.tracks.predicted_track import COLUMNS, PredictedTrack
 from shipid.prediction.tracks.start_of_track import spread_in
@@ -88,7 +88,7 @@ class TrackPredictor:
             )
         self.pilot, self.kind, self.condition = pilot, model, condition
         self.values = dict(values or {})
-        self._steering = pilot if model == "own" else replace(pilot, model=first_order_ship)
+        self._steering = pilot if model == "own" else replace(pilot, model=first_order_for(pilot.model))
         self._parts = tuple(parts)
         self._models: dict[str, Model] = {}
         self._coefficients: dict[tuple[str, float], dict[str, float]] = {}
@@ -338,6 +338,9 @@ class TrackPredictor:
                 if not {"K", "tau", "gamma"} <= set(self.values):
                     known |= first_order_coefficients(self.pilot, speed, self.condition)
                 known["L"] = self.pilot.length
+                if (late := self.pilot.model.delays.get("delta")) is not None:
+                    own = coefficients_of(self.pilot, self.pilot.model, speed, self.condition)
+                    known[first_order_for(self.pilot.model).delays["delta"]] = own[late]
                 # What acts on her besides, the wind, has coefficients of its own in her set.
                 ship = self.pilot.ships[self.condition]
                 found = {n: ship.find(model, n) for n in (*model.parameters, *model.constants) if n not in known}

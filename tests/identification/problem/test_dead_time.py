@@ -147,5 +147,3 @@ def test_what_cannot_carry_it_refuses(fit, late) -> None:
         linearise(fit.model, TRUTH)
     with pytest.raises(UsageError, match="A filter does not estimate the dead time"):
         shipid.ExtendedKalmanFilter(fit.model, fit.ship, measured={"psi": "0.1 deg"}, estimated=["delay"])
-    with pytest.raises(UsageError, match="A filter that takes one sample at a time cannot carry it"):
-        shipid.ExtendedKalmanFilter(fit.model, fit.ship, measured={"psi": "0.1 deg"}, estimated=[]).start()
