@@ -6,7 +6,7 @@ It has no clock of its own: whoever drives it says the time, so that a test and 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 
 from shipid.autopilot.design.autopilot import Autopilot
@@ -62,6 +62,8 @@ class BridgeCore:
         Whether tracks are predicted, and the wheel-over with them.
     heading, rudder_limit : float
         On the console at the beginning, in rad.
+    notes : sequence of str
+        What was found out when the route and the chart were read.
 
     Attributes
     ----------
@@ -93,6 +95,7 @@ class BridgeCore:
         predicts: bool = True,
         heading: float = 0.0,
         rudder_limit: float = RUDDER_LIMIT,
+        notes: Sequence[str] = (),
     ) -> None:
         self.pilot, self.source = pilot, source
         self.filter_interval, self.prediction_interval = filter_interval, prediction_interval
@@ -117,6 +120,11 @@ class BridgeCore:
         self._told, self._predicts, self._touched = "", predicts, False
         length, beam = pilot.length, pilot.ship.particular("B", "m")
         self.board.put("ship", {"name": pilot.ship.name, "length": number(length), "beam": number(beam)})
+        self.board.put("notes", list(notes))
+        if notes:
+            self.alarms.set(
+                "notes", True, 0.0, "caution", "the route or the chart was not read as it stands: see Details"
+            )
         self.publish()
 
     def _console(self, routed: bool, heading: float, rudder_limit: float) -> Console:

@@ -17,7 +17,7 @@ from ..conftest import sail, shown
 
 KEYS = {
     "ship", "time", "own", "sensors", "settings", "tracks", "route", "flow", "adaptation", "alarms", "targets", "simulation",
-    "experiment", "recording",
+    "experiment", "recording", "notes",
 }  # fmt: skip
 
 
@@ -55,6 +55,16 @@ def texts(core):
 
 def test_every_key_is_there_from_the_beginning(make_core):
     assert set(shown(make_core())) == KEYS
+
+
+def test_what_was_not_understood_of_the_route_is_a_caution_and_stands_in_the_details(make_core):
+    core = make_core(Scripted(), notes=["route: not understood, and left out: portXTD of leg."])
+    assert shown(core)["notes"] == ["route: not understood, and left out: portXTD of leg."]
+    assert [(a["kind"], a["text"][:42]) for a in core.alarms.to_list()] == [
+        ("caution", "the route or the chart was not read as it ")
+    ]
+    core.step(1.0)
+    assert len(core.alarms.to_list()) == 1 and not make_core(Scripted()).alarms.to_list()
 
 
 def test_the_filter_finds_the_ship_and_the_predictor_her_track(make_core, pilot):
