@@ -57,6 +57,21 @@ def test_every_key_is_there_from_the_beginning(make_core):
     assert set(shown(make_core())) == KEYS
 
 
+def test_a_position_that_jumps_is_an_alarm_and_the_core_goes_on(scripted):
+    source, core = scripted
+    sail(core, 60)
+    assert not texts(core)
+    source.offset = 20_000.0
+    sail(core, 30)
+    assert "the position has jumped by 10.80 nm: check the fixes" in texts(core)
+    known = core.own_ship.situation
+    assert known.values["x"] == pytest.approx(9.0 * core.t + 20_000, abs=60)
+    # The fixes of before say nothing of the ones that come: neither they nor the jump are in the current.
+    assert known.current_std < 3.0
+    sail(core, 70)
+    assert "the position has jumped by 10.80 nm: check the fixes (no longer)" in texts(core)
+
+
 def test_what_was_not_understood_of_the_route_is_a_caution_and_stands_in_the_details(make_core):
     core = make_core(Scripted(), notes=["route: not understood, and left out: portXTD of leg."])
     assert shown(core)["notes"] == ["route: not understood, and left out: portXTD of leg."]
