@@ -57,6 +57,8 @@ class OpenedBridge:
         The score of the tracking experiment.
     recording : Path or None
         The recording.
+    notes : tuple of str or Notice
+        What was found out when the route and the chart were read.
     """
 
     core: BridgeCore
@@ -66,6 +68,7 @@ class OpenedBridge:
     chart: Plain
     score: VoyageScore | None
     recording: Path | None
+    notes: tuple[str, ...] = ()
 
     @property
     def ship(self) -> str:
@@ -203,7 +206,7 @@ def open_bridge(
         core = _core_of(settings, parts, recorder)
         shown = f"[{host}]" if ":" in host else host
         address = f"http://{shown}:{listener.getsockname()[1]}/" + ("" if token is None else f"?token={token}")
-        yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record)
+        yield OpenedBridge(core, listener, address, token, parts.chart, parts.score, settings.record, parts.notes)
     finally:
         listener.close()
         if recorder is not None:
@@ -222,6 +225,7 @@ class _Parts:
     predicts: bool = True
     heading: float = 0.0
     rudder_limit: float = RUDDER_LIMIT
+    notes: tuple[str, ...] = ()
 
 
 def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | None) -> _Parts:
@@ -231,9 +235,11 @@ def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | N
     if settings.condition is not None:
         raise UsageError("--condition belongs to a --scenario of the tracking experiment.")
     route, origin = None, None
+    notes: list[str] = []
     if settings.route is not None:
         read = read_route(settings.route)
         origin = read.origin
+        notes += [f"route: {n}" for n in read.notes]
         route = bridge_route(read, origin, RADIUS * pilot.length)
     chart: Plain = None
     if settings.chart is not None:
@@ -241,11 +247,13 @@ def _parts_of(settings: BridgeSettings, ended: Callable[[VoyageScore], None] | N
             raise UsageError(
                 "a chart needs the place of x = y = 0: give a --route with latitudes and longitudes beside it."
             )
-        chart = read_chart(settings.chart, origin).to_dict()
+        drawn = read_chart(settings.chart, origin)
+        notes += [f"chart: {n}" for n in drawn.notes]
+        chart = drawn.to_dict()
     begin = None if route is None else route.plan.legs[0]
     source = source_of(settings, pilot, origin, begin)
     heading = begin.course if begin is not None and source.kind == "simulate" else 0.0
-    return _Parts(pilot, source, route, chart, heading=heading)
+    return _Parts(pilot, source, route, chart, heading=heading, notes=tuple(notes))
 
 
 def _experiment_of(settings: BridgeSettings, pilot: Autopilot, ended: Callable[[VoyageScore], None] | None) -> _Parts:
@@ -289,6 +297,7 @@ def _core_of(settings: BridgeSettings, parts: _Parts, recorder: Recorder | None)
         predicts=parts.predicts,
         heading=parts.heading,
         rudder_limit=parts.rudder_limit,
+        notes=parts.notes,
     )
     if source.timed:
         core.clock_factor = settings.clock_factor

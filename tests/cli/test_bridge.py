@@ -60,8 +60,10 @@ def answer_of(address: str) -> httpx.Response:
 
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_it_opens_says_where_and_ends_cleanly(opened, tmp_path, number, code):
-    file = tmp_path / "voyage.csv"
-    bridge = opened("--record", file, "--clock-factor", 16)
+    file, route = tmp_path / "voyage.csv", tmp_path / "route.csv"
+    route.write_text("lat [deg],lon [deg],port_xtdd [m]\n53.5,8.1,50\n53.6,8.1,50\n")
+    bridge = opened("--record", file, "--clock-factor", 16, "--route", route)
+    assert "port_xtdd [m] (is" in " ".join(bridge.said.split())
     assert answer_of(bridge.address).status_code == 200
     assert "NOT FOR NAVIGATION" in bridge.said and "127.0.0.1" in bridge.address
     for _ in range(200):

@@ -6,37 +6,35 @@ It has no clock of its own: whoever drives it says the time, so that a test and 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 
 from shipid.autopilot.design.autopilot import Autopilot
+from shipid.bridge.core.alarm_watch import AlarmWatch
 from shipid.bridge.core.companions import Recording, VoyageJudge
 from shipid.bridge.core.console import Console, Limits, SteeringMode, SteeringOrder
-from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question, ShownTrack
+from shipid.bridge.core.forecast import Forecaster, PredictionAnswer, Question
 from shipid.bridge.core.route_watch import BridgeRoute, RouteWatch
 from shipid.bridge.core.scale_watch import ScaleWatch
+from shipid.bridge.core.shown_tracks import ShownTracks
 from shipid.bridge.core.source import SampleSource, SourceReading, Steered
 from shipid.bridge.core.targets import Targets
 from shipid.bridge.own_ship.own_ship import OwnShip
-from shipid.bridge.shown.alarms import AlarmKind, Alarms
+from shipid.bridge.shown.alarms import Alarms
 from shipid.bridge.shown.board import Board
 from shipid.bridge.shown.past_track import PastTrack
 from shipid.bridge.shown.plain_values import number
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.prediction.situations.past import Past
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.track_predictor import TrackPredictor
 
-#: The source is stale where nothing was heard in so many seconds after the beginning.
-STALE = 5.0
 #: Ranges of a trial rate of turn, as r L/U; and the rudder limit at the beginning, in rad, where the ship allows it.
 _SLOWEST, _FASTEST = 0.02, 0.8
 RUDDER_LIMIT = math.radians(10.0)
-#: A track that begins so many ship lengths behind the ship is not shown.
-_BEHIND = 2.0
-#: Seconds between two looks at how far off the predictions were.
-_LOOKS_BACK = 20.0
+
+#: A remark of the source is shown for so many seconds.
+_TOLD = 60.0
 
 
 class BridgeCore:
@@ -62,6 +60,8 @@ class BridgeCore:
         Whether tracks are predicted, and the wheel-over with them.
     heading, rudder_limit : float
         On the console at the beginning, in rad.
+    notes : sequence of str
+        What was found out when the route and the chart were read.
 
     Attributes
     ----------
@@ -73,6 +73,8 @@ class BridgeCore:
         What is tried and executed.
     alarms : Alarms
         The alarms.
+    tracks : ShownTracks
+        The predicted tracks, and when they are predicted.
     forecaster : Forecaster
         Answers the questions of `question`.
     t : float
@@ -93,6 +95,7 @@ class BridgeCore:
         predicts: bool = True,
         heading: float = 0.0,
         rudder_limit: float = RUDDER_LIMIT,
+        notes: Sequence[str] = (),
     ) -> None:
         self.pilot, self.source = pilot, source
         self.filter_interval, self.prediction_interval = filter_interval, prediction_interval
@@ -101,22 +104,23 @@ class BridgeCore:
         self.watch = None if route is None else RouteWatch(route)
         self.forecaster = Forecaster(TrackPredictor(pilot), prediction_interval)
         self.scale = ScaleWatch()
-        self._begins: SteeringOrder | None = None
         self.steered: Steered | None = source if isinstance(source, Steered) else None
         self.recording, self.score, self._started = recording, score, started
         self.console = self._console(route is not None, heading, rudder_limit)
         self.t = 0.0
         self.clock_factor: float | None = 1.0 if source.timed else None
         self.paused = False
-        self._asked = self._looked_back = -math.inf
-        self._answered = 0.0
-        self._trial_changed = self._lost_answer = False
-        self._tracks: dict[str, ShownTrack | None] = {"trial": None, "executed": None}
-        self._warned = 0
+        self.tracks = ShownTracks(self.console, self.own_ship, self.watch, prediction_interval, predicts)
+        self._alarm_watch = AlarmWatch(self.alarms, source, self.own_ship, self.watch, recording)
         self._heading_known = self.steered is not None
-        self._told, self._predicts, self._touched = "", predicts, False
+        self._told, self._told_at, self._touched = "", 0.0, False
         length, beam = pilot.length, pilot.ship.particular("B", "m")
         self.board.put("ship", {"name": pilot.ship.name, "length": number(length), "beam": number(beam)})
+        self.board.put("notes", list(notes))
+        if notes:
+            self.alarms.set(
+                "notes", True, 0.0, "caution", "the route or the chart was not read as it stands: see Details"
+            )
         self.publish()
 
     def _console(self, routed: bool, heading: float, rudder_limit: float) -> Console:
@@ -142,11 +146,13 @@ class BridgeCore:
         self.t = t
         self.own_ship.take(t, reading.values)
         if reading.told:
-            self._told = reading.told[-1]
+            self._told, self._told_at = reading.told[-1], t
+        elif t - self._told_at > _TOLD:
+            self._told = ""
         if self.recording is not None and reading.values:
             self.recording.add(t, reading.values)
         self._follow(reading)
-        self._watch_alarms()
+        self._alarm_watch.look(t)
 
     def _follow(self, reading: SourceReading) -> None:
         known = self.own_ship.situation
@@ -167,84 +173,14 @@ class BridgeCore:
             # The voyage of a simulated ship is judged by where she is, not by where the filter takes her to be.
             self.score.add(self.t, values if self.steered is None else self.steered.now)
 
-    def _watch_alarms(self) -> None:
-        own, t, alarms = self.own_ship, self.t, self.alarms
-        state = self.source.state
-        quiet = own.sensors.youngest
-        silent = t > STALE if quiet is None else own.sensors.silent
-        stale = state == "lost" or (state == "running" and silent)
-        alarms.set("stale", stale, t, "alarm", f"no data from the source ({self.source.kind})")
-        alarms.set("ended", state == "ended", t, "caution", f"the source has ended ({self.source.kind})")
-        lost = {} if stale or state == "ended" else own.sensors.lost
-        for name in {*lost, *(c.partition(":")[2] for c in alarms.conditions if c.startswith("lost:"))}:
-            kind: AlarmKind = "alarm" if name in ("psi", "x") else "warning"
-            alarms.set(f"lost:{name}", name in lost, t, kind, f"sensor lost: {lost.get(name, name)}")
-        health = own.health
-        alarms.set("diverged", health == "diverged", t, "alarm", f"the filter has diverged: {own.message}")
-        alarms.set("doubtful", health == "doubtful", t, "warning", "the filter rejects many samples")
-        stopped = None if self.recording is None else self.recording.to_dict()["message"]
-        alarms.set("recording", bool(stopped), t, "warning", str(stopped or ""))
-        if self.watch is not None:
-            watch = self.watch
-            off, side = watch.off_track or 0.0, "starboard" if (watch.off_track or 0.0) > 0 else "port"
-            alarms.set("off track", watch.is_off, t, "alarm", f"off track: {abs(off):.0f} m to {side}")
-            due, turn = watch.warns(t) and watch.next_leg is not None, watch.turn
-            if watch.leg != self._warned:
-                # The turn that was warned of is sailed.
-                self._warned = watch.leg
-                alarms.drop("wheel-over")
-            to = 0.0 if turn is None else math.degrees(turn.heading) % 360
-            alarms.set("wheel-over", due, t, "warning", f"wheel-over to {to:05.1f}° within a minute")
-            alarms.set("route ended", watch.finished, t, "caution", "the end of the route is passed")
-
     # What is predicted.
 
     def question(self) -> Question | None:
         """Return what is to be predicted now, or None where nothing is due."""
-        known = self.own_ship.situation
-        if known is None or not self._predicts:
-            return None
-        trial = None if self.console.trial == self.console.executed else self.console.trial
-        if self.t - self._asked >= self.prediction_interval - 1e-6:
-            self._asked = self.t
-            self._trial_changed = False
-            executed, watch = self.console.executed, self.watch
-            begins, self._begins = self._begins, None
-            return Question(
-                self.t,
-                known,
-                self._as_headed(trial),
-                self._as_headed(executed),
-                None if watch is None else watch.next_leg,
-                self.console.trial.rudder_limit,
-                executed is not None and executed.mode == "track",
-                begins,
-                self._voyage(),
-            )
-        if self._trial_changed:
-            self._trial_changed = False
-            if trial is None:
-                self._tracks["trial"] = None
-                return None
-            return Question(self.t, known, self._as_headed(trial))
-        return None
-
-    def _voyage(self) -> Past | None:
-        """The voyage so far, once in a while: how far off predictions were does not change from one to the next."""
-        if self.t - self._looked_back < _LOOKS_BACK:
-            return None
-        self._looked_back = self.t
-        return self.own_ship.remembered.past()
-
-    def _as_headed(self, steering: SteeringOrder | None) -> SteeringOrder | None:
-        """A steering along the route, with the heading that it is about now."""
-        if steering is None or steering.mode != "track" or self.watch is None:
-            return steering
-        leg = self.watch.route.plan.legs[self.watch.leg]
-        return SteeringOrder("track", leg.course % (2 * math.pi), steering.rudder_limit, steering.rate, steering.rudder)
+        return self.tracks.question(self.t)
 
     def take_answer(self, answer: PredictionAnswer) -> None:
-        """Take what was predicted; a trial that has changed meanwhile is predicted again.
+        """Take what was predicted; the track pilot's order is steered.
 
         Parameters
         ----------
@@ -252,16 +188,9 @@ class BridgeCore:
             Of a question of `question`.
         """
         asked = answer.question
-        if asked.executed is not None or asked.trial is not None:
-            self._answered = asked.t
         if asked.begins is not None:
             self.scale.begin(answer.still)
-        if asked.executed is not None:
-            self._tracks["executed"] = answer.executed
-        if self.console.trial == self.console.executed:
-            self._tracks["trial"] = None
-        elif answer.trial is not None:
-            self._tracks["trial"] = answer.trial
+        self.tracks.take(answer)
         # What is asked once a trial has changed says nothing of the route; nor has a ship that others steer anything executed.
         if self.watch is not None and (asked.executed or asked.leg or self.watch.next_leg is None):
             track = None if answer.executed is None else answer.executed.track
@@ -278,13 +207,6 @@ class BridgeCore:
         self.forecaster.warm(Situation({"psi": 0.0, "u": self.pilot.own_speed}))
         if self.steered is not None:
             self.steered.warm()
-
-    def _lateness(self) -> ShownTrack | None:
-        """What stands in place of tracks that begin where the ship was long ago; None where they are in time."""
-        known, late = self.own_ship.situation, self.t - self._answered
-        if known is None or late * known.values["u"] <= _BEHIND * self.pilot.length:
-            return None
-        return ShownTrack(None, f"the predictor is {late:.0f} s late: a lower clock factor gives it time.")
 
     # What a navigator does.
 
@@ -316,22 +238,20 @@ class BridgeCore:
 
     def _try(self, rest: dict[str, Plain]) -> None:
         self._touched = True
-        self._trial_changed |= self.console.change(rest)
+        self.tracks.trial_changed |= self.console.change(rest)
 
     def _cancel(self, rest: dict[str, Plain]) -> None:
-        self._trial_changed |= self.console.cancel()
+        self.tracks.trial_changed |= self.console.cancel()
 
     def _execute(self, rest: dict[str, Plain]) -> None:
         self.console.execute()
         executed = self.console.executed
         assert executed is not None
-        self._tracks = {"trial": None, "executed": self._tracks["trial"] or self._tracks["executed"]}
-        self._asked = -math.inf
+        self.tracks.execute(executed)
         if executed.mode == "track" and self.watch is not None:
             self.forecaster.follow(self.watch.route.plan, executed.rudder_limit, self.watch.leg)
         elif self.steered is not None:
             self.steered.steer(executed)
-        self._begins = executed
 
     def _acknowledge(self, rest: dict[str, Plain]) -> None:
         which = rest.get("id")
@@ -369,9 +289,7 @@ class BridgeCore:
         put("own", own.to_dict())
         put("sensors", own.sensors.to_list())
         put("settings", self.console.to_dict())
-        late = self._lateness()
-        shown = {n: "null" if track is None else (late or track).text for n, track in self._tracks.items()}
-        self.board.put_text("tracks", f'{{"trial":{shown["trial"]},"executed":{shown["executed"]}}}')
+        self.board.put_text("tracks", self.tracks.text(t))
         self.board.put_text("route", "null" if self.watch is None else self.watch.text(t))
         put("flow", own.flow())
         message = own.message or self._told or None

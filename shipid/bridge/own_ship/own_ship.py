@@ -43,6 +43,8 @@ _CRUISE, _STRAIGHT = 12.5, 0.0125
 _TURNING = 0.05
 #: Relative standard deviations up to which a coefficient is determined, and weakly determined.
 _DETERMINED, _WEAKLY = 0.1, 0.3
+#: A position that moves so many standard deviations of a fix, and a ship length, farther than the ship sails has jumped.
+_JUMP = 10.0
 #: Fixes are taken so many seconds apart, as in Passenier (1989), section 5.4: the errors of fixes that come faster are the same ones.
 _FIXES_APART = 2.0
 #: Names of coefficients as they are printed.
@@ -84,15 +86,27 @@ class OwnShip:
         self._estimate: OnlineEstimate | None = None
         self._situation: Situation | None = None
         self._began = self._diverged = self._fixed = -math.inf
+        self._jump, self._placed = (-math.inf, 0.0), False
         self._t = 0.0
         self._logged = False
         self._rejected = 0.0
         self._cruise: float | None = None
 
     @property
+    def length(self) -> float:
+        """Length of the ship in m."""
+        return self._pilot.length
+
+    @property
     def situation(self) -> Situation | None:
         """What is known of her; None before the filter has begun, or where she makes no way ahead."""
         return self._situation
+
+    @property
+    def jumped(self) -> float | None:
+        """How far the position has jumped in m, for a minute after it; None where it has not."""
+        when, how_far = self._jump
+        return how_far if self._t - when < _AFTERMATH else None
 
     def take(self, t: float, values: Mapping[str, float]) -> None:
         """Take what was heard up to a time, also where that is nothing.
@@ -161,11 +175,28 @@ class OwnShip:
             self._restart(t, str(error))
             return
         if not estimate.refused:
-            self._estimate = estimate
+            before, self._estimate = self._situation, estimate
             self._situation = self._known()
+            self._watch_for_a_jump(before, t, sample)
             self._fix(t, sample)
             if self._situation is not None and self.health == "well":
                 self.remembered.add(self._situation)
+
+    def _watch_for_a_jump(self, before: Situation | None, t: float, sample: Mapping[str, float]) -> None:
+        """Notice a position that moves farther than the ship can: the filter has come to believe in fixes that lie elsewhere."""
+        known = self._situation
+        if known is None or not {"x", "y"} <= set(sample):
+            return
+        placed, self._placed = self._placed, True
+        if before is None or not placed or "x" not in self._levels:
+            return
+        sailed = [v * (known.t - before.t) for v in before.ground_velocity]
+        moved = math.hypot(*(known.values[n] - before.values[n] - d for n, d in zip(("x", "y"), sailed)))
+        if moved > self.length + _JUMP * self._levels["x"]:
+            self._jump = t, moved
+            # What was predicted before begins elsewhere, and how far off the fixes were says nothing of those that come.
+            self._fixes = None
+            self.remembered.forget()
 
     def _fix(self, t: float, sample: Mapping[str, float]) -> None:
         """Hold a fix against the estimate, and the current as unsure as the fixes are."""
@@ -197,7 +228,7 @@ class OwnShip:
 
     def _restart(self, t: float, why: str) -> None:
         self._online, self._situation, self._estimate = None, None, None
-        self._first, self._fixes = {}, None
+        self._first, self._fixes, self._placed = {}, None, False
         self.remembered.forget()
         self._diverged, self.message = t, why
 

@@ -152,6 +152,8 @@ def _open(settings: BridgeSettings, host: str, port: int, token: str | None) -> 
     from shipid.bridge.open_bridge import open_bridge
 
     with open_bridge(settings, host, port, token, lambda score: click.echo(score.text())) as opened:
+        for note in opened.notes:
+            say(note)
         came = opened.serve(
             lambda: say(
                 f"the bridge of {opened.ship} ({opened.source}): {opened.address}\nNOT FOR NAVIGATION. Ctrl-C ends it."

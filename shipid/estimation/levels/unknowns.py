@@ -100,6 +100,7 @@ class Unknowns:
             [own / np.where(self._logs, positive, self._size), np.full(len(self.keys), _PRIOR), ones]
         )
         steps = np.array([_resolution(design, columns, n) for n in design.measured])
+        self._last: tuple[np.ndarray, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] | None = None
         self._finest = np.log(np.maximum(design.r / _BETTER, steps / np.sqrt(12)))
 
     def _with_constants(self, settings: FilterSettings, walking: list[str]) -> FilterSettings:
@@ -225,6 +226,12 @@ class Unknowns:
         return {k: _units_of(self.design, k) for k in (*self.keys, *(f"bias:{n}" for n in self.biases))}
 
     def _innovations(self, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """The innovations, their variances and which there are, piece by piece; those of the last point are kept."""
+        if self._last is None or not np.array_equal(self._last[0], z):
+            self._last = z.copy(), self._run(z)
+        return self._last[1]
+
+    def _run(self, z: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         layout, system = self._fixed.layout, self._fixed.system
         constants = self._fixed.constants.copy()
         for name, value in zip(self.still, self.coefficients(z)):
@@ -271,6 +278,7 @@ class Unknowns:
         shares = sum(b.sum(axis=0) for b in beyond) / np.maximum(sum(there.sum(axis=0) for _, _, there in found), 1)
         for piece, wild in zip(self._pieces, beyond):
             piece.leave_out(wild & (shares <= most))
+        self._last = None
         return int(sum((b & (shares <= most)).sum() for b in beyond))
 
     def slopes(self, z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -290,25 +298,28 @@ class Unknowns:
     def _scores(self, z: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Derivative of the log-likelihood of each row, shape (rows, unknowns), and Fisher's information of all."""
         base, index = self._innovations(z), np.flatnonzero(free)
-        information = np.zeros((z.size, z.size))
-        means = [np.zeros((*e.shape, index.size)) for e, _, _ in base]
-        variances = [np.zeros_like(m) for m in means]
+        # Unknown by unknown in one run of memory: with the unknowns last every difference would be written all over it.
+        slopes = [np.empty((index.size, 2, *e.shape)) for e, _, _ in base]
         for j, i in enumerate(index):
             nudged = z.copy()
             nudged[i] += _STEP
-            for k, (e, s, _) in enumerate(self._innovations(nudged)):
-                means[k][..., j], variances[k][..., j] = (e - base[k][0]) / _STEP, (s - base[k][1]) / _STEP
-        rows = []
-        for (e, s, there), de, ds in zip(base, means, variances):
-            one = np.where(there, 1 / s, 0.0)[..., None]
-            e, de, ds = e[..., None], de * np.sqrt(one), ds * one
-            rows.append((0.5 * ds * (e**2 * one - (one > 0)) - e * np.sqrt(one) * de).sum(axis=1))
-            # The sizes in full: where nothing is sought, NumPy cannot tell how many rows there are.
-            shape = (de.shape[0] * de.shape[1], index.size)
-            flat = np.concatenate([de.reshape(shape), ds.reshape(shape) / np.sqrt(2)])
-            information[np.ix_(index, index)] += flat.T @ flat
-        scores = np.zeros((sum(len(r) for r in rows), z.size))
-        scores[:, index] = np.concatenate(rows)
+            for slope, (e, s, _), (e_0, s_0, _) in zip(slopes, self._run(nudged), base):
+                np.subtract(e, e_0, out=slope[j, 0])
+                np.subtract(s, s_0, out=slope[j, 1])
+        information = np.zeros((z.size, z.size))
+        scores = np.zeros((sum(len(e) for e, _, _ in base), z.size))
+        row = 0
+        for slope, (e, s, there) in zip(slopes, base):
+            one = np.where(there, 1 / s, 0.0)
+            root = np.sqrt(one)
+            # Mean and variance of each innovation, the first in its standard deviations, the second as a share of itself, over root 2.
+            slope[:, 0] *= root / _STEP
+            slope[:, 1] *= one / (_STEP * np.sqrt(2))
+            flat = slope.reshape(index.size, 2 * e.size)
+            information[np.ix_(index, index)] += flat @ flat.T
+            off = np.stack([-e * root, np.sqrt(0.5) * (e**2 * one - there)])
+            scores[row : row + len(e), index] = np.einsum("kmrs,mrs->rk", slope, off)
+            row += len(e)
         return scores, information
 
     def deviations(self, summit: Summit) -> tuple[np.ndarray, np.ndarray]:

@@ -102,6 +102,21 @@ def object_class(properties: Mapping[str, Plain]) -> str | None:
     return None
 
 
+def class_stated(properties: Mapping[str, Plain]) -> str:
+    """Return what a feature calls its class, whether that is drawn or not; empty where it says nothing.
+
+    Parameters
+    ----------
+    properties : mapping of str to plain values
+        As `short_keys` gives them.
+    """
+    for key in _CLASS_KEYS:
+        value = properties.get(key)
+        if isinstance(value, (str, int)) and not isinstance(value, bool) and str(value).strip():
+            return "".join(c if c.isprintable() else "?" for c in str(value).strip()[:40])
+    return ""
+
+
 def depth_of(properties: Mapping[str, Plain], *names: str) -> float | None:
     """Return the first depth that is stated, in m.
 

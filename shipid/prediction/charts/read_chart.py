@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from shipid.foundation.notices import Notice
 from shipid.prediction.charts.chart import Buoy, Chart, Contour, DepthArea, Line, Polygon
 from shipid.prediction.charts.errors import ChartFileError, ChartSizeError
 from shipid.prediction.charts.geojson import Shape, features_of
-from shipid.prediction.charts.meaning import CLASSES, depth_of, mark_of, object_class, short_keys
+from shipid.prediction.charts.meaning import CLASSES, class_stated, depth_of, mark_of, object_class, short_keys
 from shipid.prediction.charts.s57 import s57_as_geojson
 from shipid.prediction.charts.window import ChartWindow, simplified
 
@@ -26,6 +27,13 @@ _SHOWN = 200_000
 _ROCK, _SEEN = 5.0, 2.0
 _LOW = ("drval1", "mindepth", "depthmin", "min")
 _HIGH = ("drval2", "maxdepth", "depthmax", "max")
+
+
+#: The shapes that a class is drawn with.
+_DRAWN_AS = {
+    "land": ("point", "line", "polygon"), "depth": ("polygon",), "contour": ("line", "polygon"), "coast": ("line", "polygon"),
+    "buoy": ("point",), "beacon": ("point",),
+}  # fmt: skip
 
 
 def read_chart(path: str | Path, origin: tuple[float, float], *, reach: float = 50e3, tolerance: float = 2.0) -> Chart:
@@ -80,20 +88,22 @@ def read_chart(path: str | Path, origin: tuple[float, float], *, reach: float = 
     elif not data[:200].removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{"):
         raise ChartFileError(f"{where} is neither GeoJSON nor a cell of S-57 (.000). Convert it to GeoJSON.")
     drawn = _Drawn(ChartWindow(origin, reach), tolerance)
-    total = known = 0
+    total = 0
+    others: Counter[str] = Counter()
     for properties, shapes in features_of(data, where):
         total += 1
         stated = short_keys(properties)
         acronym = object_class(stated)
-        if acronym is not None:
-            known += 1
+        if acronym is None:
+            others[class_stated(stated) or "no class"] += 1
+        else:
             drawn.add(acronym, stated, shapes)
-    if total and not known:
+    if total and others.total() == total:
         raise ChartFileError(
             f"{where} has {total} features, and none says what it is: a property 'OBJL' (the number of S-57), 'layer' or 'class' "
             "(DEPARE, LNDARE, DEPCNT, COALNE, BOYLAT, ...) does."
         )
-    found = drawn.chart(file.stem, total - known)
+    found = drawn.chart(file.stem, others)
     if found.empty:
         told = Notice(
             f"nothing of chart {where} lies within {reach / 1000:.0f} km of latitude {np.rad2deg(lat):.4f}, longitude "
@@ -128,15 +138,21 @@ class _Drawn:
     contours: list[Contour] = field(default_factory=list)
     coast: list[Line] = field(default_factory=list)
     buoys: list[Buoy] = field(default_factory=list)
+    formless: Counter[str] = field(default_factory=Counter)
+    sideless: int = 0
 
-    def add(self, acronym: str, stated: Mapping[str, Plain], shapes: Iterable[Shape]) -> None:
+    def add(self, acronym: str, stated: Mapping[str, Plain], shapes: Sequence[Shape]) -> None:
         """Add a feature of a class."""
-        kind, _ = CLASSES[acronym]
+        kind, mark = CLASSES[acronym]
+        drawn = _DRAWN_AS[kind]
+        self.formless[acronym] += not shapes or any(s.kind not in drawn for s in shapes)
         for shape in shapes:
             if kind in ("buoy", "beacon"):
                 if shape.kind == "point":
                     places = self.window.point(shape.parts[0])
-                    self.buoys += [Buoy(float(x), float(y), **mark_of(acronym, stated)) for x, y in places]
+                    marked = mark_of(acronym, stated)
+                    self.buoys += [Buoy(float(x), float(y), **marked) for x, y in places]
+                    self.sideless += len(places) if mark == "lateral" and marked["kind"] is None else 0
             elif shape.kind == "point":
                 if kind == "land":
                     square = _ROCK * np.array([[1, -1], [1, 1], [-1, 1], [-1, -1]])
@@ -162,7 +178,7 @@ class _Drawn:
     def _lines(self, shape: Shape) -> list[Line]:
         return [line for part in shape.parts for line in self.window.lines(part)]
 
-    def chart(self, name: str, others: int) -> Chart:
+    def chart(self, name: str, others: Counter[str]) -> Chart:
         """Return the chart, its lines simplified until a screen can show them."""
         tolerance = self.tolerance
         whole = Chart(name, self.window.origin, tuple(self.land), tuple(self.depths), tuple(self.contours), tuple(self.coast), tuple(self.buoys))  # fmt: skip
@@ -170,9 +186,7 @@ class _Drawn:
         while _points(found) > _SHOWN and tolerance < 500:
             tolerance *= 2
             found = _simplified(whole, tolerance)
-        notes = []
-        if others:
-            notes.append(Notice(f"{others} features of other classes are not drawn.", "chart-not-drawn"))
+        notes = [*_left_out(others, +self.formless), *_silent(found, self.sideless)]
         if tolerance > self.tolerance:
             notes.append(Notice(f"lines are simplified to {tolerance:g} m.", "chart-simplified", tolerance=tolerance))
         if _points(found) > _SHOWN:
@@ -180,6 +194,45 @@ class _Drawn:
                 f"chart '{name}' has {_points(found)} points after it was simplified to {tolerance:g} m. Cut out the area that is sailed."
             )
         return replace(found, notes=tuple(notes))
+
+
+def _left_out(others: Counter[str], formless: Counter[str]) -> list[Notice]:
+    """What is told of features that are not drawn: those of other classes, and those whose geometry their class has not."""
+    told = []
+    if others:
+        told.append(
+            Notice(f"{others.total()} features of other classes are not drawn: {_named(others)}.", "chart-not-drawn")
+        )
+    if formless:
+        told.append(
+            Notice(
+                f"{formless.total()} features have no geometry that their class is drawn with, and are left out wholly or in part: "
+                f"{_named(formless)}.",
+                "chart-formless",
+            )
+        )
+    return told
+
+
+def _named(counts: Counter[str]) -> str:
+    shown = ", ".join(f"{name} ({n})" for name, n in counts.most_common(6))
+    return shown + (f", and {len(counts) - 6} more classes" if len(counts) > 6 else "")
+
+
+def _silent(chart: Chart, sideless: int) -> list[Notice]:
+    """What is told of features that are drawn without what makes them worth drawing."""
+    silent = {
+        "depth areas state no least depth (DRVAL1)": sum(a.low is None for a in chart.depth_areas),
+        "contours state no depth (VALDCO)": sum(c.depth is None for c in chart.contours),
+        "lateral marks state no side (CATLAM)": sideless,
+        "cardinal marks state no quarter (CATCAM)": sum(
+            b.kind == "cardinal" and b.quarter is None for b in chart.buoys
+        ),
+    }
+    counted = [f"{n} {what}" for what, n in silent.items() if n]
+    if not counted:
+        return []
+    return [Notice(f"not understood or not stated, and drawn without: {'; '.join(counted)}.", "chart-incomplete")]
 
 
 def _simplified(chart: Chart, tolerance: float) -> Chart:

@@ -10,9 +10,10 @@ logs passes over them; here every row counts, and one that cannot be read is ref
 from __future__ import annotations
 
 import csv
+import difflib
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ import pandas as pd
 
 from shipid.declaration import units
 from shipid.foundation.errors import UnitError
+from shipid.foundation.notices import Notice
 from shipid.prediction.routes.errors import RouteError, RouteFileError, RouteSizeError, WaypointError
 from shipid.prediction.routes.route import MOST_WAYPOINTS, LegGeometry, Route, Waypoint
 from shipid.prediction.routes.rtz import decimal
@@ -137,7 +139,11 @@ def read_route_table(data: bytes, where: str, name: str) -> Route:
     ]
     lost = [h for i, h in enumerate(header) if h and i not in found.values()]
     if lost:
-        notes.append(f"columns that no route has were not read: {', '.join(lost)[:200]}.")
+        known = {form: n for n, forms in _NAMES.items() for form in (*forms, n) if n not in found}
+        named = [h + _meant(h, known) for h in lost]
+        notes.append(
+            Notice(f"columns that no route has were not read: {', '.join(named)[:300]}.", "route-not-understood")
+        )
     try:
         return Route(name, tuple(points), geographic, tuple(notes))
     except RouteError as error:
@@ -227,6 +233,12 @@ def _columns(header: Sequence[str], where: str) -> dict[str, int]:
             raise RouteFileError(f"{where}: columns '{header[found[name]]}' and '{head}' are both the {name}.")
         found[name] = k
     return found
+
+
+def _meant(head: str, known: Mapping[str, str]) -> str:
+    """The column that a head may mean."""
+    near = difflib.get_close_matches(columns.split_header(head)[0].lower()[:40], known, n=1, cutoff=0.75)
+    return f" (is {known[near[0]]} meant?)" if near else ""
 
 
 def _factor(head: str, name: str, where: str) -> float:

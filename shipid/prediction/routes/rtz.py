@@ -17,6 +17,7 @@ from xml.sax.saxutils import quoteattr
 from shipid.foundation.notices import Notice
 from shipid.prediction.routes.errors import RouteError, RouteFileError, RouteSizeError, WaypointError
 from shipid.prediction.routes.route import MOST_WAYPOINTS, LegGeometry, Route, Waypoint
+from shipid.prediction.routes.rtz_vocabulary import SCHEDULED, RtzWords
 
 #: Versions that are written, with the names of their vocabularies.
 Version = Literal["1.0", "1.2"]
@@ -86,6 +87,8 @@ class _Reader:
         self.speeds: list[dict[str, float]] = []
         self.notes: list[str] = []
         self.ignored: Counter[str] = Counter()
+        self.words = RtzWords()
+        self.strange_from = _DEEPEST + 1
 
     def refuse(self, *_: object) -> None:
         """Refuse a document type and an entity."""
@@ -110,10 +113,15 @@ class _Reader:
         if len(self.path) > _DEEPEST:
             raise RouteFileError(f"{self.where} has elements in elements, more than {_DEEPEST}: it is no route.")
         if "extensions" in self.path:
-            if local == "extension":
-                self.ignored[attributes.get("name", attributes.get("manufacturer", "?"))[:40]] += 1
+            if self.path[-2] == "extensions":
+                self.ignored[attributes.get("name", attributes.get("manufacturer", local))[:40]] += 1
             return
         at = "/".join(self.path[1:])
+        if len(self.path) > self.strange_from:
+            return
+        if not self.words.see(at, attributes):
+            self.strange_from = len(self.path)
+            return
         if at == "routeInfo":
             self.name = attributes.get("routeName", "").strip()[:200]
         elif at == "waypoints/waypoint":
@@ -124,18 +132,24 @@ class _Reader:
         elif at == "waypoints/waypoint/leg":
             self.points[-1] = self._with_leg(self.points[-1], attributes)
         elif at == "waypoints/defaultWaypoint":
+            if self.points:
+                raise WaypointError(
+                    f"{self._last}: a default waypoint stands behind it, and it holds for what comes after it. Move it to the first place."
+                )
             self.default = replace(self.default, radius=self._size(attributes, "radius", None))
         elif at == "waypoints/defaultWaypoint/leg":
             self.default = self._with_leg(self.default, attributes)
         elif at in ("schedules/schedule/manual", "schedules/schedule/calculated"):
             self.speeds.append({})
-        elif local == "scheduleElement" and self.speeds and "speed" in attributes:
+        elif local in SCHEDULED and "speed" in attributes:
             speed = self._number(attributes, "speed", 0.0) * KNOT
             if speed > 0:
                 self.speeds[-1][attributes.get("waypointId", "")] = speed
 
     def end(self, _: str) -> None:
         """Leave an element."""
+        if len(self.path) == self.strange_from:
+            self.strange_from = _DEEPEST + 1
         self.path.pop()
 
     def _root(self, space: str, local: str, attributes: dict[str, str]) -> None:
@@ -223,9 +237,19 @@ class _Reader:
                 # The first schedule that states speeds: what was set by hand comes before what was calculated.
                 chosen = next(s for s in self.speeds if s)
                 points = [replace(w, speed=chosen.get(i)) for w, i in zip(points, self.ids)]
+                nowhere = [i[:40] for i in chosen if i not in self.ids]
+                if nowhere:
+                    shown = ", ".join(f"'{i}'" for i in nowhere[:5]) + (", ..." if len(nowhere) > 5 else "")
+                    notes.append(
+                        Notice(
+                            f"the schedule states speeds for waypoints that are not there: {shown}. They were left out.",
+                            "route-schedule",
+                        )
+                    )
         if self.ignored:
             shown = ", ".join(sorted(self.ignored)[:5]) + (", ..." if len(self.ignored) > 5 else "")
             notes.append(Notice(f"{sum(self.ignored.values())} extensions were not read: {shown}.", "route-extensions"))
+        notes += self.words.notices()
         try:
             return Route(self.name or "route", tuple(points), notes=tuple(notes))
         except RouteError as error:

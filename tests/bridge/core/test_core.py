@@ -17,7 +17,7 @@ from ..conftest import sail, shown
 
 KEYS = {
     "ship", "time", "own", "sensors", "settings", "tracks", "route", "flow", "adaptation", "alarms", "targets", "simulation",
-    "experiment", "recording",
+    "experiment", "recording", "notes",
 }  # fmt: skip
 
 
@@ -55,6 +55,31 @@ def texts(core):
 
 def test_every_key_is_there_from_the_beginning(make_core):
     assert set(shown(make_core())) == KEYS
+
+
+def test_a_position_that_jumps_is_an_alarm_and_the_core_goes_on(scripted):
+    source, core = scripted
+    sail(core, 60)
+    assert not texts(core)
+    source.offset = 20_000.0
+    sail(core, 30)
+    assert "the position has jumped by 10.80 nm: check the fixes" in texts(core)
+    known = core.own_ship.situation
+    assert known.values["x"] == pytest.approx(9.0 * core.t + 20_000, abs=60)
+    # The fixes of before say nothing of the ones that come: neither they nor the jump are in the current.
+    assert known.current_std < 3.0
+    sail(core, 70)
+    assert "the position has jumped by 10.80 nm: check the fixes (no longer)" in texts(core)
+
+
+def test_what_was_not_understood_of_the_route_is_a_caution_and_stands_in_the_details(make_core):
+    core = make_core(Scripted(), notes=["route: not understood, and left out: portXTD of leg."])
+    assert shown(core)["notes"] == ["route: not understood, and left out: portXTD of leg."]
+    assert [(a["kind"], a["text"][:42]) for a in core.alarms.to_list()] == [
+        ("caution", "the route or the chart was not read as it ")
+    ]
+    core.step(1.0)
+    assert len(core.alarms.to_list()) == 1 and not make_core(Scripted()).alarms.to_list()
 
 
 def test_the_filter_finds_the_ship_and_the_predictor_her_track(make_core, pilot):

@@ -139,6 +139,7 @@ def voyage() -> dict:
             "clock_factor": 4.0, "paused": False, "clock_factors": [1, 2, 4, 8, 16],
         },
         "experiment": None,
+        "notes": [],
         "recording": {"file": "voyage.csv", "samples": 1355, "message": None},
     }  # fmt: skip
 

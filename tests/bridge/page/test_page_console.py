@@ -196,6 +196,15 @@ def test_the_simulator_is_changed_in_the_drawer(bridge, open_page, until):
     assert "1.580 ± 0.060" in adaptation and "true value 1.60" in adaptation
 
 
+def test_what_was_not_understood_of_the_route_stands_in_the_drawer(bridge, open_page, until):
+    page = open_page(bridge.address)
+    page.get_by_role("button", name="Details").click()
+    assert page.get_by_text("Route and chart").is_hidden()
+    bridge.state["notes"] = ["route: not understood, and left out: portXTD of leg."]
+    page.wait_for_selector(".notes li")
+    assert "portXTD of leg" in page.locator(".notes").inner_text()
+
+
 def test_the_trend_of_a_coefficient_grows_while_the_drawer_is_closed(bridge, open_page, until):
     page = open_page(bridge.address)
     for i in range(4):

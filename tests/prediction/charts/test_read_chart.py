@@ -76,6 +76,29 @@ def test_features_by_number_acronym_and_word(tmp_path):
     assert (west.kind, west.quarter, west.structure, west.name) == ("cardinal", "west", "beacon", "Reef")
     assert west.colour == ("yellow", "black", "yellow")
     assert [n.kind for n in chart.notes] == ["chart-not-drawn"]
+    assert "1 features of other classes are not drawn: SOUNDG (1)." in chart.notes[0]
+
+
+def test_what_is_not_understood_is_told(tmp_path):
+    found = read(
+        written(
+            tmp_path,
+            [
+                feature("Polygon", [SQUARE], layer="DEPARE", shoalest=2.0),
+                feature("LineString", SQUARE[:3], layer="DEPARE", DRVAL1=2.0),
+                feature("LineString", SQUARE[:3], layer="DEPCNT", VALDCO="deep"),
+                feature("Point", [8.11, 53.51], layer="BOYLAT", CATLAM="left"),
+                feature("Point", [8.11, 53.52], layer="BOYCAR"),
+                {"type": "Feature", "geometry": None, "properties": {"layer": "BOYCAR"}},
+                *[feature("Point", [8.12, 53.52], layer="WRECKS")] * 2,
+            ],
+        ),
+        ORIGIN,
+    )
+    elsewhere, formless, incomplete = found.notes
+    assert "2 features of other classes are not drawn: WRECKS (2)." in elsewhere
+    assert formless.kind == "chart-formless" and "DEPARE (1), BOYCAR (1)" in formless
+    assert all(f"1 {what}" in incomplete for what in ("depth areas", "contours", "lateral", "cardinal"))
 
 
 def test_a_chart_as_plain_values(tmp_path):

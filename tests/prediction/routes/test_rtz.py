@@ -151,6 +151,36 @@ def test_what_is_not_read_is_told():
     assert read_rtz(twice.encode(), "'a.rtz'").notes[0].kind == "route-schedule"
 
 
+LIMITS = '<leg portXTD="0.05" starboardXTD="0.1" speedMax="7" legInfo="pilot"/>'
+
+
+def test_a_limit_that_is_misspelt_or_not_heeded_is_told():
+    data = rtz(
+        point() + point("54", inside=LIMITS) + point("55", more=' turnRadius="0.5"', inside=LIMITS + "<lgg><a/></lgg>")
+    )
+    route = read_rtz(data, "'a.rtz'")
+    assert [n.kind for n in route.notes] == ["route-not-understood", "route-not-heeded"]
+    strange, unheeded = route.notes
+    assert "portXTD of leg (is portsideXTD meant?) (2 times)" in strange
+    assert "turnRadius of waypoint (is radius meant?)" in strange
+    assert "element lgg (is leg meant?)" in strange and "element a" not in strange
+    assert "speedMax (2 times)" in unheeded and "legInfo" not in unheeded
+    assert route.waypoints[1].xtd_port is None and route.waypoints[1].xtd_starboard == pytest.approx(185.2)
+
+
+def test_a_schedule_in_the_spelling_of_the_first_version():
+    old = WHOLE.replace("scheduleElement", "sheduleElement")
+    route = read_rtz(old.encode(), "'a.rtz'")
+    assert route.waypoints[1].speed == pytest.approx(10 * 1852 / 3600) and not route.notes
+    nowhere = read_rtz(old.replace('waypointId="8"', 'waypointId="80"').encode(), "'a.rtz'")
+    assert nowhere.notes[0].kind == "route-schedule" and "not there: '80'" in nowhere.notes[0]
+
+
+def test_a_default_behind_the_waypoints_is_refused():
+    with pytest.raises(WaypointError, match="waypoint 1: a default waypoint stands behind it"):
+        read_rtz(rtz(point() + '<defaultWaypoint radius="0.5"/>' + point("54")), "'a.rtz'")
+
+
 @settings(max_examples=100, deadline=None)
 @given(st.integers(0, len(WHOLE)), st.integers(0, 60), st.binary(max_size=30))
 def test_a_damaged_file_is_read_or_refused_in_words(begin, gone, put):

@@ -82,7 +82,7 @@ export function createAdaptation() {
       put(state, HEALTH[about.state] ?? "not known");
       health.classList.toggle("bad", ["doubtful", "diverged", "lost"].includes(about.state));
       const rejected = known(about.rejected) ? `${(about.rejected * 100).toFixed(0)} % of the measurements rejected` : "";
-      put(message, [about.message, rejected].filter(Boolean).join(", "));
+      put(message, [about.message?.replace(/\.$/, ""), rejected].filter(Boolean).join("; "));
       const values = adaptation?.values ?? [];
       for (const item of values) {
         const { box, symbol, number, spread, standing, trend } = row(item);

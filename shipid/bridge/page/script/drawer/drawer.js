@@ -1,8 +1,9 @@
-// The drawer: adaptation, simulation, sensors, keys. It stands beside the plan view and hides nothing of the console.
+// The drawer: notes of the route and the chart, adaptation, simulation, sensors, keys. It stands beside the plan view and hides nothing of the console.
 
 import { el, mark } from "../dom.js";
 import { KEYS } from "../console/keys.js";
 import { createAdaptation } from "./adaptation.js";
+import { createNotes } from "./notes.js";
 import { createSensors } from "./sensors.js";
 import { createSimulation } from "./simulation.js";
 
@@ -19,8 +20,8 @@ export function createDrawer(model, send, plan) {
   const drawer = document.getElementById("drawer");
   const key = document.getElementById("drawer-key");
   const main = document.getElementById("bridge");
-  const [adaptation, simulation, sensors, keys] = [createAdaptation(), createSimulation(model, send), createSensors(model), createKeyList()];
-  drawer.append(adaptation.section, simulation.section, sensors.section, keys.section);
+  const [notes, adaptation, simulation, sensors, keys] = [createNotes(), createAdaptation(), createSimulation(model, send), createSensors(model), createKeyList()];
+  drawer.append(adaptation.section, simulation.section, notes.section, sensors.section, keys.section);
   key.addEventListener("click", () => {
     drawer.hidden = !drawer.hidden;
     mark(key, "aria-expanded", drawer.hidden ? "false" : "true");
@@ -32,6 +33,7 @@ export function createDrawer(model, send, plan) {
   function show(state, changed) {
     adaptation.gather(state, changed);
     if (drawer.hidden) return;
+    notes.show(state);
     adaptation.show(state);
     simulation.show(state);
     sensors.show(state);

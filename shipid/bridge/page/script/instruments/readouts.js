@@ -64,10 +64,12 @@ export function createReadouts(model) {
     put(over.number, wheel ? clock(wheel.seconds) : DASH);
     put(over.unit, wheel ? distance(wheel.distance) : route ? "" : "no route");
     put(off.number, route ? aside(route.off_track) : DASH);
-    for (const item of [over, off]) {
-      item.number.classList.toggle("old", !model.link.connected && Boolean(route));
-      put(item.note, "");
-    }
-    if (wheel && wheel.seconds < 0) put(over.note, "past");
+    // Both are reckoned from the position: without fixes they are as old, or as much an estimate, as that is.
+    const place = standing(model, "x", ["position"]);
+    qualify(over.number, over.note, place, Boolean(wheel));
+    qualify(off.number, off.note, place, Boolean(route) && known(route.off_track));
+    if (!wheel) put(over.note, "");
+    if (!route) put(off.note, "");
+    if (wheel && wheel.seconds < 0 && !place.old) put(over.note, "past");
   };
 }
