@@ -52,9 +52,7 @@ PILOT = "import shipid; pilot = shipid.design_autopilot('de-keizer', 'soesterber
 ROUTE = "route = shipid.read_route('plan.csv'); "
 #: What makes the page of each kind, by its name in `write_report`: commands of shipid, or Python with the result as its last expression.
 PAGES: dict[str, tuple[str, ...]] = {
-    "Fit": (
-        "shipid identify container-20-20.csv --model de-keizer --ship soesterberg --validate container-10-10.csv",
-    ),
+    "Fit": ("shipid identify container-20-20.csv --model de-keizer --ship soesterberg --validate container-10-10.csv",),
     "FilterRun": ("shipid filter container-20-20.csv --model yaw-filter --ship soesterberg",),
     "Observability": (f"{FILTER}ekf.observability(run)",),
     "WhichShip": (
@@ -84,7 +82,9 @@ PAGES: dict[str, tuple[str, ...]] = {
     "several Diagnosis": ("shipid check container-20-20.csv faulty.csv --ship soesterberg",),
     "Trial": (f"{TRIAL}trial",),
     "Voyage": (f"{PILOT}{ROUTE}shipid.sail_route(pilot, route)",),
-    "PredictedTrack": (f"{PILOT}shipid.TrackPredictor(pilot).predict(shipid.Situation({{'psi': 0.0, 'u': 9.5}}), heading='60 deg')",),
+    "PredictedTrack": (
+        f"{PILOT}shipid.TrackPredictor(pilot).predict(shipid.Situation({{'psi': 0.0, 'u': 9.5}}), heading='60 deg')",
+    ),
     "Smoothed": (f"{FILTER}ekf.smooth(run)",),
     "MultipleModelRun": (f"{TRIAL}{MODES}several.filter(trial)",),
 }
@@ -169,7 +169,9 @@ def on_screens(browser: Browser, kind: str, file: Path, pictures: Path | None) -
     """What is wrong with a page in light, in dark and on a phone."""
     found: list[str] = []
     for mode, width, scheme in (("light", 1200, "light"), ("dark", 1200, "dark"), ("phone", 390, "light")):
-        with contextlib.closing(browser.new_context(viewport={"width": width, "height": 844}, color_scheme=scheme)) as c:
+        with contextlib.closing(
+            browser.new_context(viewport={"width": width, "height": 844}, color_scheme=scheme)
+        ) as c:
             page = c.new_page()
             page.goto(file.resolve().as_uri())
             page.evaluate("document.querySelectorAll('details').forEach(d => d.open = true)")
@@ -178,7 +180,9 @@ def on_screens(browser: Browser, kind: str, file: Path, pictures: Path | None) -
                 words = page.evaluate("document.body.innerText")
                 words += "\n".join(page.evaluate("[...document.querySelectorAll('svg text')].map(t => t.textContent)"))
                 for what, pattern in (("raw word", RAW), ("raw number", DIGITS), ("signed zero", ZERO)):
-                    found += [f"{what}: {words[max(0, m.start() - 25) : m.end() + 15]!r}" for m in re.finditer(pattern, words)]
+                    found += [
+                        f"{what}: {words[max(0, m.start() - 25) : m.end() + 15]!r}" for m in re.finditer(pattern, words)
+                    ]
     return found
 
 
