@@ -53,6 +53,7 @@ def fleet_figure(found: FleetResult, key: str) -> Markup | None:
             ax.plot(where, values, "o", color=BLUE, markersize=3.5, label="a trial, with its 95 % interval")
             ax.set_title(panel_title(name, pretty(scatter.unit), power), loc="left", fontsize=9, pad=3)
             ax.tick_params(axis="x", colors=MUTED)
+        axes[-1].set_xlim(0.5, len(trials) + 0.5)
         axes[-1].set_xticks(np.arange(len(trials)) + 1, [str(rows["trial"][k]).rsplit(".", 1)[0] for k in trials])
         if sum(len(str(rows["trial"][k])) for k in trials) > 50:
             axes[-1].set_xticks(axes[-1].get_xticks(), [str(k + 1) for k in trials])
