@@ -59,7 +59,7 @@ PAGES: dict[str, tuple[str, ...]] = {
         "shipid filter container-20-20.csv --model de-keizer --method imm --ship soesterberg --ship slow.toml",
     ),
     "RecursiveIdentification": (
-        "shipid filter container-20-20.csv --model nomoto --ship soesterberg --method rls --measured 'r=0.02 deg/s'",
+        "shipid filter container-20-20.csv --model yaw-filter --ship soesterberg --method rls",
     ),
     "Autopilot": (f"{PILOT}pilot",),
     "Judgement": (f"shipid tune {SHIP}",),
@@ -90,7 +90,8 @@ PAGES: dict[str, tuple[str, ...]] = {
 }
 #: Words that a solver or a program says, and no engineer.
 RAW = r"ftol|xtol|gtol|max_nfev|termination condition|\bnan\b|\binf\b|\bNone\b|\bTrue\b|\bFalse\b|array\(|np\.|dtype|Traceback|\[\]"
-DIGITS = r"\d\.\d{7,}|\b\d+\.\d*e[+-]?\d+|\b\d+e[+-]\d+"
+#: Seven decimals are a good value with a small interval.
+DIGITS = r"\d\.\d{9,}|\b\d+\.\d*e[+-]?\d+|\b\d+e[+-]\d+"
 ZERO = r"(?<![\w.^⁻])[-−]0(?:\.0+)?(?![\d.]*[1-9.])(?![\d/])"
 #: Words of a figure that lie over each other, or outside of it; and words of the page that run out of their box.
 WORDS = """() => {
@@ -130,7 +131,10 @@ def prepare() -> None:
     Path("plots.csv").write_text(plots(), encoding="utf-8")
     Path("plan.csv").write_text("x [m],y [m]\n0,0\n4000,0\n6500,3000\n11000,3000\n", encoding="utf-8")
     ship = (ROOT / "models" / "ships" / "soesterberg.toml").read_text(encoding="utf-8")
-    Path("slow.toml").write_text(re.sub(r'(?m)^(name = ")([^"]*)', r"\1Slow ship", ship, count=1), encoding="utf-8")
+    ship = re.sub(r'(?m)^name = "soesterberg"', 'name = "slower"', ship).replace(
+        "K = { value = 1.6,", "K = { value = 1.1,"
+    )
+    Path("slow.toml").write_text(ship, encoding="utf-8")
 
 
 def make(kind: str) -> Path:
