@@ -142,7 +142,7 @@ def uncertain_text(value: float | None, std: float | None) -> str:
         return NO_NUMBER
     if std is None or not _is_number(std) or std < 1 / _LARGEST:
         return f"{value:.6g}"
-    place = _last_place(std)
+    place = last_place(std)
     # Past six decimals or six figures before the point, powers of ten read better.
     if 0 <= place <= 6 and abs(value) < 1e6:
         return f"{value:.{place}f} ± {std:.{place}f}"
@@ -181,14 +181,20 @@ def _power(size: float) -> int:
 def _place(value: float, std: float) -> tuple[int, int | None]:
     """Power of ten to take out and the last decimal place; no place where the value would get too many digits."""
     power = _power(max(abs(value), std))
-    place = _last_place(std)
+    place = last_place(std)
     if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
         return power, None
     return power, place
 
 
-def _last_place(std: float) -> int:
-    """The decimal place of the second digit of a standard deviation."""
+def last_place(std: float) -> int:
+    """Return the decimal place of the second digit of a standard deviation; below zero for one of 100 and more.
+
+    Parameters
+    ----------
+    std : float
+        Greater than zero.
+    """
     return 1 - floor(log10(float(f"{std:.1e}")))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import display_unit, shown, to_display
+from shipid.declaration.vocabulary import display_unit, shown, shown_estimate, to_display
 from shipid.estimation.estimate import Estimate
 from shipid.foundation.numbers import uncertain_text
 from shipid.foundation.statistics import WHITE
@@ -167,8 +167,8 @@ def bias_lines(spread: BiasSpread | None, fitted: Sequence[Comparison]) -> list[
     """
     if spread is None:
         return []
-    each = ", ".join(f"{c.trial.name} {to_display(c.bias, 'delta'):+.2f}" for c in fitted)
-    lines = [f"  rudder    biases {each} {display_unit('delta', 'rad')}; {spread.words}"]
+    each = ", ".join(f"{c.trial.name} {shown_estimate(c.bias, c.bias_std, 'delta')}" for c in fitted)
+    lines = [f"  rudder    biases {each}; {spread.words}"]
     return lines + ([] if spread.notice is None else [f"  biases    {spread.notice}"])
 
 

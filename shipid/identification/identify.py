@@ -296,7 +296,8 @@ def _result(
     degrees = None if solution.levels is None else solution.levels.degrees
     parameters = estimates_of(problem, solution.q, block, box, setting.scale, words, degrees)
     used = next(r for r in rungs if r.used)
-    fitted = fitted_comparisons(problem, solution.q, records, setting.known.get("L", setting.ship.particular("L", "m")))
+    length = setting.known.get("L", setting.ship.particular("L", "m"))
+    fitted = fitted_comparisons(problem, solution.q, records, length, covariance.matrix)
     if nothing_explained(least_unexplained(fitted, setting.scale.unit_time)):
         parameters = without_values(parameters, "the model explains nothing of how the ship moved in these trials.")
         unseen = list(problem.estimated)

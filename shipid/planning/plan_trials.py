@@ -25,7 +25,7 @@ from shipid.planning.planning_problem import PlanningProblem, planning_problem
 from shipid.planning.repertoire import candidates_of, within_limits
 from shipid.planning.selection import CRITERIA, CandidateTable, Criterion, choose, value_of
 from shipid.planning.timetable import Surroundings, sailed_timetable
-from shipid.trials.manoeuvres.flows import Flow, check_flows, number
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_of, number
 from shipid.trials.manoeuvres.simulate import NotSailedError, simulate
 
 #: The standard that a plan is compared with.
@@ -113,7 +113,7 @@ def plan_trials(
         Steady approach between two manoeuvres in s, and once more where the speed changes; five L/U by default.
     heading : str or float
         Heading of the first approach, for the sea room in a current or a wind, with its unit or in rad.
-    current, wind : tuple, optional
+    current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI, for the timetable and its sea room; the manoeuvres are chosen for
         calm water. Waves move no track: what they do to the measurements is `noise` and `correlation`.
     spread : float
@@ -146,7 +146,7 @@ def plan_trials(
     if criterion not in CRITERIA:
         raise UnknownNameError("criterion", criterion, CRITERIA, "D: determinant, A: mean relative variance.")
     planned = model_of(model)
-    around = Surroundings(number(heading, "rad", "the heading"), _flow(current, "current"), _flow(wind, "wind"))
+    around = Surroundings(number(heading, "rad", "the heading"), flow_of(current, "current"), flow_of(wind, "wind"))
     check_flows(planned, current, wind)
     if wind is not None:
         # A ship without coefficients of the wind is refused before the work is done.
@@ -191,13 +191,6 @@ def plan_trials(
             worst_case,
         )
         return _result(problem, rows, table, choose(table, [pair]), pair, warnings, around)
-
-
-def _flow(flow: Flow | None, what: str) -> tuple[float, float] | None:
-    """Speed in m/s and direction in rad."""
-    if flow is None:
-        return None
-    return number(flow[0], "m/s", f"the {what}"), number(flow[1], "rad", f"direction of the {what}")
 
 
 def _over_draws(problem: PlanningProblem, candidate: CandidateManoeuvre, durations: list[float]) -> np.ndarray | None:

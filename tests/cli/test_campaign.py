@@ -171,6 +171,7 @@ def test_bad_requests(refused, call, study, fleet, tmp_path):
     refused(2, ["campaign", path, "--runs", 3, "--model", "nomoto"], "are for a folder of trials")
     refused(2, ["campaign", path, "--runs", 3, "--resume"], "--resume goes on with the runs of --out DIR")
     refused(2, ["campaign", path, "--runs", 3, "--scheduler", "nonsense://1"], "no scheduler answers")
+    refused(2, ["campaign", "song-2081"], "Did you mean song-2018")
     refused(2, ["campaign", "no-such-study", "--runs", 3], "there is no campaign 'no-such-study'")
     refused(2, ["campaign", fleet, "--model", "nomoto", "--runs", 9], "has 4 runs at most")
     (tmp_path / "empty").mkdir()

@@ -8,6 +8,7 @@ import shutil
 
 import html5lib
 import numpy as np
+import pandas as pd
 import pypdf
 import pytest
 
@@ -126,6 +127,30 @@ def test_verdicts_and_the_command_are_on_the_page(results, pages, read_page):
     command = "shipid plan nomoto --ship 'my ship' --time <20>"
     said = read_page(render(results["plan"], command=command))
     assert f"by {command}" in said.text
+
+
+def test_a_rudder_bias_has_its_standard_deviation(fit, pages, read_page):
+    std = np.sqrt(
+        fit.identified.covariance.matrix[(at := len(fit.parameters) + len(fit.identified.problem.initial)), at]
+    )
+    assert fit.fitted[0].bias_std == fit.validation[0].bias_std == pytest.approx(std) and std > 0
+    told = fit.to_dict()
+    assert told["rudder_bias"]["first"]["std"] == pytest.approx(std)
+    assert told["rudder_bias_refitted"]["second"]["std"] == pytest.approx(fit.validation[0].refitted_bias_std)
+    assert (
+        len(re.findall(r"(?:bias|record:?) −?\d\.\d+ ± 0\.\d+ deg", read_page(pages["fit"]).text.replace("this ", "")))
+        == 3
+    )
+
+
+def test_a_recorded_signal_has_a_label_and_few_digits(read_page):
+    t = np.arange(0.0, 100.0)
+    table = {"t [s]": t, "psi [deg]": 1e-3 * np.sin(t), "delta [deg]": 0 * t, "psi_order [deg]": 40 + 0 * t}
+    trial = shipid.Trial.from_frame(pd.DataFrame(table), name="small")
+    trial = dataclasses.replace(trial, source=dataclasses.replace(trial.source, simulated=True))
+    words = read_page(render(trial)).text
+    assert "Heading [10⁻³ deg]" in words and "Ordered heading [deg]" in words
+    assert "simulated" in words and "measured" not in words.replace("not measured", "")
 
 
 def test_what_limits_the_criteria_comes_before_them(pages):

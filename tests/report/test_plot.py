@@ -64,6 +64,13 @@ def test_a_report_without_a_figure_says_so(fit):
         bare.plot()
 
 
+def test_a_diagnosis_says_what_to_draw(fit):
+    found = shipid.check_trial(fit.fitted[0].trial)
+    assert not hasattr(found, "plot")
+    with pytest.raises(UsageError, match=r"no figure; draw the trial: shipid.read_trial\(FILE\).plot\(\)"):
+        shipid.plot(found)
+
+
 def test_collected_figures_are_not_drawn():
     def draw(figure):
         raise AssertionError("nobody looks at it")

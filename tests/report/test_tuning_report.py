@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import shipid
-from shipid.autopilot.judgement.compare_tunings import compare_tunings
+from shipid.autopilot.judgement.compare_tunings import OVER_DRAWS, compare_tunings
 from shipid.foundation.errors import UsageError
 from shipid.report.write_report import render
 
@@ -126,6 +126,16 @@ def test_a_run_that_never_settled_is_not_better(judged):
     for pair, better in (((judged, lost), 0), ((lost, judged), 1)):
         row = next(r for r in compare_tunings(*pair, ("a", "b")).rows if r.what == "settling, 60 deg")
         assert row.better == better and None in row.values
+
+
+def test_an_uncertainty_that_is_not_known_is_no_number(judged, read_page):
+    """Without draws of the ship the least margin over them would be that of the nominal ship."""
+    blind = dataclasses.replace(judged, robust=tuple(dataclasses.replace(r, samples=0) for r in judged.robust))
+    found = compare_tunings(blind, judged, ("a", "b"))
+    row = next(r for r in found.rows if r.what == OVER_DRAWS)
+    assert row.values[0] is None and row.better is None
+    assert "not known" in found.text()
+    assert re.search(r"Least disk margin over the uncertainty\s+not known", read_page(render(found)).text)
 
 
 def test_no_report_of_anything_else():

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+#: The quantity that nobody knows where a ship states no uncertainty.
+OVER_DRAWS = "least disk margin over the uncertainty"
+
+
 @dataclass(frozen=True)
 class ComparedRow:
     """One quantity of two tunings.
@@ -87,11 +91,15 @@ class TuningComparison(DrawnResult):
         for r in self.rows:
             name = f"{r.what} [{r.unit}]" if r.unit else r.what
             cells = "".join(
-                (("-" if v is None else f"{v:.4g}") + (" *" if r.better == k else "  ")).rjust(22)
+                ((_nothing(r.what, "-") if v is None else f"{v:.4g}") + (" *" if r.better == k else "  ")).rjust(22)
                 for k, v in enumerate(r.values)
             )
             lines.append(f"  {name.ljust(width)}{cells}")
         return "\n".join([*lines, "  * the better one", *(f"  {w}" for w in self.warnings)])
+
+
+def _nothing(what: str, otherwise: str) -> str:
+    return "not known" if what == OVER_DRAWS else otherwise
 
 
 def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str]) -> TuningComparison:
@@ -112,6 +120,9 @@ def compare_tunings(first: Judgement, second: Judgement, names: tuple[str, str])
     for what, unit, read, sense in _QUANTITIES:
         a, b = plain(read(first)), plain(read(second))
         better = None
+        if what == OVER_DRAWS and None in (a, b):
+            # What is not known is no worse.
+            sense = 0
         if sense and a is not None and b is not None and a != b:
             better = int((b > a) == (sense > 0))
         elif sense and (a is None) != (b is None):
@@ -168,7 +179,7 @@ _QUANTITIES: tuple[tuple[str, str, Callable[[Judgement], float | None], int], ..
     ("Kd at the ship's own speed", "s", _gain("Kd"), 0),
     ("Ki at the ship's own speed", "1/s", _gain("Ki"), 0),
     ("least disk margin", "", _worst(lambda m: m.disk), 1),
-    ("least disk margin over the uncertainty", "", lambda j: min(r.disk_worst for r in j.robust), 1),
+    (OVER_DRAWS, "", lambda j: min(r.disk_worst for r in j.robust) if all(r.samples for r in j.robust) else None, 1),
     ("least phase margin", "deg", _worst(lambda m: m.phase_deg), 1),
     ("least delay margin", "s", _worst(lambda m: m.delay_s), 1),
     ("least bandwidth", "rad/s", _worst(lambda m: m.bandwidth), 0),

@@ -90,14 +90,15 @@ def campaign(
         raise UsageError(
             "--model, --ship, --set, --format, --window and --estimate are for a folder of trials; a study has its own."
         )
-    if not folder and runs is None:
+    declared = None if folder else find_campaign(study)
+    if declared is not None and runs is None:
         raise UsageError("say with --runs how many runs the study is to have.")
     if values and not ship:
         raise UsageError("--set replaces values of a ship: name the ship with --ship.")
     if resume and delivery.folder is None:
         raise UsageError("--resume goes on with the runs of --out DIR, which is not given.")
     chosen: Campaign | CampaignFile
-    if folder:
+    if declared is None:
         assert model is not None
         chosen = fleet_campaign(
             study,
@@ -113,7 +114,7 @@ def campaign(
             ),
         )
     else:
-        chosen = find_campaign(study)
+        chosen = declared
     count = runs or whole(chosen).most or 0
     with ExitStack() as stack:
         # Rows of a fleet are shown also where they are not kept.

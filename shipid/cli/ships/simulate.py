@@ -8,7 +8,7 @@ import click
 
 from shipid.cli.frame.completing import complete_manoeuvre
 from shipid.cli.frame.delivery import output_file, overwrite_option
-from shipid.cli.frame.flows import current_option, flow_of, wind_option
+from shipid.cli.frame.flows import current_option, wind_option
 from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
     LEVELS,
@@ -112,7 +112,7 @@ def simulate(
     place = None if output is None else output_file(output, overwrite)
     settings = {
         "speed": speed, "noise": noise, "seed": seed, "duration": duration, "sampling": sampling, "heading": heading,
-        "current": flow_of(current, "current"), "wind": flow_of(wind, "wind"), "waves": flow_of(waves, "waves", "rad"), "values": values,
+        "current": current, "wind": wind, "waves": waves, "values": values,
         "inputs": inputs,
     }  # fmt: skip
     summary = ""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.flows import current_option, flow_of, wind_option
+from shipid.cli.frame.flows import current_option, wind_option
 from shipid.cli.frame.options import (
     LEVELS,
     estimate_option,
@@ -128,8 +128,8 @@ def plan(
             correlation=correlation,
             between=between,
             heading=heading,
-            current=flow_of(current, "current"),
-            wind=flow_of(wind, "wind"),
+            current=current,
+            wind=wind,
             draws=draws,
             seed=seed,
             progress=tell,

@@ -104,7 +104,7 @@ def bridge(
     shipid bridge --scenario T1 --condition C
     """  # noqa: D301 - the escape is click's mark for text that is not rewrapped
     from shipid.bridge.bridge_settings import BridgeSettings
-    from shipid.cli.frame.flows import flow_of
+    from shipid.trials.manoeuvres.flows import flow_of
 
     return _open(
         BridgeSettings(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from shipid.cli.frame.delivery import REPORT, RESULT, Delivery, delivered
-from shipid.cli.frame.flows import current_option, flow_of, wind_option
+from shipid.cli.frame.flows import current_option, wind_option
 from shipid.cli.frame.options import (
     format_option,
     input_option,
@@ -196,7 +196,7 @@ def _situation(
     from shipid.prediction.situations.in_waves import in_waves
     from shipid.trials.manoeuvres.flows import flow_inputs
 
-    flows = flow_inputs(flow_of(current, "current"), flow_of(wind, "wind"))
+    flows = flow_inputs(current, wind)
     if begin is not None and "=" not in begin:
         if current is not None:
             raise UsageError("from a trial the current is estimated: leave --current out.")
@@ -211,8 +211,7 @@ def _situation(
         read = _state_of(begin, pilot)
         values |= read
         origin = "the state given"
-    yaw = flow_of(waves, "waves", "rad")
-    known = values if yaw is None else in_waves(values, read, yaw, pilot.length, pilot.own_speed)
+    known = values if waves is None else in_waves(values, read, waves, pilot.length, pilot.own_speed)
     return known, origin, [], None
 
 

@@ -11,6 +11,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import uncertain_text
 from shipid.foundation.result import DrawnResult, Result
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures, measured
@@ -131,12 +132,11 @@ class TrialSheet(DrawnResult):
             lines.append("  beside the limits of MSC.137(76) 5.3:")
         for row in self.criteria:
             value = "not known" if row.value is None else f"{row.value:.3g}"
-            margin = "" if row.uncertainty is None or row.value is None else f" ± {row.uncertainty:.2g}"
+            if row.value is not None and row.uncertainty is not None:
+                value = uncertain_text(row.value, row.uncertainty)
             words = f"; {row.words}" if row.words else ""
             head = f"    {row.manoeuvre}. {row.meaning}"
-            lines.append(
-                f"{head:<42s} {value + margin:>14s} {row.unit:<4s} limit {row.limit_text:<26s} {row.verdict}{words}"
-            )
+            lines.append(f"{head:<42s} {value:>14s} {row.unit:<4s} limit {row.limit_text:<26s} {row.verdict}{words}")
         lines += [f"  not measured: {one.trial}: {one.why}" for one in self.not_measured]
         return "\n".join([*lines, *(f"  {n}" for n in self.warnings)])
 

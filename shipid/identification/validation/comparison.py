@@ -40,8 +40,10 @@ class Comparison(Result):
         the rest, SI; empty for a fitted trial and where the rudder is never reversed.
     biases : mapping of str to float
         Bias of each input that was used, SI: the rudder, the speed before the manoeuvre, the current.
-    refitted_bias : float or None
-        Rudder bias refitted on this record.
+    bias_std : float or None
+        Standard deviation of the rudder bias that was used, in rad; None where it is not estimated.
+    refitted_bias, refitted_bias_std : float or None
+        Rudder bias refitted on this record, and its standard deviation, in rad.
     overshoots, predicted_overshoots : tuple of float
         Overshoot angles in rad, measured and predicted with the recorded rudder.
     predicted_circle : TurningCircle or None
@@ -64,7 +66,9 @@ class Comparison(Result):
     refitted: Mapping[str, float] = field(default_factory=dict)
     warm: Mapping[str, float] = field(default_factory=dict)
     biases: Mapping[str, float] = field(default_factory=dict)
+    bias_std: float | None = None
     refitted_bias: float | None = None
+    refitted_bias_std: float | None = None
     overshoots: tuple[float, ...] = ()
     predicted_overshoots: tuple[float | None, ...] = ()
     predicted_circle: TurningCircle | None = None

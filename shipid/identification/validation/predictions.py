@@ -24,6 +24,7 @@ from shipid.identification.problem.ship_scale import scale_before
 from shipid.identification.problem.signals import SHOWN
 from shipid.identification.problem.trial_data import prepare, warm_up_samples, with_whole_inputs
 from shipid.identification.search.least_squares import minimise
+from shipid.identification.uncertainty.covariance import covariance_of
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.trial_measures import TrialMeasures, examined, measured_circle, measures_of
 from shipid.trials.filling import samples_of
@@ -36,7 +37,7 @@ _NONE = np.zeros(0)
 
 
 def fitted_comparisons(
-    problem: Problem, q: np.ndarray, records: Sequence[Trial], length: float | None
+    problem: Problem, q: np.ndarray, records: Sequence[Trial], length: float | None, covariance: np.ndarray
 ) -> tuple[Comparison, ...]:
     """Return the trials of a problem beside what the model makes of them.
 
@@ -50,10 +51,25 @@ def fitted_comparisons(
         The record of which each trial is a stretch, or which it is.
     length : float or None
         Length of the ship in m, where it is known.
+    covariance : ndarray, shape (unknowns, unknowns)
+        Of the unknowns.
     """
     said = {id(record): examined(record) for record in {id(r): r for r in records}.values()}
     measured = [measures_of(data.trial, said[id(r)], length) for data, r in zip(problem.trials, records, strict=True)]
-    return tuple(compare(problem, q, i, one, length) for i, one in enumerate(measured))
+    return tuple(
+        replace(compare(problem, q, i, one, length), bias_std=_bias_std(problem, covariance, [i]))
+        for i, one in enumerate(measured)
+    )
+
+
+def _bias_std(problem: Problem, covariance: np.ndarray, trials: Sequence[int]) -> float | None:
+    """Standard deviation of the mean rudder bias of some trials in rad; None where it is not estimated, or not determined."""
+    if "delta" not in problem.biases or covariance.shape[0] < problem.size:
+        return None
+    place = len(problem.initial) + problem.biases.index("delta")
+    at = [problem.own(i).start + place for i in trials]
+    variance = float(covariance[np.ix_(at, at)].mean())
+    return float(np.sqrt(variance)) if 0 < variance < np.inf else None
 
 
 def predictions(identified: Identified, trials: Sequence[Trial]) -> tuple[Comparison, ...]:
@@ -129,18 +145,22 @@ def predict(identified: Identified, trial: Trial, measures: TrialMeasures, recor
     prior = prior_of(ahead.model, ahead.initial, (), ahead.trials[0], unit_time)
     head = replace(ahead, trials=(ahead.trials[0].beginning(count),), prior=prior)
     start = minimise(head, head.first_guess(_NONE), EMPTY, most=50).q
-    predicted = compare(ahead, start, 0, measures, length)
+    fitted = identified.problem
+    std = _bias_std(fitted, identified.covariance.matrix, range(len(fitted.trials)))
+    predicted = replace(compare(ahead, start, 0, measures, length), bias_std=std)
     if "delta" not in biases:
         return predicted
     free = _problem_of(identified, trial, record, biases, {}, unit_time)
     q0 = free.first_guess(_NONE)
     q0[: len(ahead.initial)] = start[: len(ahead.initial)]
-    again = minimise(free, q0, EMPTY, most=50).q
+    found = minimise(free, q0, EMPTY, most=50)
+    again = found.q
     warm = _warmed_up(free, q0, prior_of(free.model, free.initial, biases, free.trials[0], unit_time), measures)
     return replace(
         predicted,
         refitted=_errors(free, free.run(again, 0)[0]),
         refitted_bias=free.named_biases(again, 0).get("delta", 0.0),
+        refitted_bias_std=_bias_std(free, covariance_of(found).matrix, [0]),
         warm=warm,
     )
 

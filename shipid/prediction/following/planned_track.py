@@ -75,7 +75,8 @@ class PlannedTrack(Result):
         x, y : ndarray or float, shape (N,)
             To the north and to the east in m.
         leg : int, optional
-            The leg that is sailed, or turned to: only the track beside it counts, where a track crosses itself. All of it by default.
+            The leg that is sailed, or turned to: only the track beside it counts, where a track crosses itself, and past the end of the
+            track the last leg goes on. All of it by default.
 
         Returns
         -------
@@ -91,7 +92,8 @@ class PlannedTrack(Result):
         x, y = np.atleast_1d(np.asarray(x, dtype=float)), np.atleast_1d(np.asarray(y, dtype=float))
         line = self.line[first : last + 1]
         rows = max(1, _AT_ONCE // len(line))
-        parts = [_off(line, x[k : k + rows], y[k : k + rows]) for k in range(0, len(x), rows)]
+        on = leg is not None and last + 1 == len(self.line)
+        parts = [_off(line, x[k : k + rows], y[k : k + rows], on) for k in range(0, len(x), rows)]
         distance = np.concatenate([d for d, _ in parts]) if parts else np.zeros(0)
         at = first + (np.concatenate([n for _, n in parts]) if parts else np.zeros(0, dtype=int))
         if self.arcs is None:
@@ -114,12 +116,14 @@ class PlannedTrack(Result):
         return np.asarray(np.maximum(distance - starboard, -distance - port))
 
 
-def _off(line: np.ndarray, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distance of points from a line, positive to starboard of it, and the number of the nearest piece of it."""
+def _off(line: np.ndarray, x: np.ndarray, y: np.ndarray, goes_on: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Distance of points from a line, positive to starboard of it, and the number of the nearest piece; the last may go on past its end."""
     along = np.diff(line, axis=0)
     square = np.maximum((along**2).sum(axis=1), 1e-12)
     north, east = x[:, None] - line[:-1, 0], y[:, None] - line[:-1, 1]
-    share = np.clip((north * along[:, 0] + east * along[:, 1]) / square, 0.0, 1.0)
+    ends = np.ones(len(along))
+    ends[-1] = np.inf if goes_on else 1.0
+    share = np.clip((north * along[:, 0] + east * along[:, 1]) / square, 0.0, ends)
     away = np.hypot(north - share * along[:, 0], east - share * along[:, 1])
     at = away.argmin(axis=1)
     rows = np.arange(len(x))

@@ -79,9 +79,9 @@ def sail(
         By default 25 L/U after the last order, and a thirtieth of L/U rounded.
     rudder_limit : str or float, optional
         Largest rudder angle the autopilot orders; its own by default.
-    current, wind : tuple, optional
+    current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI.
-    waves : tuple, optional
+    waves : str or tuple, optional
         Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
     inputs : mapping of str to str or float, optional
         Constant inputs of the model, with units or in SI.

@@ -93,9 +93,9 @@ def sail_route(
         Rudder limit of the turns; by default that with which each turn stays nearest to its arc, the autopilot's own at most.
     sampling, duration : str or float, optional
         A thirtieth of L/U rounded; and until the end of the route.
-    current, wind : tuple, optional
+    current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI.
-    waves : tuple, optional
+    waves : str or tuple, optional
         Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
     inputs : mapping of str to str or float, optional
         Constant inputs of the model, with units or in SI.

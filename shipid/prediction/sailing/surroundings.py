@@ -11,7 +11,7 @@ from shipid.autopilot.course_changes.weather import Weather, standard_weather
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
 from shipid.foundation.errors import UsageError
-from shipid.trials.manoeuvres.flows import Flow, number
+from shipid.trials.manoeuvres.flows import Flow, flow_of
 
 
 def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dict[str, float]:
@@ -51,7 +51,7 @@ def with_waves(
 
     Parameters
     ----------
-    waves : tuple
+    waves : str or tuple
         Root mean square of the heading by waves, and the direction they run TO, with units or in SI.
     known : dict of str to float
         Coefficients, SI.
@@ -71,7 +71,7 @@ def with_waves(
     known, acting : dict
         ``wave_noise`` among the inputs is an array, shape (count,).
     """
-    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    size, direction = flow_of(waves, "waves", "rad") or (0.0, 0.0)
     damping = float(known.get("wave_damping", Weather.damping))
     sea = replace(standard_weather(length, speed), wave_heading=size, damping=damping)
     known = known | {"wave_frequency": sea.wave_frequency, "wave_damping": damping}

@@ -10,7 +10,7 @@ import numpy as np
 from shipid.autopilot.course_changes.weather import standard_weather
 from shipid.foundation.errors import UsageError
 from shipid.prediction.situations.situation import Situation
-from shipid.trials.manoeuvres.flows import Flow, number
+from shipid.trials.manoeuvres.flows import Flow, flow_of
 
 #: What the yaw by waves shows in.
 _SHOWN = ("psi", "r")
@@ -29,7 +29,7 @@ def in_waves(values: Mapping[str, float], read: Collection[str], waves: Flow, le
         What is known of the ship, SI; ``psi`` and ``u`` at least.
     read : collection of str
         Which of them are read from instruments; of these heading and rate of turn become uncertain.
-    waves : tuple
+    waves : str or tuple
         Root mean square of the heading by waves, the ship at rest, and the direction they run TO, with units or in SI.
     length, speed : float
         Of the ship, in m and her own speed in m/s: they say how long the waves are, as in `shipid.simulate`.
@@ -39,7 +39,7 @@ def in_waves(values: Mapping[str, float], read: Collection[str], waves: Flow, le
     UsageError
         If the waves are negative, or neither heading nor rate of turn is read.
     """
-    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    size, direction = flow_of(waves, "waves", "rad") or (0.0, 0.0)
     if not 0 <= size < np.inf:
         raise UsageError("the yaw by waves is a size: give zero or more, as in '0.5 deg from 300 deg'.")
     shown = tuple(n for n in _SHOWN if n in read)

@@ -198,4 +198,4 @@ class PredictedTrack(DrawnResult):
         end = f", then {self.ended}" if self.ended else ""
         width = self.half_width
         band = "" if width is None else f", 95 % band {width[-1]:.3g} m to each side at its end"
-        return f"<track predicted by {self.source}: {self.order}; {self.s_star[-1]:.3g} ship lengths, {self.t[-1]:.3g} s{band}{end}>"
+        return f"track predicted by {self.source}: {self.order}; {self.s_star[-1]:.3g} ship lengths, {self.t[-1]:.3g} s{band}{end}"

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, floor, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,6 +51,7 @@ _WIDTHS = {
     **dict.fromkeys("tr()f-", 0.64),
     **dict.fromkeys("ijl.,:;'| ", 0.5),
 }
+_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 #: Margins of a figure and the gap between its panels, in inches.
 _LEFT, _RIGHT, _TOP, _BOTTOM, _GAP = 0.55, 0.2, 0.5, 0.45, 0.27
 _SETTINGS = {
@@ -140,14 +141,31 @@ def axis_range(values: Sequence[np.ndarray]) -> tuple[float, float]:
     return low - pad, high + pad
 
 
-def panel_title(label: str, unit: str) -> str:
+def power_of(values: np.ndarray) -> int:
+    """Return the power of ten to take out of the values of an axis, so that its labels stay short; mostly 0.
+
+    Parameters
+    ----------
+    values : ndarray
+        What the axis shows.
+    """
+    largest = float(np.nanmax(np.abs(values), initial=0.0))
+    power = floor(log10(largest)) if 0 < largest < np.inf else 0
+    return 0 if -2 < power < 5 else power
+
+
+def panel_title(label: str, unit: str, power: int = 0) -> str:
     """Return what a panel shows, with its unit in brackets where there is one.
 
     Parameters
     ----------
     label, unit : str
         What the vertical axis shows.
+    power : int
+        Of ten, that was taken out of the values.
     """
+    if power:
+        unit = f"10{str(power).translate(_SUPERSCRIPT)}{'' if unit in ('', '1') else f' {unit}'}"
     return label if unit in ("", "1") else f"{label} [{unit}]"
 
 

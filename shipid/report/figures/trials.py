@@ -20,6 +20,7 @@ from shipid.report.figures.svg import (
     axis_range,
     legend,
     panel_title,
+    power_of,
     thin,
     with_gaps,
 )
@@ -31,6 +32,7 @@ _PANEL = 1.25
 #: An estimate is thin, and what was measured broad and pale beneath it, so that both are seen where they agree.
 _STYLES: dict[str, dict[str, Plain]] = {
     "measured": {"color": BLUE, "linestyle": "-", "linewidth": 1.3},
+    "simulated": {"color": BLUE, "linestyle": "-", "linewidth": 1.3},
     "predicted": {"color": ORANGE, "linestyle": (0, (4, 1.6)), "linewidth": 1.5},
     "measured beneath": {"color": BLUE, "linestyle": "-", "linewidth": 2.8, "alpha": 0.55},
     "estimate": {"color": ORANGE, "linestyle": "-", "linewidth": 1.0},
@@ -54,7 +56,7 @@ class Curve:
     Attributes
     ----------
     kind : str
-        measured, predicted, residual, rudder or order: its style and its name in the legend. Measured beneath an estimate it is
+        measured, simulated, predicted, residual, rudder or order: its style and its name in the legend. Measured beneath an estimate it is
         ``measured beneath``.
     x, y : ndarray, shape (n,)
         Its points, in the units shown; NaN where a sample is missing.
@@ -131,13 +133,17 @@ def histories_drawing(panels: Sequence[Panel], title: str, most: int = MOST_POIN
     def draw(figure: Figure) -> None:
         axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
         for ax, panel in zip(axes, panels):
+            low, high = _range(panel)
+            power = power_of(np.array([low, high]))
             for curve in panel.curves:
                 x, y = with_gaps(curve.x, curve.y)
                 # Points thinned to their extremes would leave the middle empty, where most innovations lie.
                 kept = np.arange(0, len(y), -(-len(y) // most)) if curve.kind == _POINTS else thin(y, most)
-                ax.plot(x[kept], y[kept], label=curve.kind.removesuffix(" beneath"), **_STYLES[curve.kind])
-            ax.set_title(panel_title(panel.label, panel.unit), loc="left", fontsize=9, pad=3)
-            ax.set_ylim(*_range(panel))
+                ax.plot(
+                    x[kept], y[kept] / 10.0**power, label=curve.kind.removesuffix(" beneath"), **_STYLES[curve.kind]
+                )
+            ax.set_title(panel_title(panel.label, panel.unit, power), loc="left", fontsize=9, pad=3)
+            ax.set_ylim(low / 10.0**power, high / 10.0**power)
             ax.margins(x=0.01)
             ax.locator_params(axis="y", nbins=5)
         axes[-1].set_xlabel("time [s]")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from typing import TypeAlias
+
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.declaration.units import to_si
+from shipid.declaration.units import Typed, to_si
 from shipid.foundation.errors import UsageError
 
-#: Speed and direction of a current or a wind, each with a unit or in SI.
-Flow = tuple["str | float", "str | float"]
+#: A current, a wind or waves: ``"3 kn to 30 deg"``, or a size and the direction they flow TO, each with a unit or in SI.
+Flow: TypeAlias = "str | tuple[str | float, str | float]"
+_SAID = re.compile(r"\s*(.+?)\s+(to|from)\s+(.+?)\s*")
 
 
 def number(value: str | float, unit: str, what: str) -> float:
@@ -27,6 +31,54 @@ def number(value: str | float, unit: str, what: str) -> float:
     return to_si(value, unit, what) if isinstance(value, str) else float(value)
 
 
+def flow_of(flow: Flow | None, what: str, unit: str = "m/s") -> tuple[float, float] | None:
+    """Return what flows as size and direction it flows TO, SI; None for none.
+
+    Parameters
+    ----------
+    flow : str or tuple, optional
+        ``"3 kn to 30 deg"``, ``"10 m/s from 270 deg"``, or size and direction TO.
+    what : str
+        current, wind or waves: for the message.
+    unit : str
+        Of its size, SI.
+
+    Raises
+    ------
+    UsageError
+        If a text does not say where it flows.
+    """
+    if flow is None:
+        return None
+    turned = 0.0
+    if isinstance(flow, str):
+        said = _SAID.fullmatch(flow)
+        if not said:
+            example = "3 kn to 30 deg" if unit == "m/s" else "0.5 deg from 300 deg"
+            more = "10 m/s from 270 deg" if unit == "m/s" else "0.5 deg to 120 deg"
+            raise UsageError(f"the {what} '{flow}' does not say where it flows: write '{example}' or '{more}'.")
+        size, way, direction = said.groups()
+        flow, turned = (Typed(size), Typed(direction)), np.pi if way == "from" else 0.0
+    size_of = f"speed of the {what}" if unit == "m/s" else f"heading by the {what}"
+    return number(flow[0], unit, size_of), number(flow[1], "rad", f"direction of the {what}") + turned
+
+
+def said_of(flow: Flow, unit: str = "m/s") -> str:
+    """Return what flows in words, as it was given; a bare number gets its unit.
+
+    Parameters
+    ----------
+    flow : str or tuple
+        See `flow_of`.
+    unit : str
+        Of its size, SI.
+    """
+    if isinstance(flow, str):
+        return flow
+    size, direction = (f if isinstance(f, str) else f"{f:.4g} {u}" for f, u in zip(flow, (unit, "rad")))
+    return f"{size} to {direction}"
+
+
 def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
     """Raise an error for a current or a wind that does not act on a model.
 
@@ -34,7 +86,7 @@ def check_flows(model: Model, current: Flow | None, wind: Flow | None) -> None:
     ----------
     model : Model
         A ship model.
-    current, wind : tuple, optional
+    current, wind : str or tuple, optional
         What is asked for.
 
     Raises
@@ -52,17 +104,13 @@ def flow_inputs(current: Flow | None, wind: Flow | None) -> dict[str, float]:
 
     Parameters
     ----------
-    current, wind : tuple, optional
-        Speed and direction.
+    current, wind : str or tuple, optional
+        See `flow_of`.
     """
     inputs: dict[str, float] = {}
-    if current is not None:
-        rate, direction = (
-            number(current[0], "m/s", "the current"),
-            number(current[1], "rad", "direction of the current"),
-        )
+    if (flow := flow_of(current, "current")) is not None:
+        rate, direction = flow
         inputs |= {"current_north": float(rate * np.cos(direction)), "current_east": float(rate * np.sin(direction))}
-    if wind is not None:
-        inputs["wind_speed"] = number(wind[0], "m/s", "the wind")
-        inputs["wind_direction"] = number(wind[1], "rad", "direction of the wind")
+    if (flow := flow_of(wind, "wind")) is not None:
+        inputs["wind_speed"], inputs["wind_direction"] = flow
     return inputs

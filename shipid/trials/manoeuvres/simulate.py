@@ -26,7 +26,7 @@ from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.rudder_delay import recorded_rudder, steering_machine_of
 from shipid.parts.waves import Waves
 from shipid.parts.wind import Wind
-from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, number
+from shipid.trials.manoeuvres.flows import Flow, check_flows, flow_inputs, flow_of, number, said_of
 from shipid.trials.manoeuvres.manoeuvre import Manoeuvre, parse_manoeuvre, plan, steps_of_helm
 from shipid.trials.manoeuvres.noise import measured, parse_noise
 from shipid.trials.manoeuvres.sea import DAMPING, FREQUENCY, froude_share, wave_noise
@@ -87,10 +87,10 @@ def simulate(
     noise : str or mapping, optional
         ``"none"``, ``"standard"``, ``"psi=0.2 deg"``, or standard deviations by column. A trial with sensors does not
         hold a speed through the water that none of them measures.
-    current, wind : tuple, optional
+    current, wind : str or tuple, optional
         Speed and direction it flows TO, with units or in SI. Wind needs the wind coefficients among `values` or in
         the ship's set.
-    waves : tuple, optional
+    waves : str or tuple, optional
         Root mean square of the heading by waves, and the direction they run TO, with units or in SI. They show in ``psi`` and ``r``,
         which the instruments measure; the helmsman steers by the heading without them, and they do not change the path.
     inputs : mapping of str to str or float, optional
@@ -152,8 +152,8 @@ def simulate(
     count = round(planned.duration / interval) + 1
     t = np.arange((count - 1) * fine + 1) * (interval / fine)
     acting: dict[str, float | np.ndarray] = {"u": u0, "cruise": u0, **flow_inputs(current, wind)}
-    if waves is not None:
-        known, inputs_of_waves = _with_waves(waves, known, length, interval / fine, t.size, seed)
+    if (sea := flow_of(waves, "waves", "rad")) is not None:
+        known, inputs_of_waves = _with_waves(sea, known, length, interval / fine, t.size, seed)
         acting |= inputs_of_waves
     if planned.schedule:
         acting["helm_schedule"] = planned.scheduled(t)
@@ -176,8 +176,8 @@ def simulate(
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
     noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
-        f"; {what} {w[0]} to {w[1]}"
-        for what, w in (("current", current), ("wind", wind), ("waves", waves))
+        f"; {what} {said_of(w, unit)}"
+        for what, w, unit in (("current", current, "m/s"), ("wind", wind, "m/s"), ("waves", waves, "rad"))
         if w is not None
     )
     met += "".join(f"; {n} {value} held" for n, value in (inputs or {}).items())
@@ -195,10 +195,10 @@ def simulate(
 
 
 def _with_waves(
-    waves: Flow, known: dict[str, float], length: float, step: float, count: int, seed: int
+    waves: tuple[float, float], known: dict[str, float], length: float, step: float, count: int, seed: int
 ) -> tuple[dict[str, float], dict[str, float | np.ndarray]]:
     """Coefficients and inputs of waves of a size, at the usual frequency for a ship of this length."""
-    size, direction = number(waves[0], "rad", "the heading by waves"), number(waves[1], "rad", "direction of the waves")
+    size, direction = waves
     frequency = FREQUENCY / froude_share(length)
     noise = wave_noise(count, np.array([step]), seed, frequency=frequency, heading=size)[:, 0]
     sea = {"wave_frequency": frequency, "wave_damping": DAMPING}

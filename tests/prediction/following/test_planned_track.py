@@ -78,6 +78,9 @@ def test_off_the_track_to_starboard_and_beyond_its_limits():
     near, on = plan.off_track(0.0, 490.0, leg=0)
     assert near == pytest.approx(490) and on.tolist() == [0]
     assert plan.off_track(0.0, 490.0)[0] == pytest.approx(-10, abs=0.05)
+    # A ship that has just passed the end of the route is as far off the track as before.
+    assert plan.off_track(508.0, 497.0, leg=4)[0] == pytest.approx(-3)
+    assert plan.off_track(508.0, 500.0)[0] == pytest.approx(8)
 
 
 def test_a_line_drawn_in_another_way_has_a_distance_too():

@@ -132,6 +132,22 @@ def test_a_current_shifts_the_track(model: str) -> None:
         assert np.array_equal(moved[name], still[name])
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "pair"),
+    [
+        ("current", "3 kn to 30 deg", ("3 kn", "30 deg")),
+        ("waves", "0.3 deg from 40 deg", ("0.3 deg", "220 deg")),
+        ("wind", "10 m/s from 270 deg", (10.0, np.pi / 2)),
+    ],
+)
+def test_a_flow_is_said_as_at_the_command_line(name: str, text: str, pair: Plain) -> None:
+    said, given = (sail("zigzag:20/20", duration="60 s", **{name: f}) for f in (text, pair))
+    for signal in ("x", "y", "psi", "r"):
+        np.testing.assert_allclose(said[signal], given[signal], rtol=0, atol=1e-12)
+    assert f"{name} {text}" in said.source.comment
+    assert f"{name} {'10 m/s to 1.571 rad' if name == 'wind' else ' to '.join(pair)}" in given.source.comment
+
+
 def test_wind_turns_the_ship() -> None:
     coefficients = {"N_w": "1e-7 rad/m^2", "F_w": "1e-7 1/m^2"}
     blown = sail("zigzag:10/10", values=coefficients, wind=("15 m/s", "60 deg"), sampling="0.25 s")
@@ -239,6 +255,8 @@ def length(number: float) -> ParameterSet:
         ({"model": "pershitz-track", "ship": "semerdjiev"}, UsageError, "reads no rudder angle 'delta'"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "current": (1.0, 0.0)}, UsageError, "a current does not"),
         ({"model": "pershitz-discrete", "ship": "semerdjiev", "wind": (1.0, 0.0)}, UsageError, "a wind does not act"),
+        ({"waves": "0.3 deg"}, UsageError, "'0.3 deg' does not say where it flows: write '0.5 deg from 300 deg'"),
+        ({"waves": "0.3 m from 40 deg"}, UnitError, "heading by the waves"),
         ({"model": "nomoto", "ship": "zeefakkel", "speed": "9 m/s"}, ParameterSetError, "known from 2 to 6.2 m/s"),
     ],
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import floor, log10
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +10,7 @@ from markupsafe import Markup
 from shipid.campaign.fleet_result import FleetResult
 from shipid.declaration.units import pretty
 from shipid.foundation.statistics import interval_95
-from shipid.report.figures.svg import BLUE, MUTED, ORANGE, WIDTH, legend, panel_title, svg
+from shipid.report.figures.svg import BLUE, MUTED, ORANGE, WIDTH, legend, panel_title, power_of, svg
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
 #: Most coefficients, and most trials, that are drawn.
 _PANELS, _TRIALS = 6, 40
 _PANEL = 0.85
-_SUPERSCRIPT = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 
 
 def fleet_figure(found: FleetResult, key: str) -> Markup | None:
@@ -43,7 +41,7 @@ def fleet_figure(found: FleetResult, key: str) -> Markup | None:
         axes = figure.subplots(len(drawn), 1, sharex=True, squeeze=False)[:, 0]
         for ax, name in zip(axes, drawn):
             at, scatter = known[name], found.coefficients[name]
-            power = _power(np.asarray(rows[name], dtype=float)[at])
+            power = power_of(np.asarray(rows[name], dtype=float)[at])
             values, stds = (np.asarray(rows[c], dtype=float)[at] / 10.0**power for c in (name, f"{name}_std"))
             where = np.searchsorted(trials, at) + 1
             if scatter.mean is not None and scatter.mean_std is not None:
@@ -53,10 +51,9 @@ def fleet_figure(found: FleetResult, key: str) -> Markup | None:
             ends = np.array([interval_95(value, std) for value, std in zip(values, stds)])
             ax.vlines(where, ends[:, 0], ends[:, 1], color=BLUE, linewidth=1.4)
             ax.plot(where, values, "o", color=BLUE, markersize=3.5, label="a trial, with its 95 % interval")
-            unit = pretty(scatter.unit)
-            scaled = f"10{str(power).translate(_SUPERSCRIPT)}{'' if unit == '1' else f' {unit}'}" if power else unit
-            ax.set_title(panel_title(name, scaled), loc="left", fontsize=9, pad=3)
+            ax.set_title(panel_title(name, pretty(scatter.unit), power), loc="left", fontsize=9, pad=3)
             ax.tick_params(axis="x", colors=MUTED)
+        axes[-1].set_xlim(0.5, len(trials) + 0.5)
         axes[-1].set_xticks(np.arange(len(trials)) + 1, [str(rows["trial"][k]).rsplit(".", 1)[0] for k in trials])
         if sum(len(str(rows["trial"][k])) for k in trials) > 50:
             axes[-1].set_xticks(axes[-1].get_xticks(), [str(k + 1) for k in trials])
@@ -65,10 +62,3 @@ def fleet_figure(found: FleetResult, key: str) -> Markup | None:
 
     size = (WIDTH, 1.0 + (_PANEL + 0.27) * len(drawn))
     return svg(draw, size, key, f"Coefficients of {found.model} by trial, with 95 % intervals, and their means")
-
-
-def _power(values: np.ndarray) -> int:
-    """The power of ten to take out, so that the labels of the axis stay short."""
-    largest = float(np.abs(values).max())
-    power = floor(log10(largest)) if largest > 0 else 0
-    return 0 if -1 <= power <= 3 else power

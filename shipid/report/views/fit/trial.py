@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shipid.declaration.model import Model
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, last_place, number
+from shipid.foundation.statistics import NORMAL_95
 from shipid.identification.fit import Fit
 from shipid.identification.validation.comparison import Comparison
 from shipid.identification.validation.predicted_manoeuvre import PredictedManoeuvre
 from shipid.report.figures.runaway import runaway
 from shipid.report.figures.svg import MOST_POINTS
 from shipid.report.page import Row, Section
-from shipid.report.typography.quantities import shown, shown_field
+from shipid.report.typography.quantities import Shown, shown, shown_field
 from shipid.report.views.fit.picture import error_rows
 from shipid.report.views.fit.trial_figures import correlations_of, histories_of, predicted_signals, residuals_of
 from shipid.report.views.fit.turning_circle import turn_rows
@@ -105,16 +108,26 @@ def _bias(comparison: Comparison, model: Model, role: str) -> str:
     if "delta" not in model or not np.isfinite(comparison.bias):
         return ""
     how = shown_field("delta")
-    words = f"Rudder bias {fixed(comparison.bias * how.factor, 2)} {how.unit}"
+    words = f"Rudder bias {_with_std(comparison.bias, comparison.bias_std, how)} {how.unit}"
     words += " (estimated with this trial)." if role == "fitted" else " (mean of the fitted trials)."
     if comparison.refitted_bias is not None and np.isfinite(comparison.refitted_bias):
-        words += f" Refitted on this record: {fixed(comparison.refitted_bias * how.factor, 2)} {how.unit}."
+        again = _with_std(comparison.refitted_bias, comparison.refitted_bias_std, how)
+        words += f" Refitted on this record: {again} {how.unit}."
     return words
+
+
+def _with_std(value: float, std: float | None, how: Shown) -> str:
+    """An angle without powers of ten, which nobody reads in degrees."""
+    if std is None:
+        return fixed(value * how.factor, 2)
+    places = max(0, last_place(std * how.factor))
+    return f"{fixed(value * how.factor, places)} ± {fixed(std * how.factor, places)}"
 
 
 def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) -> list[Row]:
     closed = manoeuvre.closed_loop if manoeuvre else ()
     bands = (manoeuvre.band95, manoeuvre.closed_loop_band95) if manoeuvre else ((), ())
+    places = _places(bands[0])
     foreseen = comparison.predicted_overshoots
     rows: list[Row] = []
     for k, measured in enumerate(comparison.overshoots):
@@ -123,20 +136,27 @@ def _overshoots(comparison: Comparison, manoeuvre: PredictedManoeuvre | None) ->
         rows.append(
             {
                 "number": k + 1,
-                "measured": _angle(measured),
-                "predicted": _angle(predicted),
-                "difference": fixed(error, 2, sign=True) if np.isfinite(error) else "",
-                "band": _band(bands[0][k] if k < len(bands[0]) else None),
-                "closed": _angle(closed[k]) if k < len(closed) else "",
-                "closed_band": _band(bands[1][k] if k < len(bands[1]) else None),
+                "measured": _angle(measured, places),
+                "predicted": _angle(predicted, places),
+                "difference": fixed(error, places, sign=True) if np.isfinite(error) else "",
+                "band": _band(bands[0][k] if k < len(bands[0]) else None, places),
+                "closed": _angle(closed[k], places) if k < len(closed) else "",
+                "closed_band": _band(bands[1][k] if k < len(bands[1]) else None, places),
             }
         )
     return rows
 
 
-def _angle(value: float | None) -> str:
-    return "not reached" if value is None or not np.isfinite(value) else fixed(value * _HEADING.factor, 2)
+def _places(bands: Sequence[tuple[float, float] | None]) -> int:
+    """Decimals of an overshoot in degrees: two digits of the standard deviation that the narrowest band has, and two decimals at most."""
+    widths = [(band[1] - band[0]) * _HEADING.factor for band in bands if band is not None]
+    stds = [width / (2 * NORMAL_95) for width in widths if np.isfinite(width) and width > 0]
+    return min(2, last_place(min(stds))) if stds else 2
 
 
-def _band(band: tuple[float, float] | None) -> str:
-    return "" if band is None else " to ".join(fixed(b * _HEADING.factor, 2) for b in band)
+def _angle(value: float | None, places: int) -> str:
+    return "not reached" if value is None or not np.isfinite(value) else fixed(value * _HEADING.factor, places)
+
+
+def _band(band: tuple[float, float] | None, places: int) -> str:
+    return "" if band is None else " to ".join(fixed(b * _HEADING.factor, places) for b in band)

@@ -8,7 +8,7 @@ from markupsafe import Markup
 import shipid
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import display_unit, label, to_display
-from shipid.foundation.numbers import fixed, number
+from shipid.foundation.numbers import fixed, last_place, number
 from shipid.prediction.prediction import Prediction
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.tracks import track_figure
@@ -114,6 +114,11 @@ def _along(found: Prediction) -> Markup:
     return chart(panels, "Time since the order [s]", "along", "Heading, rate of turn, speed and rudder along the track")
 
 
+def _value(value: float, std: float | None) -> str:
+    """A value with the digits that its standard deviation allows."""
+    return number(round(value, _DECIMALS), 4) if std is None else fixed(value, max(0, last_place(std)))
+
+
 def _situation(found: Prediction) -> list[Row]:
     known = found.situation
     rows: list[Row] = []
@@ -125,7 +130,9 @@ def _situation(found: Prediction) -> list[Row]:
         rows.append(
             {
                 "what": label(name),
-                "value": number(round(float(to_display(value, name, unit)), _DECIMALS), 4),
+                "value": _value(
+                    float(to_display(value, name, unit)), float(to_display(std, name, unit)) if std else None
+                ),
                 "std": number(float(to_display(std, name, unit)), 2) if std else "taken as known",
                 "unit": pretty(display_unit(name, unit)),
             }

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from markupsafe import Markup
 
 import shipid
 from shipid.declaration.units import pretty
-from shipid.declaration.vocabulary import FIELDS
+from shipid.declaration.vocabulary import FIELDS, display_factor, display_unit
 from shipid.estimation.multiple.multiple_run import MultipleModelRun
 from shipid.estimation.records.smoother import Smoothed
 from shipid.foundation.statistics import NORMAL_95
@@ -20,7 +20,7 @@ from shipid.report.figures.trials import Curve, Panel, histories
 from shipid.report.page import Page, Section
 from shipid.report.typography.quantities import Shown, shown, shown_field
 from shipid.report.views.record.plan import plan_figure
-from shipid.report.views.words import sentence, versions_now
+from shipid.report.views.words import listed, sentence, versions_now
 from shipid.trials.measuring.track import track
 from shipid.trials.trial import Trial
 
@@ -28,6 +28,12 @@ from shipid.trials.trial import Trial
 _FIRST, _MOST = ("psi", "r", "u", "v", "U", "SOG"), 8
 #: What stands elsewhere: the clock, the plan, the panel of the rudder.
 _APART = ("t", "x", "y", "delta", "delta_order")
+#: What a voyage records beside a ship's own signals.
+_LABELS = {
+    "psi_order": "Ordered heading",
+    "off_track": "Off the track, to starboard",
+    "waypoint": "Waypoint that is sailed to",
+}
 
 
 def trial_page(trial: Trial) -> Page:
@@ -42,7 +48,7 @@ def trial_page(trial: Trial) -> Page:
     return _page(
         f"Trial {trial.name}",
         _lines(trial.text()),
-        _signals(_panels(trial), "As recorded."),
+        _signals(_panels(trial), "As simulated." if trial.source.simulated else "As recorded."),
         {} if found is None else {found[2]: found[:2]},
     )
 
@@ -82,7 +88,7 @@ def smoothed_page(found: Smoothed) -> Page:
     """
     design = found.design
     hidden = design.parameters.values()
-    names = [*(n for n in design.model.states if n not in hidden), *design.parameters]
+    names = [*_in_order(n for n in design.model.states if n not in hidden), *design.parameters]
     panels = [_estimated(shown(design.model, n), found.t, found[n], found.std_of(n)) for n in names]
     return _page(
         f"{design.base.name}, smoothed",
@@ -105,10 +111,10 @@ def multiple_page(run: MultipleModelRun) -> Page:
     """
     model = run.design.first.model
     modes = [
-        Panel(f"probability of {name}", "1", [Curve("estimate", run.t, run.probabilities[:, j])], span=(0.0, 1.0))
+        Panel(f"Probability of {name}", "1", [Curve("estimate", run.t, run.probabilities[:, j])], span=(0.0, 1.0))
         for j, name in enumerate(run.modes)
     ]
-    states = [_estimated(shown(model, n), run.t, *run.quantity(n)) for n in run.states]
+    states = [_estimated(shown(model, n), run.t, *run.quantity(n)) for n in _in_order(run.states)]
     figure = histories(modes, "modes", "Probability of each mode along the record")
     first = Section("Modes", "record/modes.html", {"figure": figure, "caption": "How probable each mode is."})
     page = _page(
@@ -145,25 +151,41 @@ def _plan(figure: Markup) -> Section:
 def _signals(panels: Sequence[Panel], caption: str) -> Section | None:
     if not panels:
         return None
+    if left := [p.label.lower() for p in panels[_MOST:]]:
+        caption += f" Not drawn: {listed(left)}."
     figure = histories(panels[:_MOST], "signals", f"Against time: {', '.join(p.label.lower() for p in panels[:_MOST])}")
     return Section("Against time", "record/signals.html", {"figure": figure, "caption": caption})
 
 
 def _panels(trial: Trial) -> list[Panel]:
     """The signals of a trial against time, and the rudder with its order."""
-    names = [n for n in trial.table.columns if n not in _APART and np.isfinite(trial[n]).any()]
-    order = [*(n for n in _FIRST if n in names), *(n for n in names if n not in _FIRST)]
-    panels = []
-    for name in order[: _MOST - 1]:
-        how = shown_field(name) if name in FIELDS else Shown(name, pretty(trial.unit(name)), 1.0)
-        panels.append(Panel(how.label, how.unit, [Curve("measured", trial["t"], trial[name] * how.factor)]))
+    names = _in_order(n for n in trial.table.columns if n not in _APART and np.isfinite(trial[n]).any())
+    panels, kind = [], "simulated" if trial.source.simulated else "measured"
+    for name in names:
+        how = shown_field(name) if name in FIELDS else _of_its_own(name, trial.unit(name))
+        panels.append(Panel(how.label, how.unit, [Curve(kind, trial["t"], trial[name] * how.factor)]))
     how = shown_field("delta")
     rudder = [
-        Curve(kind, trial["t"], trial[n] * how.factor)
-        for n, kind in (("delta", "rudder"), ("delta_order", "order"))
+        Curve(label, trial["t"], trial[n] * how.factor)
+        for n, label in (("delta", "rudder"), ("delta_order", "order"))
         if trial.has(n) and np.isfinite(trial[n]).any()
     ]
-    return [*panels, *([Panel(how.label, how.unit, rudder)] if rudder else [])]
+    if rudder:
+        # After what is drawn in any case, so that it is drawn too.
+        panels.insert(min(len(panels), _MOST - 1), Panel(how.label, how.unit, rudder))
+    return panels
+
+
+def _in_order(names: Iterable[str]) -> list[str]:
+    """The signals that every reader looks for, then the others, and at last positions, which a plan shows better."""
+    found = list(names)
+    first, last = [n for n in _FIRST if n in found], [n for n in ("x", "y") if n in found]
+    return [*first, *(n for n in found if n not in (*first, *last)), *last]
+
+
+def _of_its_own(name: str, unit: str) -> Shown:
+    """How a column outside the vocabulary is shown."""
+    return Shown(_LABELS.get(name, name), pretty(display_unit(name, unit)), display_factor(name, unit))
 
 
 def _estimated(how: Shown, t: np.ndarray, value: np.ndarray, std: np.ndarray) -> Panel:

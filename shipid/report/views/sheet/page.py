@@ -10,7 +10,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.criteria.measured.sheet import QUARTERS, SheetManoeuvre, TrialSheet, rudder_of
 from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import to_display
-from shipid.foundation.numbers import fixed, given, number
+from shipid.foundation.numbers import fixed, given, number, uncertain
 from shipid.report.figures.manoeuvres import manoeuvre_figure
 from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, listed, sentence
@@ -93,10 +93,10 @@ def _form_row(entry: FormEntry) -> Row:
 
 
 def _limit_row(row: MeasuredCriterion) -> Row:
-    margin = "" if row.uncertainty is None else f" ± {number(row.uncertainty, 2)}"
+    value = number(row.value, 3) if row.uncertainty is None else uncertain(row.value, row.uncertainty)
     return {
         "meaning": f"{row.manoeuvre}. {sentence(row.meaning)}",
-        "value": "not known" if row.value is None else f"{number(row.value, 3)}{margin} {pretty(row.unit)}",
+        "value": "not known" if row.value is None else f"{value} {pretty(row.unit)}",
         "limit": row.limit_text,
         "verdict": row.verdict,
         "class": {"beyond": "beyond", "not decided": "undecided"}.get(row.verdict, ""),

@@ -5,11 +5,11 @@ from __future__ import annotations
 from markupsafe import Markup
 
 import shipid
-from shipid.autopilot.judgement.compare_tunings import TuningComparison
+from shipid.autopilot.judgement.compare_tunings import OVER_DRAWS, TuningComparison
 from shipid.foundation.numbers import number
 from shipid.report.figures.tuning import comparison_figures
 from shipid.report.page import Page, Row, Section
-from shipid.report.views.tuning.page import answer
+from shipid.report.views.tuning.page import answer, is_grave
 from shipid.report.views.words import sentence
 
 
@@ -21,11 +21,14 @@ def comparison_page(found: TuningComparison) -> Page:
     found : TuningComparison
         The comparison.
     """
+    warnings = [w if w.startswith(found.names) else sentence(w) for w in found.warnings]
+    grave = [w for w in warnings if is_grave(w.removeprefix(f"{found.names[0]}: ").removeprefix(f"{found.names[1]}: "))]
     return Page(
         f"Two tunings: {found.names[0]} and {found.names[1]}",
         [(name, answer(judged)) for name, judged in zip(found.names, found.judged)],
         [_rows(found), Section("Figures", "tuning/figures.html", comparison_figures(found))],
-        cautions=[w if w.startswith(found.names) else sentence(w) for w in found.warnings],
+        warnings=grave,
+        cautions=[w for w in warnings if w not in grave],
         footer=f"shipid {shipid.__version__}",
     )
 
@@ -33,7 +36,8 @@ def comparison_page(found: TuningComparison) -> Page:
 def _rows(found: TuningComparison) -> Section:
     rows: list[Row] = []
     for r in found.rows:
-        texts = ["none" if v is None else number(v, 4) for v in r.values]
+        nothing = "not known" if r.what == OVER_DRAWS else "none"
+        texts = [nothing if v is None else number(v, 4) for v in r.values]
         if r.better is not None:
             texts[r.better] = Markup('<span class="yes">{}</span>').format(texts[r.better])
         rows.append({"what": sentence(r.what), "unit": r.unit, "first": texts[0], "second": texts[1]})

@@ -86,8 +86,19 @@ def design_page(pilot: Autopilot) -> Page:
     return _page(pilot, [_what(pilot), NOT_JUDGED], pilot.warnings, sections)
 
 
+def is_grave(warning: str) -> bool:
+    """Return whether a warning of a judgement may make its numbers wrong.
+
+    Parameters
+    ----------
+    warning : str
+        Its words.
+    """
+    return warning.startswith(_GRAVE)
+
+
 def _page(pilot: Autopilot, words: Sequence[str], warnings: Sequence[str], sections: Sequence[Section]) -> Page:
-    grave = [w for w in warnings if w.startswith(_GRAVE)]
+    grave = [w for w in warnings if is_grave(w)]
     return Page(
         f"Autopilot of {pilot.ship.name}, tuned with model {pilot.model.name}",
         [("", words)],
