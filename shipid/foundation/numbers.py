@@ -207,7 +207,7 @@ def _join(mantissa: str, power: int) -> str:
     return f"{mantissa} × 10{str(power).translate(_SUPERSCRIPT)}" if power else mantissa
 
 
-def quantity(value: Plain, unit: str) -> dict[str, Plain]:
+def quantity(value: Plain, unit: str, **more: Plain) -> dict[str, Plain]:
     """Return a value beside its unit: ``{"value": 12.0, "unit": "s"}``.
 
     Parameters
@@ -216,8 +216,10 @@ def quantity(value: Plain, unit: str) -> dict[str, Plain]:
         The number; None where it is not known.
     unit : str
         Its unit.
+    **more : float, list of float or None
+        What belongs to it, in the same unit: ``std``.
     """
-    return {"value": value, "unit": unit}
+    return {"value": value, "unit": unit, **more}
 
 
 def with_units(values: Mapping[str, Plain], **units: str) -> dict[str, Plain]:

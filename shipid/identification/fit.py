@@ -321,9 +321,9 @@ class Fit(DrawnResult):
                 }
                 for c in compared
             },
-            "rudder_bias": {c.trial.name: {**quantity(c.bias, "rad"), "std": c.bias_std} for c in compared},
+            "rudder_bias": {c.trial.name: quantity(c.bias, "rad", std=c.bias_std) for c in compared},
             "rudder_bias_refitted": {
-                c.trial.name: {**quantity(c.refitted_bias, "rad"), "std": c.refitted_bias_std} for c in self.validation
+                c.trial.name: quantity(c.refitted_bias, "rad", std=c.refitted_bias_std) for c in self.validation
             },
             "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
             "noise": {s: quantity(v, units[s]) for s, v in self.noise.items()},
@@ -333,10 +333,7 @@ class Fit(DrawnResult):
                 "unidentifiable": list(self.unidentifiable),
                 "why": {n: self.parameters[n].why for n in self.unidentifiable},
                 "prior_shares": self.prior_shares,
-                "correlation": {
-                    "names": list(self.estimated),
-                    "matrix": [[round(float(v), 6) for v in row] for row in self.correlation],
-                },
+                "correlation": {"names": list(self.estimated), "matrix": self.correlation.round(6).tolist()},
                 "directions": None if assessed is None else [d.to_dict() for d in assessed.directions],
                 "residuals": None if assessed is None else {s: r.to_dict() for s, r in assessed.residuals.items()},
                 "chi_square": plain(self.chi_square),

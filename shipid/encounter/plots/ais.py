@@ -69,7 +69,7 @@ class AisReader:
         self._parts: dict[str, list[str]] = {}
 
     def take(self, fields: list[str], sentence: Sentence) -> ShipReport | None:
-        """Take in a sentence, and return the ship that its message reports; None where it does not.
+        """Return the ship that the message of a sentence reports; None where it reports none.
 
         Parameters
         ----------
