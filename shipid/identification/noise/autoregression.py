@@ -184,8 +184,10 @@ def _yule_walker(lags: list[np.ndarray], order: int) -> Autoregression:
     if not order:
         return Autoregression(np.zeros((0, signals, signals)), 0.5 * (lags[0] + lags[0].T))
     # Block row k, column j: E e(t - k) e(t - j)' = Gamma(j - k), Gamma(-l) = Gamma(l)'.
-    blocks = [[lags[j - k] if j >= k else lags[k - j].T for j in range(1, order + 1)] for k in range(1, order + 1)]
-    matrix = np.block(blocks)
+    every = np.array([*(lag.T for lag in lags[order - 1 : 0 : -1]), *lags[:order]])
+    place = np.arange(order)
+    blocks = every[order - 1 + place - place[:, None]]
+    matrix = blocks.transpose(0, 2, 1, 3).reshape(order * signals, order * signals)
     right = np.vstack([lags[k].T for k in range(1, order + 1)])
     matrix[np.diag_indices_from(matrix)] *= 1 + 1e-9
     solved = np.linalg.solve(matrix, right)
