@@ -63,8 +63,8 @@ def usual_signals(model: Model, measured: Collection[str]) -> tuple[str, ...]:
 def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] | None = None) -> tuple[str, ...]:
     """Return the signals that every trial measures and the model predicts.
 
-    A signal of which all trials together hold only a few samples does not show its noise level: it is fitted on request, or where
-    there is no other.
+    A signal of which all trials together hold only a few samples does not show its noise level, and zeros from first to last are
+    no measurement, such as the sway speed of a simulated ship that has none: they are fitted on request, or where there is no other.
 
     Parameters
     ----------
@@ -110,9 +110,11 @@ def fitted_signals(model: Model, trials: Sequence[Trial], wanted: Sequence[str] 
 
 
 def _shows_noise(trials: Sequence[Trial], name: str) -> bool:
-    """Whether a signal has enough samples; in a trial that is itself that short, all of them."""
-    samples = sum(int(np.count_nonzero(np.isfinite(t[name]))) for t in trials)
-    return samples >= min(_FEWEST, sum(len(t) for t in trials))
+    """Whether a signal has enough samples, in a trial that is itself that short all of them, and not zeros only."""
+    seen = [t[name][np.isfinite(t[name])] for t in trials]
+    # A heading or a rate of turn that stands still is refused by `check_answer`.
+    moves = name in ("psi", "r") or any(values.any() for values in seen)
+    return moves and sum(values.size for values in seen) >= min(_FEWEST, sum(len(t) for t in trials))
 
 
 def check_answer(trial: Trial, signals: Sequence[str]) -> None:

@@ -44,6 +44,18 @@ def test_trials_that_share_no_signal_are_told_with_what_each_has(trial):
         fitted_signals(find_model("nomoto"), [heading, rate])
 
 
+def test_zeros_from_first_to_last_are_no_measurement(trial):
+    """A drift that is zero without noise made a coefficient of 1e-31 with an interval as small."""
+    zeros = replace(trial, table=trial.table.assign(v=0.0))
+    assert fitted_signals(find_model("cubic"), [zeros]) == ("psi", "r")
+    assert fitted_signals(find_model("cubic"), [zeros], ["psi", "v"]) == ("psi", "v")
+    assert fitted_signals(find_model("cubic"), [zeros, replace(zeros, table=zeros.table.assign(v=0.1))]) == (
+        "psi",
+        "r",
+        "v",
+    )
+
+
 def test_a_measured_state_of_the_model_is_fitted(trial):
     model = join("with an engine", Nomoto, PlanarMotion, Engine)
     assert fitted_signals(model, [trial]) == ("psi", "r", "n")
