@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.plots.column_doubts import DAY, doubts, midnights, on_one_clock
+from shipid.encounter.plots.column_doubts import DAY, doubts, midnights, possible
 from shipid.encounter.plots.json_records import plots_of_json, truth_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
@@ -122,7 +122,7 @@ def read_detections(
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
-    raw = on_one_clock(_raw(file, fmt))
+    raw = possible(_raw(file, fmt))
     origin = _origin(raw)
     if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
         own = _own_among(truth, fmt)
