@@ -145,7 +145,7 @@ def read_detections(
         start=begin,
     )  # fmt: skip
     if not len(plots):
-        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in plots.notes)
+        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in (*raw.notes, *plots.notes))
         raise EmptyFileError(f"'{file}' holds no plot with a time and a position.{why}")
     found = tuple(_shifted(p, begin) for p in (_truth(_file(truth), fmt, origin) if truth is not None else ()))
     ship = None if ship is None else _shifted(ship, begin)
@@ -281,8 +281,8 @@ def _placed(
         return x, y, here, "own ship" if own is None else frame
     if "x" in columns and "y" in columns:
         return columns["x"], columns["y"], here, frame
-    assert origin is not None, "positions are in degrees"
-    return *to_local(columns["lat"], columns["lon"], origin), here, frame
+    # Without an origin no position is known.
+    return *to_local(columns["lat"], columns["lon"], origin or (0.0, 0.0)), here, frame
 
 
 def _first_fix(own: str | Path, fmt: PlotFormat | None) -> tuple[float, float] | None:
