@@ -69,7 +69,7 @@ class AisReader:
         self._parts: dict[str, list[str]] = {}
 
     def take(self, fields: list[str], sentence: Sentence) -> ShipReport | None:
-        """Take in a sentence, and return the ship that its message reports; None where it does not.
+        """Take in a sentence.
 
         Parameters
         ----------
@@ -77,6 +77,11 @@ class AisReader:
             Of the sentence.
         sentence : Sentence
             VDM or VDO.
+
+        Returns
+        -------
+        ShipReport or None
+            The ship that its message reports; None where it reports none.
 
         Raises
         ------
