@@ -7,7 +7,7 @@ chosen on these seeds.
 
 Held: share of the scans in which she was visible (a plot near her in two of three scans), and of all scans since she appeared.
 
-    python studies/late_ships.py [--runs 24] [--tracker NAME] [--told] [--first-seed 1000] [--json]
+    python studies/late_ships.py [--runs 24] [--detection 0.9] [--tracker NAME] [--told] [--first-seed 1000] [--json]
 """
 
 from __future__ import annotations
@@ -111,13 +111,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=24, help="scenes of each kind")
     parser.add_argument("--tracker", choices=NAMES, default="imm")
+    parser.add_argument("--detection", type=float, action="append", choices=DETECTION, help="all three by default")
     parser.add_argument("--told", action="store_true", help="tell the tracker how often a ship is seen")
     parser.add_argument("--first-seed", type=int, default=1000)
     parser.add_argument("--json", action="store_true")
     given = parser.parse_args()
     runs = range(given.first_seed, given.first_seed + given.runs)
     rows = []
-    for detection in DETECTION:
+    for detection in given.detection or DETECTION:
         for interval in SCAN:
             for name, clutter in CLUTTER.items():
                 found = tracked(detection, interval, clutter, runs, given.tracker, given.told)

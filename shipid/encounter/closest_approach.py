@@ -104,9 +104,15 @@ class ClosestApproach(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [
-            f"  {n:<16s} {shown_estimate(r['value'], r['std'], n, r['unit'])}" for n, r in self.to_frame().iterrows()
-        ]
+        lines = []
+        for name, unit in _UNITS.items():
+            value, ends = getattr(self, name), getattr(self, f"{name}_interval", None)
+            if value is None:
+                continue  # no domain was asked for
+            shown = shown_estimate(plain(value), getattr(self, f"{name}_std", None), name, unit)
+            lines.append(
+                f"  {name:<16s} {shown}" + ("" if ends is None else f", 95 %: {ends[0]:.0f} to {ends[1]:.0f} {unit}")
+            )
         return "\n".join([f"closest approach, {self.motion}", *lines])
 
 

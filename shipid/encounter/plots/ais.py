@@ -69,7 +69,7 @@ class AisReader:
         self._parts: dict[str, list[str]] = {}
 
     def take(self, fields: list[str], sentence: Sentence) -> ShipReport | None:
-        """Return the ship that the message of a sentence reports; None where it reports none.
+        """Take in a sentence.
 
         Parameters
         ----------
@@ -77,6 +77,11 @@ class AisReader:
             Of the sentence.
         sentence : Sentence
             VDM or VDO.
+
+        Returns
+        -------
+        ShipReport or None
+            The ship that its message reports; None where it reports none.
 
         Raises
         ------

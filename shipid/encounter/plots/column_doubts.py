@@ -16,6 +16,8 @@ DAY = 86400.0
 _MOST_OF_DAY, _TURNS = 43200.0, 2.5
 #: A wrong clock: plots so far from all others in time, within so short a time, s, and this share of all plots at most.
 _FAR, _BRIEF, _FEW = 3600.0, 5.0, 0.05
+#: Beyond a pole or a whole turn by no more than this is rounding, rad.
+_ROUNDING = 1e-6
 
 
 def doubts(t: np.ndarray, columns: Mapping[str, np.ndarray]) -> list[Notice]:
@@ -63,21 +65,37 @@ def midnights(t: np.ndarray) -> np.ndarray:
     return days
 
 
-def on_one_clock(raw: RawPlots) -> RawPlots:
-    """Return plots without those that a wrong clock has put far from all others: a few, at times an hour or more from the rest.
+def possible(raw: RawPlots) -> RawPlots:
+    """Return plots without those that cannot be: beyond the poles, or put far from all others by a clock that was wrong for a moment.
 
     Parameters
     ----------
     raw : RawPlots
         As the log has them.
     """
+    columns, notes = dict(raw.columns), list(raw.notes)
+    for lat, lon in (("lat", "lon"), ("own_lat", "own_lon")):
+        if lat not in columns or lon not in columns:
+            continue
+        # 91 and 181 deg stand for none in AIS; longitudes may count to 360 deg.
+        off = (np.abs(columns[lat]) > np.pi / 2 + _ROUNDING) | (np.abs(columns[lon]) > 2 * np.pi + _ROUNDING)
+        columns[lat] = np.where(off, np.nan, columns[lat])
+        if off.any():
+            what = _many(off, "position") + (" of own ship" if lat == "own_lat" else "")
+            told = (
+                f"{what} with a latitude above 90 deg or a longitude above 360 deg left out: 91 and 181 stand for none."
+            )
+            notes.append(Notice(told, "positions-impossible", count=int(off.sum())))
     far = _strays(raw.t)
-    if not far.any():
-        return raw
-    count = int(far.sum())
-    told = f"{count} plot{'s' * (count > 1)} stamped an hour or more away from all others left out: a wrong clock."
-    notes = (*raw.notes, Notice(told, "plots-far-in-time", count=count))
-    return replace(raw, t=np.where(far, np.nan, raw.t), notes=notes)
+    if far.any():
+        told = f"{_many(far, 'plot')} stamped an hour or more away from all others left out: a wrong clock."
+        notes.append(Notice(told, "plots-far-in-time", count=int(far.sum())))
+    return replace(raw, t=np.where(far, np.nan, raw.t), columns=columns, notes=tuple(notes))
+
+
+def _many(which: np.ndarray, what: str) -> str:
+    count = int(which.sum())
+    return f"{count} {what}{'s' * (count > 1)}"
 
 
 def _strays(t: np.ndarray) -> np.ndarray:

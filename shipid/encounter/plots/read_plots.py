@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from shipid.encounter.errors import EncounterRequestError
-from shipid.encounter.plots.column_doubts import DAY, doubts, midnights, on_one_clock
+from shipid.encounter.plots.column_doubts import DAY, doubts, midnights, possible
 from shipid.encounter.plots.json_records import plots_of_json, truth_of_json
 from shipid.encounter.plots.plot_format import PlotFormat, failed, read_plot_format
 from shipid.encounter.plots.plots import Plots, Sensor, make_plots
@@ -122,7 +122,7 @@ def read_detections(
     """
     fmt = read_plot_format(format) if isinstance(format, (str, Path)) else format
     file = _file(path)
-    raw = on_one_clock(_raw(file, fmt))
+    raw = possible(_raw(file, fmt))
     origin = _origin(raw)
     if own is None and truth is not None and "own_x" not in raw.columns and "own_lat" not in raw.columns:
         own = _own_among(truth, fmt)
@@ -145,7 +145,7 @@ def read_detections(
         start=begin,
     )  # fmt: skip
     if not len(plots):
-        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in plots.notes)
+        why = "".join(f" {note[:1].upper()}{note[1:]}" for note in (*raw.notes, *plots.notes))
         raise EmptyFileError(f"'{file}' holds no plot with a time and a position.{why}")
     found = tuple(_shifted(p, begin) for p in (_truth(_file(truth), fmt, origin) if truth is not None else ()))
     ship = None if ship is None else _shifted(ship, begin)
@@ -281,8 +281,8 @@ def _placed(
         return x, y, here, "own ship" if own is None else frame
     if "x" in columns and "y" in columns:
         return columns["x"], columns["y"], here, frame
-    assert origin is not None, "positions are in degrees"
-    return *to_local(columns["lat"], columns["lon"], origin), here, frame
+    # Without an origin no position is known.
+    return *to_local(columns["lat"], columns["lon"], origin or (0.0, 0.0)), here, frame
 
 
 def _first_fix(own: str | Path, fmt: PlotFormat | None) -> tuple[float, float] | None:

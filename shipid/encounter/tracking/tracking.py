@@ -139,7 +139,7 @@ class Tracking(DrawnResult):
             ends = "relative to own ship" if self.relative else f"from {self.plots.frame}"
             what = "positions and speeds" if self.relative else "positions in m,"
             lines.append(f"  {what} {ends}, at the end of each track")
-            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "± [m/s]", "course [deg]", "CPA [m]", "TCPA [s]")  # fmt: skip
+            heads = ("track", "status", "from [s]", "to [s]", "north [m]", "east [m]", "± [m]", "speed [m/s]", "± [m/s]", "course [deg]", "CPA [m]", "95 % [m]", "TCPA [s]")  # fmt: skip
             rows = [heads, *(self._row(one) for one in self.tracks)]
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
             lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]
@@ -150,9 +150,13 @@ class Tracking(DrawnResult):
     def _row(self, one: TargetTrack) -> tuple[str, ...]:
         near = one.approach
         cpa = (
-            ("not known", "")
+            ("not known", "", "")
             if near is None
-            else (f"{near.cpa:.0f}", f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else "steady")
+            else (
+                f"{near.cpa:.0f}",
+                _ends(near.cpa_interval),
+                f"{near.tcpa:.0f}" if np.isfinite(near.tcpa) else "steady",
+            )
         )
         spread = float(np.sqrt(max(one.P[-1, 0, 0] + one.P[-1, 1, 1], 0.0)))
         # What may lie still has no course.
@@ -161,6 +165,10 @@ class Tracking(DrawnResult):
             str(one.number), one.status, f"{one.t[0]:.0f}", f"{one.t[-1]:.0f}", f"{one.x[-1, 0]:.0f}", f"{one.x[-1, 1]:.0f}",
             f"{spread:.0f}", f"{one.speed[-1]:.1f}", f"{one.speed_std[-1]:.1f}", course, *cpa,
         )  # fmt: skip
+
+
+def _ends(interval: tuple[float, float] | None) -> str:
+    return "" if interval is None else f"{interval[0]:.0f} to {interval[1]:.0f}"
 
 
 def _many(n: int, what: str) -> str:

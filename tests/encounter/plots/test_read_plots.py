@@ -446,3 +446,15 @@ def test_own_ships_receiver_goes_before_her_ais(tmp_path):
     log.write_text("\n".join(lines))
     found = read_detections(log)
     assert found.own is not None and np.ptp(found.own.x) < 1.0
+
+
+def test_positions_that_stand_for_none_are_left_out(tmp_path):
+    lat, lon = 52 + NORTH / 111_120, 4 + EAST / 68_000
+    lat[::5], lon[::5] = 91.0, 181.0
+    log = table(tmp_path / "p.csv", "t [s],lat [deg],lon [deg]", T, lat, lon)
+    found = read_detections(log)
+    assert len(found.plots) == T.size - len(T[::5]) and "positions-impossible" in {n.kind for n in found.plots.notes}
+    assert np.abs(np.concatenate([s.z for s in found.plots])).max() < 1e4
+    table(log, "t [s],lat [deg],lon [deg]", T, 0 * T + 91, 0 * T + 181)
+    with pytest.raises(EmptyFileError, match="91 and 181 stand for none"):
+        read_detections(log)

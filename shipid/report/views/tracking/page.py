@@ -17,9 +17,9 @@ from shipid.report.page import Page, Row, Section
 from shipid.report.views.words import count, sentence
 
 _TARGETS = [
-    ("Track", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
+    ("Target", "number"), ("Status", "status"), ("From [s]", "first", "n"), ("To [s]", "last", "n"), ("North [m]", "x", "n"),
     ("East [m]", "y", "n"), ("± [m]", "spread", "n"), ("Speed [m/s]", "speed", "n"), ("Course [deg]", "course", "n"),
-    ("CPA [m]", "cpa", "n"), ("TCPA [s]", "tcpa", "n"),
+    ("CPA [m]", "cpa", "n"), ("95 % [m]", "between", "n"), ("TCPA [s]", "tcpa", "n"),
 ]  # fmt: skip
 _JUDGED = [
     ("Ship", "name"), ("Scans visible", "visible", "n"), ("Held [%]", "held", "n"),
@@ -92,8 +92,9 @@ def _closest(held: list[TargetTrack]) -> str:
 def _row(one: TargetTrack) -> Row:
     near = one.approach
     steady = near is not None and not np.isfinite(near.tcpa)
+    ends = None if near is None else near.cpa_interval
     return {
-        "number": one.number,
+        "number": f"track {one.number}",
         "status": one.status,
         "first": fixed(one.t[0], 0),
         "last": fixed(one.t[-1], 0),
@@ -103,6 +104,7 @@ def _row(one: TargetTrack) -> Row:
         "speed": f"{fixed(float(one.speed[-1]), 1)} ± {fixed(float(one.speed_std[-1]), 1)}",
         "course": f"{to_display(float(one.course[-1]), 'COG') % 360:03.0f}" if one.moves[-1] else "none",
         "cpa": "not known" if near is None else fixed(near.cpa, 0),
+        "between": "" if ends is None else f"{fixed(ends[0], 0)} to {fixed(ends[1], 0)}",
         "tcpa": "" if near is None else "steady" if steady else fixed(near.tcpa, 0),
     }
 
