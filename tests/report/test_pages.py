@@ -165,6 +165,12 @@ def test_a_simulated_trial_is_no_measurement(results, pages):
     assert results["sheet"].conditions.number("length") == 226.0
 
 
+def test_an_overshoot_has_the_digits_of_its_uncertainty(results, pages, read_page):
+    for words in (read_page(pages["sheet"]).text, results["sheet"].text()):
+        found = re.findall(r"(\d+\.\d+) ± (\d+\.\d+) deg", words)
+        assert found and all(len(a.partition(".")[2]) == len(b.partition(".")[2]) for a, b in found)
+
+
 def test_a_fleet_is_drawn_with_short_labels(pages, read_page):
     page = pages["fleet"]
     assert page.count("<svg") == 1 and "K [10⁻² 1/s]" in page
