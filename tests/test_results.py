@@ -86,6 +86,20 @@ def test_no_dataclass_prints_instead_of_the_result():
     assert wrong == []
 
 
+def test_no_result_speaks_in_angle_brackets():
+    """What is printed to a person is a sentence, and no Python object: the text of a result begins with a word."""
+    wrong = []
+    for name, (module, node) in HOMES.items():
+        told = next((f for f in node.body if isinstance(f, ast.FunctionDef) and f.name == "text"), None)
+        if (
+            told is not None
+            and issubclass(loaded(name), Result)
+            and re.search(r"""f?["']<[a-zA-Z{]""", ast.unparse(told))
+        ):
+            wrong.append(f"{module}.{name}")
+    assert wrong == []
+
+
 def test_what_has_a_report_draws_its_figures():
     views = vars(write_report)["_VIEWS"]
     drawn = {n for n in HOMES if DrawnResult in loaded(n).__bases__}

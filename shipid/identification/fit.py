@@ -321,10 +321,8 @@ class Fit(DrawnResult):
                 }
                 for c in compared
             },
-            "rudder_bias": {c.trial.name: quantity(c.bias, "rad", std=c.bias_std) for c in compared},
-            "rudder_bias_refitted": {
-                c.trial.name: quantity(c.refitted_bias, "rad", std=c.refitted_bias_std) for c in self.validation
-            },
+            "rudder_bias": {c.trial.name: c.told_bias for c in compared},
+            "rudder_bias_refitted": {c.trial.name: c.told_refitted_bias for c in self.validation},
             "bias_spread": None if self.bias_spread is None else self.bias_spread.to_dict(),
             "noise": {s: quantity(v, units[s]) for s, v in self.noise.items()},
             **({} if self.levels is None else {"filter_noise": self.levels.to_dict(self.model)}),

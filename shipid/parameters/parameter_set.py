@@ -126,7 +126,7 @@ class ParameterSet(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         inside = "; ".join(f"{s}: {', '.join(v)}" for s, v in self.sections.items())
-        return f"<ParameterSet {self.name!r} {self.title!r}: {inside}>"
+        return f"ship {self.name}, {self.title}: {inside}"
 
     @property
     def models(self) -> tuple[str, ...]:

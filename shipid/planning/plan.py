@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from shipid.declaration.units import pretty
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.numbers import columns_of, quantity
+from shipid.foundation.numbers import columns_of, quantity, uncertain_text
 from shipid.foundation.result import DrawnResult
 from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
@@ -191,15 +192,18 @@ class Plan(DrawnResult):
         for f in self.parameters.values():
             gain = "" if f.ratio is None else f"   gain {f.ratio:.3g}"
             unit = "" if pretty(f.unit) == "1" else f" {pretty(f.unit)}"
-            lines.append(
-                f"  {f.name:<10s} {f.value:.4g} ± {_spread(f.std)} beside ± {_spread(f.standard_std)}{unit}{gain}"
-            )
+            lines.append(f"  {f.name:<10s} {_estimate(f.value, f.std)} beside ± {_spread(f.standard_std)}{unit}{gain}")
         if self.det_gain is not None and self.det_ratio is not None:
             lines.append(
                 f"  determinant {self.det_gain:.3g} times better for each coefficient ({self.det_ratio:.3g} in all)"
             )
         orders = [] if self.timetable is None else [self.timetable.text()]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings), *orders])
+
+
+def _estimate(value: float, std: float | None) -> str:
+    """A value with its standard deviation, in the digits that this allows."""
+    return f"{value:.4g} ± {_spread(std)}" if std is None or not isfinite(std) else uncertain_text(value, std)
 
 
 def _spread(std: float | None) -> str:

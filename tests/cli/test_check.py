@@ -30,14 +30,14 @@ def turned(sound):
 def test_sound_trial(sound, capsys):
     assert run(["check", str(sound)]) == 0
     out = capsys.readouterr().out
-    assert "nothing found" in out and "zigzag 20/20" in out
+    assert "': usable; nothing found" in out and "zigzag 20/20" in out
 
 
 def test_json_of_a_fault(turned, capsys):
     assert run(["check", str(turned), "--json"]) == 3
     told = json.loads(capsys.readouterr().out)
     found = told["findings"][0]
-    assert found["kind"] == "rudder-sign"
+    assert found["kind"] == "rudder-sign" and told["verdict"] == "not usable as it is"
     assert set(found) >= {"kind", "channel", "where", "confidence", "effect", "repair"}
     assert 0.8 <= found["confidence"] <= 1 and found["fix"]["factor"] == -1
     stretch = next(m for m in told["manoeuvres"] if m["kind"] == "zigzag")

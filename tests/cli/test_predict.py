@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -92,6 +93,13 @@ def test_its_files(call, voyage, tmp_path):
     said = next(line.strip() for line in answer.out.splitlines() if line.strip().startswith("current "))
     assert said[1:] in page
     assert "nan" not in page.lower().replace("dominant", "")
+    # A value has the digits that its standard deviation allows.
+    cell = r'<td class="n" data-label="(?:Value|Standard deviation)">([^<]*)</td>'
+    pairs = re.findall(cell + cell, page)
+    assert len(pairs) > 5
+    for value, std in pairs:
+        if std != "taken as known":
+            assert len(value.partition(".")[2]) == len(std.partition(".")[2]), (value, std)
 
 
 def test_a_track_that_leaves_the_model_is_doubtful(call):

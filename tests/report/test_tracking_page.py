@@ -38,7 +38,10 @@ def test_a_target_that_goes_away_comes_no_nearer(away):
 
 
 def test_a_target_that_comes_is_told_with_its_distance():
-    assert "comes nearest to own ship: " in render(sailed(900.0, -4.0))
+    closing = sailed(900.0, -4.0)
+    assert "comes nearest to own ship: " in render(closing)
+    # The terminal says the same, with the interval.
+    assert closing.nearest_words.removeprefix("track") in render(closing) and closing.nearest_words in closing.text()
 
 
 def test_no_false_track_is_told_without_a_rate(away):

@@ -128,6 +128,12 @@ def test_a_run_that_never_settled_is_not_better(judged):
         assert row.better == better and None in row.values
 
 
+def test_on_a_phone_a_change_of_course_keeps_its_unit(pages):
+    assert re.search(r'<th scope="row" class="n" data-label="Change \[deg\]">', pages["judged"])
+    # The two tunings are compared within a row, which stands as a card.
+    assert re.search(r'<table class="stack">\s*<thead><tr><th scope="col">Quantity', pages["both"])
+
+
 def test_an_uncertainty_that_is_not_known_is_no_number(judged, read_page):
     """Without draws of the ship the least margin over them would be that of the nominal ship."""
     blind = dataclasses.replace(judged, robust=tuple(dataclasses.replace(r, samples=0) for r in judged.robust))

@@ -11,7 +11,7 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import fixed, uncertain_text
 from shipid.foundation.result import DrawnResult, Result
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures, measured
@@ -156,7 +156,7 @@ def _brief(measures: Measures, length: float | None) -> Iterator[str]:
             yield f"{name.replace('_', ' ')} {number(name)}{ratio}"
     elif "overshoots" in shown:
         values = [v for v in shown["overshoots"][0] or ()]
-        listed = ", ".join("not known" if v is None else f"{v:.3g}" for v in values[:4])
+        listed = ", ".join("not known" if v is None else fixed(v, 2) for v in values[:4])
         yield f"overshoots {listed or 'none'} deg; period {number('period')}"
     elif "loop_width" in shown:
         yield f"loop width {number('loop_width')}, loop height {number('loop_height')}"

@@ -15,6 +15,7 @@ from shipid.encounter.tracking.scoring import TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
+from shipid.foundation.numbers import fixed
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import plain
 
@@ -127,6 +128,23 @@ class Tracking(DrawnResult):
             "closest_approach": None if one.approach is None else _plain_approach(one.approach),
         }
 
+    @property
+    def nearest_words(self) -> str:
+        """Which track that is held comes nearest to own ship, or lies nearest where none comes nearer, in words."""
+        near = [(o.number, o.approach) for o in self.tracks if o.status == "held" and o.approach is not None]
+        closing = [(n, a) for n, a in near if a.motion == "closing"]
+        if closing:
+            number, first = min(closing, key=lambda pair: pair[1].nearest)
+            ends = first.nearest_interval
+            between = "" if ends is None else f", between {fixed(ends[0], 0)} and {fixed(ends[1], 0)} m with 95 %"
+            return (
+                f"track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour{between}"
+            )
+        if near:
+            number, first = min(near, key=lambda pair: pair[1].range)
+            return f"no track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m"
+        return "the closest approach is not known"
+
     def text(self) -> str:
         """Return the result in lines of text."""
         first, last = self.plots.span
@@ -143,6 +161,8 @@ class Tracking(DrawnResult):
             rows = [heads, *(self._row(one) for one in self.tracks)]
             widths = [max(len(r[i]) for r in rows) for i in range(len(heads))]
             lines += ["  " + "  ".join(c.rjust(w) for c, w in zip(r, widths)) for r in rows]
+        if any(one.approach is not None for one in self.tracks):
+            lines.append(f"  {self.nearest_words}")
         if self.score is not None:
             lines += [f"  {line}" for line in self.score.text().splitlines()]
         return "\n".join([*lines, *(f"  {w}" for w in self.warnings)])

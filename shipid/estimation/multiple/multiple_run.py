@@ -163,7 +163,10 @@ class MultipleModelRun(RecordRun, DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
+        lines = [
+            repr(self.design).strip("<>"),
+            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+        ]
         last, mean = self.probabilities[-1], self.probabilities.mean(axis=0)
         lines += [
             f"  mode {n:<16s} probability {fixed(last[j], 4)} at the end, {fixed(mean[j], 4)} on average"

@@ -90,7 +90,7 @@ class MultipleModelRuns(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        return f"{self.design!r}: {self.out.shape[0]} runs of {self.t.size} samples"
+        return f"{repr(self.design).strip('<>')}: {self.out.shape[0]} runs of {self.t.size} samples"
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, one row a run and sample: combined estimates, standard deviations, mode probabilities, SI."""

@@ -273,7 +273,10 @@ class FilterRun(RecordRun, DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [f"{self.design!r}", f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"]
+        lines = [
+            repr(self.design).strip("<>"),
+            f"record {self.record}: {self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s",
+        ]
         lines += [f"  {p}" for p in self.parameters.values()]
         for name, i in self.innovations.items():
             mean = "-" if i.nis_mean is None else f"{i.nis_mean:.3f}"

@@ -90,7 +90,7 @@ class Smoothed(NamedQuantities[np.ndarray], DrawnResult):
     def text(self) -> str:
         """Return the result in lines of text: the filter, the record, and the estimates at its end."""
         span = f"{self.t.size} samples, {self.t[0]:g} to {self.t[-1]:g} s"
-        lines = [f"smoothed by {self.design!r}", f"record: {span}; at its end:"]
+        lines = [f"smoothed by {repr(self.design).strip('<>')}", f"record: {span}; at its end:"]
         hidden = self.design.parameters.values()
         for name in (*(s for s in self.states if s not in hidden), *self.design.parameters):
             unit = self.design.model[name].unit

@@ -146,7 +146,7 @@ class LevelRun(Result):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        return f"<{self.name} over {self.t.size} samples: {self.values[-1]:.4g} {self.unit} at the end>"
+        return f"{self.name} over {self.t.size} samples: {self.values[-1]:.4g} {self.unit} at the end"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the level against time as a pandas table, units in the headers."""

@@ -75,7 +75,7 @@ class Profile(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         low, high = ("open" if end is None else f"{end:.6g}" for end in self.ci95)
-        return f"<Profile of {self.name}: 95 % from {low} to {high} {self.unit}, {self.values.size} points>"
+        return f"Profile of {self.name}: 95 % from {low} to {high} {self.unit}, {self.values.size} points"
 
 
 def profile_of(identified: Identified, name: str, points: int = 17) -> Profile:

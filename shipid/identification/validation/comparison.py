@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from shipid.declaration.vocabulary import FIELDS, shown_estimate
+from shipid.foundation.aliases import Plain
+from shipid.foundation.numbers import quantity
 from shipid.foundation.result import Result
 from shipid.generation.departure import Departure
 from shipid.identification.validation.trial_measures import TrialMeasures
@@ -96,6 +98,16 @@ class Comparison(Result):
     def bias(self) -> float:
         """Rudder bias in rad that was used."""
         return self.biases.get("delta", 0.0)
+
+    @property
+    def told_bias(self) -> dict[str, Plain]:
+        """The rudder bias that was used, for JSON: value, unit and standard deviation."""
+        return {**quantity(self.bias, "rad"), "std": self.bias_std}
+
+    @property
+    def told_refitted_bias(self) -> dict[str, Plain]:
+        """The rudder bias refitted on this record, for JSON."""
+        return {**quantity(self.refitted_bias, "rad"), "std": self.refitted_bias_std}
 
     def to_frame(self) -> pd.DataFrame:
         """Return measured and predicted signals against time as a pandas table, SI, units in the headers where they are known."""

@@ -151,8 +151,8 @@ class Chart(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         return (
-            f"<chart '{self.name}': {len(self.land)} land areas, {len(self.depth_areas)} depth areas, {len(self.contours)} contours, "
-            f"{len(self.coast)} coastlines, {len(self.buoys)} buoys and beacons>"
+            f"chart '{self.name}': {len(self.land)} land areas, {len(self.depth_areas)} depth areas, {len(self.contours)} contours, "
+            f"{len(self.coast)} coastlines, {len(self.buoys)} buoys and beacons"
         )
 
 

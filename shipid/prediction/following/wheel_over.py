@@ -109,7 +109,7 @@ class WheelOver(Result):
             if self.distance > 0
             else f"passed by {-self.distance:.0f} m"
         )
-        return f"<wheel-over to {heading:05.1f} deg {place}>"
+        return f"wheel-over to {heading:05.1f} deg {place}"
 
 
 def wheel_over(

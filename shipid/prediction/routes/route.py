@@ -228,7 +228,7 @@ class Route(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         kind = "latitude and longitude" if self.geographic else "local metres"
-        return f"<route '{self.name}': {len(self)} waypoints in {kind}>"
+        return f"route '{self.name}': {len(self)} waypoints in {kind}"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the waypoints as a pandas table, units in the headers: degrees, or metres where the positions are local."""

@@ -283,10 +283,16 @@ class Diagnosis(Result):
         """The findings that would spoil an identification."""
         return tuple(f for f in self.findings if f.serious)
 
+    @property
+    def verdict(self) -> str:
+        """Whether an identification can use the record, in words."""
+        return "not usable as it is" if self.serious else "usable"
+
     def to_dict(self) -> dict[str, Plain]:
         """Return the diagnosis as plain values."""
         return {
             "trial": self.trial,
+            "verdict": self.verdict,
             "path": self.path,
             "findings": [f.to_dict() for f in self.findings],
             "manoeuvres": [m.to_dict() for m in self.manoeuvres],
@@ -302,7 +308,7 @@ class Diagnosis(Result):
         """Return the result in lines of text."""
         count = len(self.findings)
         head = "nothing found" if not count else f"{count} finding{'s' * (count > 1)}, {len(self.serious)} serious"
-        lines = [f"Diagnosis of '{self.trial}': {head}"]
+        lines = [f"Check of '{self.trial}': {self.verdict}; {head}"]
         for kind in self.kinds:
             told = [f for f in self.findings if f.kind == kind]
             # One kind in many channels is told once, and the channels on a line.

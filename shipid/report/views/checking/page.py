@@ -65,7 +65,7 @@ def _these(found: Sequence[Diagnosis]) -> str:
 def _verdict(d: Diagnosis) -> Row:
     return {
         "trial": d.trial,
-        "verdict": "not usable as it is" if d.serious else "usable",
+        "verdict": d.verdict,
         "class": "beyond" if d.serious else "",
         "findings": str(len(d.findings)),
         "serious": str(len(d.serious)),

@@ -126,14 +126,16 @@ def _situation(found: Prediction) -> list[Row]:
         unit = _UNITS.get(name)
         if unit is None:
             continue
-        std = known.told_std(name)
+        told = float(to_display(value, name, unit))
+        # A heading is told in compass degrees.
+        told = told % 360 if name == "psi" else told
+        known_std = known.told_std(name)
+        std = float(to_display(known_std, name, unit)) if known_std else None
         rows.append(
             {
                 "what": label(name),
-                "value": _value(
-                    float(to_display(value, name, unit)), float(to_display(std, name, unit)) if std else None
-                ),
-                "std": number(float(to_display(std, name, unit)), 2) if std else "taken as known",
+                "value": _value(told, std),
+                "std": "taken as known" if std is None else number(std, 2),
                 "unit": pretty(display_unit(name, unit)),
             }
         )

@@ -43,7 +43,7 @@ def tracking_page(found: Tracking) -> Page:
         f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
         f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
-    answer.append(_closest([o for o in held if o.approach is not None]))
+    answer.append(sentence(found.nearest_words) + ".")
     sections = [
         Section(
             "Plan",
@@ -72,21 +72,6 @@ def tracking_page(found: Tracking) -> Page:
         cautions=[sentence(w) for w in found.warnings if not w.serious],
         footer=f"shipid {shipid.__version__}",
     )
-
-
-def _closest(held: list[TargetTrack]) -> str:
-    """Which track comes nearest to own ship, or lies nearest where none comes nearer."""
-    near = [(o.number, o.approach) for o in held if o.approach is not None]
-    closing = [(n, a) for n, a in near if a.motion == "closing"]
-    if closing:
-        number, first = min(closing, key=lambda pair: pair[1].nearest)
-        ends = first.nearest_interval
-        between = "" if ends is None else f", between {fixed(ends[0], 0)} and {fixed(ends[1], 0)} m with 95 %"
-        return f"Track {number} comes nearest to own ship: {fixed(first.nearest, 0)} m within the next hour{between}."
-    if near:
-        number, first = min(near, key=lambda pair: pair[1].range)
-        return f"No track that is held comes nearer to own ship; track {number} is the nearest, at {fixed(first.range, 0)} m."
-    return "The closest approach is not known."
 
 
 def _row(one: TargetTrack) -> Row:
