@@ -164,13 +164,9 @@ def errors(case: Case, seed: int) -> dict[tuple[str, int], float]:
             found[f"{name}, in the turn", turned] = off(rest, truth, now, 0)
         reached = now + 5
         found["initial", turned] = off(ways["corrected"].remaining(*place, psi[now], scaled=False), truth, now)
-        found["current", turned] = off(
-            ways["corrected"].remaining(*place, psi[now], drift, scaled=False), truth, now, place
-        )
+        found["current", turned] = off(ways["corrected"].remaining(*place, psi[now], drift, scaled=False), truth, now)
         flow = (CURRENT[0] * np.cos(CURRENT[1]), CURRENT[0] * np.sin(CURRENT[1])) if case.drift else (0.0, 0.0)
-        found["corrected, current known", turned] = off(
-            ways["corrected"].remaining(*place, psi[now], flow), truth, now, place
-        )
+        found["corrected, current known", turned] = off(ways["corrected"].remaining(*place, psi[now], flow), truth, now)
         known = situation_of(own, t[now])
         found["own model", turned] = off(full.predict(known, **order, band="none"), truth, now)
     return found

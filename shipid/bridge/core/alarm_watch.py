@@ -9,11 +9,10 @@ from shipid.bridge.core.route_watch import RouteWatch
 from shipid.bridge.core.source import SampleSource
 from shipid.bridge.own_ship.own_ship import OwnShip
 from shipid.bridge.shown.alarms import AlarmKind, Alarms
+from shipid.prediction.routes.rtz import MILE
 
 #: The source is stale where nothing was heard in so many seconds after the beginning.
 STALE = 5.0
-#: Below this, in m, a distance is written in metres.
-MILE = 1852.0
 #: Sensors without which a navigator knows neither where the ship is nor where she heads.
 _VITAL = ("psi", "x")
 

@@ -145,7 +145,7 @@ class _Drawn:
         """Add a feature of a class."""
         kind, mark = CLASSES[acronym]
         drawn = _DRAWN_AS[kind]
-        self.formless[acronym] += not shapes or any(s.kind not in drawn for s in shapes)
+        self.formless[acronym] += not shapes or any(s.kind not in drawn or _is_too_short(s) for s in shapes)
         for shape in shapes:
             if kind in ("buoy", "beacon"):
                 if shape.kind == "point":
@@ -194,6 +194,12 @@ class _Drawn:
                 f"chart '{name}' has {_points(found)} points after it was simplified to {tolerance:g} m. Cut out the area that is sailed."
             )
         return replace(found, notes=tuple(notes))
+
+
+def _is_too_short(shape: Shape) -> bool:
+    """Whether a line has no length, or a polygon no area, for want of points."""
+    least = {"point": 1, "line": 2, "polygon": 3}[shape.kind]
+    return any(len(part) < least for part in shape.parts[: 1 if shape.kind == "polygon" else None])
 
 
 def _left_out(others: Counter[str], formless: Counter[str]) -> list[Notice]:

@@ -90,6 +90,8 @@ def test_what_is_not_understood_is_told(tmp_path):
                 feature("Point", [8.11, 53.51], layer="BOYLAT", CATLAM="left"),
                 feature("Point", [8.11, 53.52], layer="BOYCAR"),
                 {"type": "Feature", "geometry": None, "properties": {"layer": "BOYCAR"}},
+                feature("LineString", SQUARE[:1], layer="COALNE"),
+                feature("Polygon", [SQUARE[:2]], layer="LNDARE"),
                 *[feature("Point", [8.12, 53.52], layer="WRECKS")] * 2,
             ],
         ),
@@ -97,7 +99,7 @@ def test_what_is_not_understood_is_told(tmp_path):
     )
     elsewhere, formless, incomplete = found.notes
     assert "2 features of other classes are not drawn: WRECKS (2)." in elsewhere
-    assert formless.kind == "chart-formless" and "DEPARE (1), BOYCAR (1)" in formless
+    assert formless.kind == "chart-formless" and "DEPARE (1), BOYCAR (1), COALNE (1), LNDARE (1)" in formless
     assert all(f"1 {what}" in incomplete for what in ("depth areas", "contours", "lateral", "cardinal"))
 
 
