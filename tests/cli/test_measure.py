@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import shipid
@@ -72,3 +73,24 @@ def test_several_manoeuvres_are_listed_and_one_is_measured(call, log):
     alone = json.loads(call("measure", log(), "--json").out)
     np.testing.assert_allclose(second["overshoots"]["value"][:3], alone["overshoots"]["value"][:3], atol=0.1)
     assert call("measure", log(repeat=2), "--manoeuvre", "3").code == 2
+
+
+def test_a_serious_finding_is_an_exit_code(call, log):
+    """The order is stamped 8 s early: overshoots from it are too large. A finding elsewhere is said, and misleads no overshoot."""
+    path = log()
+    frame = pd.read_csv(path)
+    order = np.interp(frame["t [s]"] + 8, frame["t [s]"], frame["delta_order [deg]"])
+    early = frame.assign(**{"delta_order [deg]": order})
+    early.to_csv(path, index=False)
+    answer = call("measure", path, "--json")
+    [told] = [w for w in json.loads(answer.out)["warnings"] if w["serious"]]
+    assert answer.code == 5 and told["kind"] == "order-early"
+    assert "WARNING: order-early" in call("measure", path).out
+    assert call("check", path).code == 3
+    frame.assign(**{"y [m]": -frame["y [m]"]}).to_csv(path, index=False)
+    answer = call("measure", path)
+    assert (
+        answer.code == 0
+        and "note: in columns that are not measured here the doctor finds: track-direction (x,y)" in answer.out
+    )
+    assert call("check", path).code == 3

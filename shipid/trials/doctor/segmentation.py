@@ -7,6 +7,7 @@ import numpy as np
 from shipid.trials.doctor import robust_statistics as robust
 from shipid.trials.doctor.findings import Stretch
 from shipid.trials.doctor.working_copy import WorkingCopy
+from shipid.trials.filling import GAP
 from shipid.trials.signals.plates import Plate, held_angle
 from shipid.trials.signals.series import smoothed
 
@@ -89,11 +90,15 @@ def _held(t: np.ndarray, delta: np.ndarray) -> list[Plate]:
 def _chains(held: list[Plate], t: np.ndarray, delta: np.ndarray) -> list[list[Plate]]:
     """Join stretches of alternating sides that follow one another without a pause."""
     chains: list[list[Plate]] = []
+    usual = float(np.median(np.diff(t)))
     for plate in held:
         if chains:
             before = chains[-1][-1]
-            pause = t[plate.first] - t[before.last - 1]
             shorter = min(t[before.last - 1] - t[before.first], t[plate.last - 1] - t[plate.first])
+            apart = np.diff(t[before.last - 1 : plate.first + 1])
+            # What is not recorded is no pause, as long as no other plate fits into it.
+            gap = float(apart.max()) if float(apart.max()) > GAP * usual else 0.0
+            pause = t[plate.first] - t[before.last - 1] - (gap if gap < shorter + 2 * usual else 0.0)
             alike = 0.6 < abs(plate.angle / before.angle) < 1.7
             # Slow gear takes long from one side to the other, and does not rest amidships.
             over = slice(before.last - 1, plate.first + 1)

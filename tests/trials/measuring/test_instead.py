@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from shipid.trials import errors as e
-from shipid.trials.measuring.instead import propeller_words
+from shipid.trials.measuring.instead import propeller_words, steered_by_hand
 from shipid.trials.measuring.measure import measure
 from shipid.trials.trial import Trial
 
@@ -63,3 +63,74 @@ def test_amidships_between_two_plates_is_no_reversal():
     frame = pd.DataFrame({"t [s]": t, "psi [deg]": 0.5 * np.cumsum(rate), "delta [deg]": delta})
     with pytest.raises(e.NotAManoeuvreError, match="is no zig-zag"):
         measure(Trial.from_frame(frame), "zig-zag")
+
+
+def by_hand(orders, slow=150.0):
+    """A ship that loses way, and a rudder that is put over by hand: from when [s] on which angle [deg]."""
+    t = np.arange(0, 300, 0.5)
+    u = np.exp(-t / slow)
+    delta, rate, psi = np.zeros(t.size), np.zeros(t.size), np.zeros(t.size)
+    for k in range(1, t.size):
+        wanted = next((angle for when, angle in reversed(orders) if t[k] >= when), 0.0)
+        delta[k] = delta[k - 1] + np.clip(wanted - delta[k - 1], -1.5, 1.5)
+        rate[k] = rate[k - 1] + 0.05 * u[k] * (0.05 * u[k] ** 2 * delta[k - 1] - rate[k - 1])
+        psi[k] = psi[k - 1] + 0.5 * rate[k]
+    return pd.DataFrame({"t [s]": t, "psi [deg]": psi, "delta [deg]": delta, "u [m/s]": 3 * u})
+
+
+BY_HAND = [
+    [
+        (15, -35),
+        (41, 0),
+        (51, 35),
+        (58, 0),
+        (69, -35),
+        (86, 35),
+        (115, -35),
+        (143, 35),
+        (151, 0),
+        (157, 35),
+        (183, -35),
+    ],
+    [(23, 35), (47, 0), (54, 6), (71, 35), (88, 0), (94, -35), (133, 35), (154, 0), (157, -35), (185, 35), (197, 0)],
+    [(17, -35), (47, 0), (51, 35), (63, 0), (68, 35), (81, -35), (108, 0), (116, -6), (127, 35), (142, -35), (154, 0)],
+]
+
+
+@pytest.mark.parametrize("orders", BY_HAND)
+@pytest.mark.parametrize("columns", [["u [m/s]"], []])
+def test_a_rudder_that_is_put_over_by_hand_is_no_manoeuvre(orders, columns):
+    """A berthing without revolutions: no heading orders the reversals."""
+    frame = by_hand(orders)[["t [s]", "psi [deg]", "delta [deg]", *columns]]
+    with pytest.raises((e.NotAManoeuvreError, e.SeveralManoeuvresError)):
+        measure(Trial.from_frame(frame))
+
+
+def test_reversals_that_no_heading_orders_are_doubted_where_the_kind_is_stated():
+    found = measure(Trial.from_frame(by_hand(BY_HAND[0])), "zig-zag")
+    assert found.doubt and [n.kind for n in found.notes if getattr(n, "serious", False)][0] == "no-zigzag"
+
+
+@pytest.mark.parametrize(
+    ("headings", "others", "word"),
+    [
+        ((10.0, 10.4, 9.8, 10.1), 9, ""),
+        ((10.0, 9.0), 0, ""),
+        ((10.0, None, 9.0), 0, ""),
+        ((-3.9, 1.9, -0.2), 0, "no heading ordered it"),
+        ((20.0, 3.0, 31.0, 9.0), 0, "at no one heading"),
+        ((20.0, 3.0), 0, "at no one heading"),
+        ((20.0,), 6, "over 6 times more"),
+    ],
+)
+def test_what_orders_a_reversal(headings, others, word):
+    said = steered_by_hand([None if h is None else np.radians(h) for h in headings], others)
+    assert (word in said) if word else said == ""
+
+
+def test_a_ship_that_loses_her_way(logged):
+    trial, *_ = logged(0.5)
+    frame = trial.to_frame()
+    frame["u [m/s]"] = 8 * np.exp(-frame["t [s]"] / 60)
+    [told] = [n for n in measure(Trial.from_frame(frame)).notes if getattr(n, "kind", "") == "propeller"]
+    assert told.serious and "no rudder brakes a ship so far" in told

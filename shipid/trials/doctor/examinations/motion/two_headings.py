@@ -11,6 +11,8 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 _APART = np.radians(0.5)
 """Sources nearer than this are of no concern."""
+_FARTHEST = np.radians(60.0)
+"""No variation and no compass is off by more: samples that far apart are marks of missing ones."""
 _FEWEST = 6
 """Changes from one source to the other from which on they are told from a heading that is set."""
 _WIDTH = 7
@@ -39,11 +41,12 @@ def examine_two_headings(p: WorkingCopy) -> None:
     between = int(np.sum((size > 0.3 * largest) & (size < 0.7 * largest)))
     if len(jumps) < _FEWEST or between > _BETWEEN * len(jumps):
         return
-    apart = float(np.median(size[jumps]))
+    # Up and down in turn, what the ship turns within a sample cancels.
+    apart = float(np.median(np.sign(step[jumps]) * np.diff(psi)[jumps]))
     others = np.delete(size, jumps)
     grid = robust.resolution(psi)[0]
     limit = max(_APART, 3 * grid, 4.5 * 1.4826 * float(np.median(others)) if others.size else 0.0)
-    alike = robust.spread(size[jumps]) < _ALIKE * apart
+    alike = robust.spread(size[jumps]) < _ALIKE * apart and apart < _FARTHEST
     in_turn = float(np.mean(np.diff(np.sign(step[jumps])) != 0))
     if apart < limit or not alike or in_turn < _IN_TURN:
         return

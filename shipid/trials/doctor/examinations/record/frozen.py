@@ -73,6 +73,8 @@ def _missed(p: WorkingCopy, name: str, a: int, b: int) -> float:
     if name == "psi" and p.has("r"):
         turned = robust.integral(t[a : b + 1], p["r"][a : b + 1] + _drift(p))
         return float(np.ptp(turned)) / (unnoticed + 1e-3 * float(np.ptp(p["psi"])))
+    if name == "psi":
+        return 0.0 if p.found("written-on-change") else _stopped_short(t, values, a, b) / unnoticed
     if name == "r" and p.has("psi"):
         rate = np.gradient(p["psi"], t)[a : b + 1]
         size = max(3, (b - a) // 6) | 1
@@ -101,6 +103,20 @@ def _missed(p: WorkingCopy, name: str, a: int, b: int) -> float:
         wrong = off > 0.25 * float(np.ptp(values))
         return float(np.diff(robust.runs(wrong)).max(initial=0)) * p.sampling / max(8 * p.sampling, _travel(p))
     return 0.0
+
+
+def _stopped_short(t: np.ndarray, values: np.ndarray, a: int, b: int) -> float:
+    """How far a heading alone should have moved while it stands: it leaps behind, or it turns until it stands and at once again.
+
+    A steady course begins and ends slowly.
+    """
+    before, after = slice(max(a - 6, 0), a + 1), slice(b + 1, b + 8)
+    if a < 4 or len(values) - b < 6:
+        return 0.0
+    usual = float(np.quantile(np.abs(np.diff(values)), 0.98))
+    leap = max(0.0, abs(float(values[b + 1] - values[b])) - 2 * usual)
+    slopes = [abs(float(np.polyfit(t[part] - t[part][0], values[part], 1)[0])) for part in (before, after)]
+    return max(leap, 0.25 * min(slopes) * float(t[b] - t[a]))
 
 
 def _drift(p: WorkingCopy) -> float:
