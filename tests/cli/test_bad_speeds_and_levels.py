@@ -48,7 +48,8 @@ def test_a_model_that_holds_ahead(refused, moved, command, factor, does):
 
 def test_a_filter_says_that_the_ship_lies_still(call, moved):
     answer = call("filter", moved(0.0), "--model", "nomoto", "--ship", "soesterberg")
-    assert answer.code == 0 and "The speed is 0 m/s" in answer.err
+    # Doubtful: a ship that turns without speed is none of which the coefficients of identification are determined.
+    assert answer.code == 5 and "The speed is 0 m/s" in answer.err
 
 
 def test_a_ship_identified_at_zero_speed_is_read(call, moved, tmp_path):
