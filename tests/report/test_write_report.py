@@ -114,7 +114,7 @@ def test_bands_and_closed_loop_stand_beside_the_overshoots(fit, text, read_page)
     low, high = np.rad2deg(manoeuvre.band95[0])
     # Two digits of the standard deviation behind a band, and no more: here 2 deg.
     assert f"{low:.1f} to {high:.1f}" in page.text
-    assert f"{np.rad2deg(manoeuvre.closed_loop[0]):.2f}" in page.text
+    assert f"{np.rad2deg(manoeuvre.closed_loop[0]):.1f}" in page.text
     assert "Closed loop" in page.text
 
 

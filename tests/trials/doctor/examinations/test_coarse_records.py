@@ -74,7 +74,7 @@ def test_an_order_stamped_early_is_told_with_both_values(simulated):
     early = frame.assign(**{"delta_order [deg]": np.interp(t + 5, t, frame["delta_order [deg]"])})
     [found] = found_in(early, "order-early")
     assert "5 s after delta_order" in found.message.replace("4.99", "5").replace("5.01", "5")
-    [note] = [n for n in measure(Trial.from_frame(early, name="log")).notes if "sets out" in n]
+    [note] = [n for n in measure(Trial.from_frame(early, name="log")).notes if "overshoots are" in n]
     right = np.degrees(measure(simulated()).overshoots)
     said = [float(word.strip(",")) for word in note.partition("overshoots are ")[2].split() if word[0].isdigit()]
     np.testing.assert_allclose(said[:4], right[:4], atol=0.3)

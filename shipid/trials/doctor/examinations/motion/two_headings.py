@@ -20,6 +20,9 @@ _WIDTH = 7
 _ALIKE, _BETWEEN, _IN_TURN = 0.12, 0.1, 0.9
 """Steps scatter by this share of their size, this share of them lies halfway, and this share goes the other way than the one before."""
 
+_RARE, _SHORT = 0.15, 5
+"""A source with fewer samples than this share, and fewer than this in a row, is none: these are glitches."""
+
 
 def examine_two_headings(p: WorkingCopy) -> None:
     """Find a heading that jumps to and fro by one and the same angle, and count all of it by one of the two.
@@ -56,6 +59,8 @@ def examine_two_headings(p: WorkingCopy) -> None:
     last = np.maximum.accumulate(np.where(state != 0, np.arange(len(psi)), 0))
     high = np.where(last > 0, state[last] > 0, step[jumps[0]] < 0)
     few = min(float(np.mean(high)), 1 - float(np.mean(high)))
+    if few < _RARE and few * len(psi) < _SHORT * len(jumps) / 2:
+        return
     p.add(
         "heading-two-sources", "psi", robust.confidence_of(apart / limit, 0.6, 1.5),
         f"the heading goes to and fro between two values {angle(apart, 3)} apart, {counted(len(jumps), 'time')}: two sources in turn, such as a "
