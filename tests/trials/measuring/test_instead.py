@@ -108,7 +108,7 @@ def test_a_rudder_that_is_put_over_by_hand_is_no_manoeuvre(orders, columns):
 
 def test_reversals_that_no_heading_orders_are_doubted_where_the_kind_is_stated():
     found = measure(Trial.from_frame(by_hand(BY_HAND[0])), "zig-zag")
-    assert found.doubt and [n.kind for n in found.notes if getattr(n, "serious", False)][0] == "no-zigzag"
+    assert found.doubt and next(n.kind for n in found.notes if getattr(n, "serious", False)) == "no-zigzag"
 
 
 @pytest.mark.parametrize(
