@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: No sensor reads more than this in any unit.
+#: No sensor reads as much as this in any unit.
 LARGEST = 1e30
 #: A mark steps away from the samples beside it by this many times the largest ordinary step.
 _STEPS = 20.0
@@ -17,7 +17,7 @@ _MARKS = np.array(
     [
         *(sign * nines for nines in (99.99, 999, 999.9, 999.99, 9999, 9999.9, 99999, 999999, 9999999) for sign in (1, -1)),
         *(sign * full for full in (99, 99.9, 327.67, 327.68, 3276.7, 3276.8, 655.35, 6553.5) for sign in (1, -1)),
-        32767, -32768, 65535, 2147483647, -2147483648, 511, 102.3, 1023, -128, 91, 181,
+        1e20, -1e20, 32767, -32768, 65535, 2147483647, -2147483648, 511, 102.3, 1023, -128, 91, 181,
     ]
 )  # fmt: skip
 #: Marks that nobody measures by chance, whatever the size of the other samples.
@@ -44,7 +44,7 @@ def marks_of_missing(values: np.ndarray, full_circle: float | None = None) -> np
         Numbers that are infinite or beyond `LARGEST` are among them, whatever stands beside them.
     """
     with np.errstate(invalid="ignore"):
-        result: np.ndarray = np.isinf(values) | (np.abs(values) > LARGEST)
+        result: np.ndarray = np.isinf(values) | (np.abs(values) >= LARGEST)
     there = np.flatnonzero(np.isfinite(values) & ~result)
     if not there.size:
         return result

@@ -84,3 +84,9 @@ def test_a_rudder_that_moved_in_a_gap_was_not_put_over_at_once(frame):
     over = np.abs(np.diff(delta)) > 0.02 * np.ptp(delta)
     moving = np.convolve(over, np.ones(7), "same") > 0
     assert "order-not-feedback" not in kinds(frame[~np.append(moving, False)])
+
+
+def test_a_speed_over_ground_that_stands(frame):
+    still = frame.drop(columns=[c for c in frame if c[:2] in ("u ", "v ", "U ")]).assign(**{"SOG [kn]": 0.01})
+    still.loc[::7, "SOG [kn]"] = 0.02
+    assert "speed-stands" in kinds(still)

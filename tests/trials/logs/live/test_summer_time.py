@@ -27,8 +27,8 @@ def table(change):
 def nmea(change):
     lines = []
     for moment, s in zip(wall(change), SECONDS):
-        texts = (f"HEHDT,{10 + 5 * np.sin(0.2 * s):.2f},T", "IIRSA,0.0,A,,V")
-        lines.extend(f"{moment:%Y-%m-%dT%H:%M:%S} ${text}*{checksum(text)}" for text in texts)
+        for text in (f"HEHDT,{10 + 5 * np.sin(0.2 * s):.2f},T", "IIRSA,0.0,A,,V"):
+            lines += [f"{moment:%Y-%m-%dT%H:%M:%S} ${text}*{checksum(text)}"]
     return "\n".join(lines) + "\n"
 
 

@@ -77,6 +77,8 @@ def _without_torrent(way: Way, sailed: np.ndarray, fit: VectorFit | None) -> Vec
 def _speed_stands(p: WorkingCopy, way: Way, ahead: np.ndarray) -> bool:
     """Find a speed near zero while the track goes on along the heading."""
     names = [c for c in ("u", "U") if p.has(c)]
+    if not names and p.has("SOG", "x", "y"):
+        names = ["SOG"]
     if not names:
         return False
     speed = np.hypot(p["u"], p["v"]) if p.has("u", "v") else np.abs(p[names[0]])
