@@ -114,7 +114,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
-    _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
+    _, singular, rows = np.linalg.svd(np.linalg.qr(scaled, mode="r"), full_matrices=False)
     small = singular < UNSEEN * singular[0]
     inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
     half = rows.T * inverse
@@ -193,7 +193,7 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
 
     def covariance_under(noise: list[Autoregression]) -> np.ndarray:
         # As the square of a root, which is never negative: half has columns of very different size where a direction is hardly seen.
-        shaped = [model.shaped(g.jacobian) @ half[g.used] for g, model in zip(groups, noise)]
+        shaped = [np.linalg.qr(model.shaped(g.jacobian), mode="r") @ half[g.used] for g, model in zip(groups, noise)]
         root = np.linalg.qr(np.vstack([*added, *shaped]), mode="r") @ half.T
         return np.asarray(root.T @ root)
 
