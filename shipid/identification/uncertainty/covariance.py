@@ -114,7 +114,7 @@ def covariance_of(solution: Solution, spread: np.ndarray | None = None) -> Covar
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > 0
     scaled = jacobian[:, seen] / norms[seen]
-    _, singular, rows = np.linalg.svd(np.linalg.qr(scaled, mode="r"), full_matrices=False)
+    _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
     small = singular < UNSEEN * singular[0]
     inverse = np.where(small, 0.0, 1 / np.where(small, 1.0, singular))
     half = rows.T * inverse
