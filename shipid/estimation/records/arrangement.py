@@ -162,7 +162,10 @@ def columns_of(record: FilterRecord) -> tuple[dict[str, np.ndarray], str]:
         If it has no times, or its columns are not of one length.
     """
     if isinstance(record, Trial):
-        return {n: record[n] for n in record.table.columns}, record.name
+        columns = {n: record[n] for n in record.table.columns}
+        # What a trial states of its loading, as its format file does; a column says more.
+        stated = {n: np.full(len(record), v) for n, v in record.source.conditions.loading.items() if n not in columns}
+        return columns | stated, record.name
     if not isinstance(record, Mapping):
         raise UsageError(
             f"a record to filter is a trial, as shipid.read_trial returns it, or a dictionary of arrays; this is a {type(record).__name__}."

@@ -16,11 +16,13 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import IO, cast
 
 from shipid.foundation.processes.apart import processors
 from shipid.foundation.processes.stopping import stop_if_asked
 from shipid.identification.choice.trying import Attempt, Tried, try_candidate
+from shipid.trials.trial import Trial
 
 #: Seconds between two looks at whether the command was asked to stop.
 _LOOK = 0.2
@@ -33,6 +35,8 @@ _START = (
 _LENGTH = 8
 #: What a worker did, by the place of the candidate; None where it could not.
 _Answer = tuple[int, "Tried | None"]
+#: The trials of an attempt, and those kept apart.
+_Trials = tuple[tuple[Trial, ...], tuple[Trial, ...]]
 
 
 def try_all(
@@ -101,8 +105,9 @@ def _employ(
     waiting: queue.SimpleQueue[int],
     answers: queue.SimpleQueue[_Answer],
 ) -> None:
-    """Give one worker a candidate after the other."""
+    """Give one worker a candidate after the other; the trials, which are those of all, only with the first."""
     broken = False
+    held: _Trials | None = None
     while True:
         try:
             place = waiting.get_nowait()
@@ -112,11 +117,22 @@ def _employ(
         if not broken:
             try:
                 assert process.stdin is not None and process.stdout is not None
-                _send(process.stdin, candidates[place])
+                candidate = candidates[place]
+                trials = candidate.trials, candidate.validate
+                # Sent once, they are the same objects for every candidate: what is found of a trial is found once.
+                if held is None or not all(map(_same, held, trials)):
+                    _send(process.stdin, trials)
+                    held = trials
+                _send(process.stdin, replace(candidate, trials=(), validate=()))
                 tried = cast("Tried | None", _receive(process.stdout))
             except Exception:  # a model that cannot be sent, a worker that has died: it is done in the main process
                 broken = process.poll() is not None
         answers.put((place, tried))
+
+
+def _same(one: Sequence[Trial], other: Sequence[Trial]) -> bool:
+    """Whether two sequences hold the same trials, and not only equal ones."""
+    return len(one) == len(other) and all(a is b for a, b in zip(one, other))
 
 
 def serve() -> None:
@@ -124,9 +140,14 @@ def serve() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that asks ends this one
     answers: IO[bytes] = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever a model file prints
+    held: _Trials = ((), ())
     while True:
         try:
-            candidate = cast("Attempt | None", _receive(sys.stdin.buffer))
+            message = cast("Attempt | _Trials", _receive(sys.stdin.buffer))
+            if not isinstance(message, Attempt):
+                held = message
+                continue
+            candidate: Attempt | None = replace(message, trials=held[0], validate=held[1])
         except EOFError:
             return
         except Exception:  # a model of a file that only the other process has read

@@ -7,7 +7,7 @@ of the rudder (and of the speed before the manoeuvre, where the model reads it):
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -222,8 +222,25 @@ class Problem:
         q : ndarray, shape (unknowns,)
             The unknowns.
         """
-        shared = len(self.estimated)
         rows, blocks = [], []
+        for residual, slope, columns in self.blocks(q):
+            block = np.zeros((residual.size, self.size))
+            block[:, columns] = slope
+            rows.append(residual)
+            blocks.append(block)
+        return np.concatenate(rows), np.concatenate(blocks)
+
+    def blocks(self, q: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Yield the weighted residuals of each trial, their Jacobian, and the unknowns it is by; those of the prior last.
+
+        A trial depends on the parameters and on its own unknowns alone.
+
+        Parameters
+        ----------
+        q : ndarray, shape (unknowns,)
+            The unknowns.
+        """
+        shared = np.arange(len(self.estimated))
         for i, data in enumerate(self.trials):
             y, dy = self.run(q, i)
             with np.errstate(over="ignore", invalid="ignore"):
@@ -238,16 +255,10 @@ class Problem:
             residual = np.where(data.there, np.where(good, residual, RUNAWAY), 0.0)
             slope = np.where((good & data.there)[:, None, :], slope, 0.0)
             flat = slope.transpose(0, 2, 1).reshape(-1, slope.shape[1])
-            block = np.zeros((flat.shape[0], self.size))
-            block[:, :shared] = flat[:, :shared]
-            block[:, self.own(i)] = flat[:, shared:]
-            rows.append(residual.ravel())
-            blocks.append(block)
+            own = self.own(i)
+            yield residual.ravel(), flat, np.concatenate([shared, np.arange(own.start, own.stop)])
         if self.prior is not None:
-            residual, slope = self.prior_residuals(q, self.prior)
-            rows.append(residual)
-            blocks.append(slope)
-        return np.concatenate(rows), np.concatenate(blocks)
+            yield *self.prior_residuals(q, self.prior), np.arange(self.size)
 
     def prior_residuals(self, q: np.ndarray, prior: Prior) -> tuple[np.ndarray, np.ndarray]:
         """Return residuals of the prior and their Jacobian: biases about their mean, that about zero, initial states.

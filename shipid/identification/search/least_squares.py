@@ -76,7 +76,7 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
     logs[: len(problem.estimated)] = box.in_log
 
     def condensed(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        rows = triangle(*problem.residuals(q))
+        rows = triangle_of(problem, q)
         return rows[:, -1], rows[:, :-1]
 
     found = search(condensed, q0, logs, *bounds_of(problem, box), most, tolerance)
@@ -85,6 +85,29 @@ def minimise(problem: Problem, q0: np.ndarray, box: Box, most: int, tolerance: f
     if end.finite:
         return end
     return replace(end, converged=False, message="the model runs away in every neighbourhood of the best point.")
+
+
+def triangle_of(problem: Problem, q: np.ndarray) -> np.ndarray:
+    """Return the triangle of all residuals of a problem, see `shipid.identification.search.trust_region.triangle`.
+
+    Of several trials it is made of that of each: most columns of the whole are those of other trials, and zero.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem.
+    q : ndarray, shape (unknowns,)
+        The unknowns.
+    """
+    if len(problem.trials) == 1:
+        return triangle(*problem.residuals(q))
+    rows = []
+    for residual, slope, columns in problem.blocks(q):
+        part = triangle(residual, slope)
+        row = np.zeros((len(part), problem.size + 1))
+        row[:, columns], row[:, -1] = part[:, :-1], part[:, -1]
+        rows.append(row)
+    return np.asarray(np.linalg.qr(np.concatenate(rows), mode="r"))
 
 
 def bounds_of(problem: Problem, box: Box) -> tuple[np.ndarray, np.ndarray]:

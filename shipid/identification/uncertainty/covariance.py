@@ -193,7 +193,10 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
 
     def covariance_under(noise: list[Autoregression]) -> np.ndarray:
         # As the square of a root, which is never negative: half has columns of very different size where a direction is hardly seen.
-        shaped = [model.shaped(g.jacobian) @ half[g.used] for g, model in zip(groups, noise)]
+        shaped = [
+            _in_fewer(model.shaped(g.jacobian), g.used.size < len(half)) @ half[g.used]
+            for g, model in zip(groups, noise)
+        ]
         root = np.linalg.qr(np.vstack([*added, *shaped]), mode="r") @ half.T
         return np.asarray(root.T @ root)
 
@@ -210,6 +213,11 @@ def _sandwich(solution: Solution, scaled: np.ndarray, half: np.ndarray) -> tuple
         for k, signal in enumerate(g.signals):
             shares[g.trial, signal] = _share(g.jacobian, g.used, half, model, g.powers[k], k)
     return found, shares
+
+
+def _in_fewer(rows: np.ndarray, several: bool) -> np.ndarray:
+    """The rows of one of several trials, in as many as it has unknowns of its own, with the same products."""
+    return np.asarray(np.linalg.qr(rows, mode="r")) if several else rows
 
 
 def _share(

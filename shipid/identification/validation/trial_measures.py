@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 from typing import Literal
 
@@ -81,8 +82,9 @@ def measures_of(trial: Trial, said: Diagnosis, length: float | None) -> TrialMea
     )
 
 
+@functools.lru_cache(maxsize=64)
 def examined(trial: Trial) -> Diagnosis:
-    """Return what the doctor says of a trial, once for all that is measured of it and of its stretches.
+    """Return what the doctor says of a trial, once for all that is measured of it and of its stretches, whichever model is fitted to it.
 
     Parameters
     ----------
