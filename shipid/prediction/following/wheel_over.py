@@ -20,6 +20,8 @@ _ROUNDS, _SETTLED, _PARALLEL = 8, 1e-5, np.deg2rad(2.0)
 #: A turn has ended when the last half of its track lies within this distance of its end across the leg, in ship lengths; and the
 #: longest track on which this is looked for, in horizons.
 _ENDED, _LONGEST = 2e-3, 8
+#: A heading that moves by less than this over the last quarter of a track stays, in rad.
+_STEADY = 1e-5
 #: How far ahead of a wheel-over a navigator is warned, in s.
 WARNING = 60.0
 
@@ -68,7 +70,8 @@ class WheelOver(Result):
     Attributes
     ----------
     heading : float
-        Heading to order in rad: the leg's course and the drift angle that keeps it in the current.
+        Heading to order in rad: the leg's course, the drift angle that keeps it in the current, and how far the ship stays beside
+        her order in the wind.
     distance : float
         From the ship to the point along her present course over the ground in m; negative where it is passed.
     time : float
@@ -123,7 +126,8 @@ def wheel_over(
     """Return where the turn onto a leg has to begin, the ship on her present course until then.
 
     The turn is predicted from the present state; its end is a straight line, and it is moved along the present course over the
-    ground until that line is the leg. In a current the heading at the end is the one that keeps the leg. The prediction is lengthened
+    ground until that line is the leg. In a current the heading at the end is the one that keeps the leg, and where a moment turns the ship off her
+    order, what is ordered is so much beside it. The prediction is lengthened
     until its end is straight: an autopilot with an integral comes onto its heading slowly, and a ship that has lost speed gains it
     slowly, while she still moves across the leg.
 
@@ -164,7 +168,7 @@ def wheel_over(
             points=times * POINTS,
             band="none",
         )
-        wanted = heading_on(leg, situation.current, float(track.u[-1]), float(track.v[-1]))
+        wanted = heading_on(leg, situation.current, float(track.u[-1]), float(track.v[-1])) - _lean(track, heading)
         if abs(wanted - heading) >= _SETTLED:
             heading = wanted
         elif track.ended or times >= _LONGEST or _is_on(leg, track):
@@ -177,6 +181,17 @@ def wheel_over(
     x = situation.values.get("x", 0.0) + distance * np.cos(course)
     y = situation.values.get("y", 0.0) + distance * np.sin(course)
     return WheelOver(heading, distance, distance / over_ground, float(x), float(y), track.part(0, POINTS + 1))
+
+
+def _lean(track: PredictedTrack, ordered: float) -> float:
+    """How far the heading at the end of a track stays beside the ordered one.
+
+    A moment that an autopilot without an integral does not take up, as that of the wind, turns the ship until her rudder holds it. Where
+    the heading still moves an integral is at work, and there will be none.
+    """
+    if np.ptp(track.psi[-track.psi.size // 4 :]) > _STEADY:
+        return 0.0
+    return float(np.arctan2(np.sin(track.psi[-1] - ordered), np.cos(track.psi[-1] - ordered)))
 
 
 def _is_on(leg: TrackLeg, track: PredictedTrack) -> bool:

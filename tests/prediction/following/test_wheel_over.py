@@ -32,6 +32,19 @@ def test_the_turn_from_the_wheel_over_point_ends_on_the_leg(request, steering, c
     assert found.time == pytest.approx(found.distance / np.hypot(*Situation(values).ground_velocity))
 
 
+def test_a_ship_that_a_moment_keeps_beside_her_order_comes_onto_the_leg(placed):
+    """Without an integral she never reaches the ordered heading: the leg is kept by an order beside it."""
+    leg = TrackLeg(4000.0, 300.0, np.deg2rad(75))
+    values = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 9.5, "r_disturbance": 2e-5}
+    found = wheel_over(placed, Situation(values), leg, rudder_limit="10 deg")
+    assert 0.005 < abs(found.heading - leg.course) < 0.1
+    there = Situation({**values, "x": found.x, "y": found.y})
+    track = placed.predict(
+        there, heading=found.heading, rudder_limit="10 deg", horizon=4 * HORIZON, points=4 * POINTS, band="none"
+    )
+    np.testing.assert_allclose(leg.across(track.x[-50:], track.y[-50:]), 0, atol=0.5)
+
+
 def test_a_point_that_is_passed_is_due(predictor):
     found = wheel_over(predictor, Situation({"psi": 0.0, "u": 9.5, "x": 0.0}), TrackLeg(100.0, 0.0, np.deg2rad(60)))
     assert found.due and found.warning and found.distance < 0
