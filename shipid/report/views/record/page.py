@@ -177,10 +177,11 @@ def _panels(trial: Trial) -> list[Panel]:
 
 
 def _in_order(names: Iterable[str]) -> list[str]:
-    """The signals that every reader looks for, then the others, and at last positions, which a plan shows better."""
+    """The signals that every reader looks for, then the others; two positions are on the plan."""
     found = list(names)
-    first, last = [n for n in _FIRST if n in found], [n for n in ("x", "y") if n in found]
-    return [*first, *(n for n in found if n not in (*first, *last)), *last]
+    planned = ("x", "y") if {"x", "y"} <= set(found) else ()
+    first = [n for n in _FIRST if n in found]
+    return [*first, *(n for n in found if n not in (*first, *planned))]
 
 
 def _of_its_own(name: str, unit: str) -> Shown:
