@@ -118,7 +118,7 @@ class Model:
     def __reduce__(self) -> tuple[object, ...]:
         return Model, (self.name, dict(self.entries), self.components, self.extended)
 
-    @property
+    @cached_property
     def known_as(self) -> tuple[str, ...]:
         """Names under which a parameter set may hold its coefficients: its own, those of the models it extends, its components'."""
         return tuple(dict.fromkeys((self.name, *self.extended, *(slug(c) for c in self.components))))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Literal, Protocol, get_args
+from collections.abc import Hashable, Mapping, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Literal, Protocol, cast, get_args
 
 import numpy as np
 
@@ -111,7 +112,13 @@ def steered_ship(pilot: Piloted) -> Model:
     pilot : Autopilot
         The design.
     """
-    return join(f"{pilot.model.name}-steered", pilot.model, pilot.actuator)
+    return _steered(pilot.model, cast("Hashable", pilot.actuator))
+
+
+@lru_cache(maxsize=32)
+def _steered(model: Model, actuator: type[Component]) -> Model:
+    """The ship and its steering machine, which every prediction asks for."""
+    return join(f"{model.name}-steered", model, actuator)
 
 
 def coefficients_of(pilot: Piloted, model: Model, speed: float, condition: int = 0) -> dict[str, float]:
