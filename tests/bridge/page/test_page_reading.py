@@ -99,9 +99,10 @@ def test_every_number_is_struck_when_the_estimate_itself_is_old(bridge, open_pag
     page = open_page(bridge.address)
     bridge.state["own"]["age"] = 3.4
     page.wait_for_selector(".readout .number.old")
-    assert page.locator(".readout .number.old").count() == 4
+    assert page.locator(".readout .number.old").count() == 6
     assert page.locator(".bar .numbers .old").count() == 2
     assert "3 s old" in page.get_by_role("group", name="speed over ground").inner_text()
+    assert "3 s old" in page.get_by_role("group", name="distance off the track").inner_text()
 
 
 ABSENT = ["x", "y", "psi", "r", "u", "v", "stw", "sog", "cog", "delta", "delta_order", "age"]
