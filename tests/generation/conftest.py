@@ -17,7 +17,7 @@ SIZES = {"x": 100.0, "y": 100.0, "psi": 1.0, "r": 0.01, "w": 1e-4, "v": 0.3, "r_
          "omega": 0.03, "beta": 0.1, "Omega": 0.003, "dOmega": 0.001, "delta": 0.3, "r_disturbance": 1e-5,
          "u_disturbance": 1e-3, "current_north": 0.5, "current_east": 0.5, "delta_lagged": 0.25,
          "wind_speed": 8.0, "wind_direction": 1.0, "r_residual": 1e-5, "vx": 5.0, "vy": 5.0, "ax": 0.1, "ay": 0.1,
-         "domega": 0.01, "v_disturbance": 1e-3, "n": 2.0, "more": 1e-3, "turn": 0.02, "curvature": 2e-3}  # fmt: skip
+         "domega": 0.01, "v_disturbance": 1e-3, "n": 2.0, "more": 1e-3, "turn": 0.02, "curvature": 2e-3, "dcurvature": 1e-3}  # fmt: skip
 
 
 @dataclass(frozen=True)
