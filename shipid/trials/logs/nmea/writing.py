@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from math import pi
 from pathlib import Path
@@ -14,6 +15,7 @@ from shipid.trials.logs.geodesy import to_geographic
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.sentences.lines import checksum
 from shipid.trials.logs.writing import text_file
+from shipid.trials.source import origin_in
 from shipid.trials.trial import Trial
 
 #: Sentences a second, by address: gyro and rudder indicator are fast, a log and a receiver are not.
@@ -22,6 +24,7 @@ RATES: dict[str, float] = {
     "WIMWV": 1.0,
 }  # fmt: skip
 START = datetime(2026, 5, 4, 9, 0, tzinfo=UTC)
+#: Of a trial that says nothing of its own.
 ORIGIN = (63.45 * pi / 180, 10.42 * pi / 180)
 
 _NEEDS = {
@@ -114,7 +117,7 @@ def nmea_lines(
     *,
     stamp: str = "iso",
     start: datetime = START,
-    origin: tuple[float, float] = ORIGIN,
+    origin: tuple[float, float] | None = None,
 ) -> Iterator[str]:
     """Return the lines of a log of a trial, in the order of time.
 
@@ -132,8 +135,8 @@ def nmea_lines(
         One of `STAMPS`.
     start : datetime
         UTC at t = 0.
-    origin : tuple of float
-        Latitude and longitude [rad] of x = y = 0.
+    origin : tuple of float, optional
+        Latitude and longitude [rad] of x = y = 0; by default that of the trial, and `ORIGIN` where it states none.
 
     Yields
     ------
@@ -151,6 +154,7 @@ def nmea_lines(
             raise UnknownNameError("sentence that is written called", address[2:], _NEEDS)
     if stamp not in STAMPS:
         raise UnknownNameError("stamp called", stamp, STAMPS)
+    origin = origin or trial.source.origin or ORIGIN
     table = _with_course({name: trial[name] for name in trial.table.columns})
     t = table["t"]
     events: list[tuple[float, str, dict[str, float]]] = []
@@ -189,7 +193,7 @@ def write_nmea(
     *,
     stamp: str = "iso",
     start: datetime = START,
-    origin: tuple[float, float] = ORIGIN,
+    origin: tuple[float, float] | None = None,
     comment: str | None = None,
     overwrite: bool = False,
 ) -> Path:
@@ -221,6 +225,9 @@ def write_nmea(
     MissingFileError
         If the folder cannot be written to.
     """
+    if origin is not None:
+        said = "\n".join(line for line in trial.source.comment.splitlines() if origin_in(line) is None)
+        trial = replace(trial, source=replace(trial.source, origin=origin, comment=said))
     with text_file(trial, path, overwrite, comment) as file:
         file.writelines(line + "\r\n" for line in nmea_lines(trial, rates, stamp=stamp, start=start, origin=origin))
     return Path(path)

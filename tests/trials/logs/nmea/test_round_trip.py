@@ -1,5 +1,6 @@
 """A trial written as a log and read back, within the resolution of the sentences."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -172,3 +173,12 @@ class TestExample:
         truth = {"K": np.interp(4.63, [4, 5], [0.37, 0.50]), "tau": np.interp(4.63, [4, 5], [33, 31]), "n3": 1313.1}
         for name, value in truth.items():
             assert found[name]["value"] == pytest.approx(value, rel=0.01), name
+
+
+def test_positions_are_written_about_the_origin_that_the_trial_states(tmp_path):
+    trial, origin = made(10, 0.1, 5, 5, 0), (np.radians(53.5), np.radians(8.1))
+    stated = replace(trial, source=replace(trial.source, origin=origin))
+    back = read_trial(write_nmea(stated, tmp_path / "log.nmea"))
+    assert back.source.origin == pytest.approx(origin, abs=1e-7)
+    elsewhere = read_trial(write_nmea(stated, tmp_path / "other.nmea", origin=(0.2, 0.1)))
+    assert elsewhere.source.origin == pytest.approx((0.2, 0.1), abs=1e-7)
