@@ -140,6 +140,8 @@ def messages(random_: random.Random, strength: int) -> bytes:
     """A log of messages with what befalls such logs: cut lines, wrong and lost bytes, huge fields, other devices, clocks that jump."""
     lines = canboat().split(b"\n")
     for _ in range(strength):
+        if not lines:
+            break
         k = random_.randrange(len(lines))
         many = slice(k, k + random_.choice((1, 1, 5, 50, len(lines))))
         cells = [line.split(b",") for line in lines[many]]

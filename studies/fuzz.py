@@ -271,7 +271,7 @@ def fuzz(
                     what, _, worker.family, fault = worker.pipe.recv()
                 except EOFError:
                     number, family_ = worker.number, worker.family
-                    worker.process.join()
+                    worker.process.join(1.0)  # it may wait for processes of its own
                     late = worker.process.exitcode == -signal.SIGPROF
                     worker.replace()
                     worker.number, worker.family = number, family_
