@@ -100,6 +100,7 @@ def measure(
         part = chosen(trial, manoeuvres_in(trial, faults.diagnosis), manoeuvre, kind)
     if part is not trial:
         faults = faults_of(part, faults.diagnosis)
+    _check_heading(part, faults)
     measured = _MEASURE[kind or _detected(part, faults)](part, execute, metres, faults)
     if kind is None and isinstance(measured, ZigZag) and measured.doubt:
         raise NotAManoeuvreError(
@@ -130,7 +131,18 @@ def detect(trial: Trial, diagnosis: Diagnosis | None = None) -> str:
         If it is none of them.
     """
     faults = faults_of(trial, diagnosis)
+    _check_heading(trial, faults)
     return "spiral" if is_spiral(trial, faults) else _detected(trial, faults)
+
+
+def _check_heading(trial: Trial, faults: Faults) -> None:
+    """Refuse a trial of whose heading the doctor leaves nothing."""
+    if len(channel_of(trial, "psi", faults.wrong.get("psi")).t) < 2:
+        kinds = ", ".join(sorted({kind for _, _, kind in faults.why.get("psi", ())}))
+        why = f" ({kinds})" if kinds else ""
+        raise NotAManoeuvreError(
+            f"trial '{trial.name}' has fewer than two samples of the heading that can be right{why}, and a manoeuvre is measured by it."
+        )
 
 
 def _detected(trial: Trial, faults: Faults) -> str:

@@ -7,7 +7,9 @@ import pandas as pd
 import pytest
 
 from shipid.trials.doctor.findings import Diagnosis
-from shipid.trials.measuring.measure import measure
+from shipid.trials.errors import NotAManoeuvreError
+from shipid.trials.measuring.faults import Faults
+from shipid.trials.measuring.measure import _check_heading, measure
 from shipid.trials.trial import Trial
 
 
@@ -221,3 +223,14 @@ def test_distances_across_a_jump_are_unknown(circle_log, column, by, word):
     # 90 deg are reached at 144 s.
     assert found.advance is None and found.tactical_diameter is None
     assert word in found.reasons["advance"]
+
+
+def test_a_heading_of_which_nothing_is_left_is_refused(logged):
+    trial, _, _ = logged(0.5)
+    kept = np.flatnonzero(trial["t"] < 60)[:40]
+    frame = trial.to_frame().iloc[kept]
+    wrong = Faults(Diagnosis("log"), {"psi": np.arange(len(kept)) > 0}, {"psi": [(0.0, 60.0, "glitches")]})
+    with pytest.raises(
+        NotAManoeuvreError, match=r"fewer than two samples of the heading that can be right \(glitches\)"
+    ):
+        _check_heading(Trial.from_frame(frame), wrong)
