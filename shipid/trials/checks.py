@@ -249,5 +249,7 @@ def turns_to_port(t: np.ndarray, delta: np.ndarray, r: np.ndarray) -> bool:
     solution, residual, *_ = np.linalg.lstsq(design, target, rcond=None)
     if not residual.size:
         return False
-    variance = residual[0] / (len(target) - 3) * np.linalg.inv(design.T @ design)[0, 0]
+    # By the pseudo-inverse: the product of a design with itself may be singular where the design is not.
+    row = np.linalg.pinv(design)[0]
+    variance = residual[0] / (len(target) - 3) * float(row @ row)
     return bool(solution[0] < -10 * np.sqrt(variance))

@@ -9,6 +9,8 @@ from shipid.trials.logs.nmea.sources import SignalSource
 
 _FEWEST = 60
 """Fewer common instants say nothing about a delay."""
+_MOST = 200_000
+"""So many say how two sources differ; a clock that jumps would make millions."""
 _UNLIKE = 0.8
 """Below this correlation, sources of one signal do not agree."""
 _BETTER = 0.7
@@ -50,7 +52,8 @@ def compared(taken: SignalSource, other: SignalSource) -> str:
     """
     words = [f"{1 / other.interval:.3g} a second"]
     step = max(taken.interval, other.interval, 0.05)
-    t = np.arange(max(taken.t[0], other.t[0]), min(taken.t[-1], other.t[-1]), step)
+    begin, end = max(taken.t[0], other.t[0]), min(taken.t[-1], other.t[-1])
+    t = np.arange(begin, min(end, begin + _MOST * step), step)
     if taken.fields[0] == "lat":
         if t.size:
             apart = np.hypot(*(_metres(taken, other, t)))
@@ -106,6 +109,8 @@ def _delay(one: np.ndarray, two: np.ndarray, step: float) -> tuple[tuple[float, 
     spread = (sums[1] - sums[0] ** 2 / count) * (sums[3] - sums[2] ** 2 / count)
     moves = spread > 1e-12 * max(float(spread.max()), 1e-300)
     likeness = np.where(moves, both - sums[0] * sums[2] / count, 0.0) / np.sqrt(np.where(moves, spread, 1.0))
+    # Numbers that overflow are like nothing, and rounding makes nothing more than alike.
+    likeness = np.clip(np.nan_to_num(likeness, nan=0.0, posinf=0.0, neginf=0.0), -1.0, 1.0)
     best = int(np.argmax(likeness))
     near = np.flatnonzero(1 - likeness <= _HARDLY_MORE * (1 - likeness[best]))
     # A flat peak, as of a damped sensor in a steady turn, does not tell the delay closely.

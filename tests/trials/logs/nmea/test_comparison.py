@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from shipid.trials.logs.nmea.comparison import compared
+from shipid.trials.logs.nmea.comparison import _delay, compared
 from shipid.trials.logs.nmea.log import Origin
 from shipid.trials.logs.nmea.sources import SignalSource
 
@@ -63,3 +63,12 @@ def test_positions_apart():
     # A degree of longitude at 59.5 deg is 56.7 km.
     assert compared(taken, other) == "1 a second, 5.7 m away"
     assert compared(taken, source("lat", t + 100, 59.5 + 1e-5 * t, np.full_like(t, 10.5))) == "1 a second"
+
+
+def test_numbers_that_overflow_have_no_delay():
+    t = np.arange(100.0)
+    with np.errstate(all="ignore"):
+        (first, best, last), likeness, _ = _delay(1e200 * np.sin(t), np.sin(t), 1.0)
+    assert first <= best <= last and likeness == 0
+    # Alike to rounding, and not more.
+    assert _delay(np.sin(t), np.sin(t), 1.0)[1] <= 1
