@@ -53,7 +53,10 @@ def compared(taken: SignalSource, other: SignalSource) -> str:
     words = [f"{1 / other.interval:.3g} a second"]
     step = max(taken.interval, other.interval, 0.05)
     begin, end = max(taken.t[0], other.t[0]), min(taken.t[-1], other.t[-1])
-    t = np.arange(begin, min(end, begin + _MOST * step), step)
+    last = min(end, begin + _MOST * step)
+    t = np.arange(begin, last, step)
+    if last < end:
+        words.append(f"compared over the first {(last - begin) / 3600:.2g} h")
     if taken.fields[0] == "lat":
         if t.size:
             apart = np.hypot(*(_metres(taken, other, t)))

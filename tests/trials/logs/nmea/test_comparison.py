@@ -72,3 +72,9 @@ def test_numbers_that_overflow_have_no_delay():
     assert first <= best <= last and likeness == 0
     # Alike to rounding, and not more.
     assert _delay(np.sin(t), np.sin(t), 1.0)[1] <= 1
+
+
+def test_a_comparison_that_does_not_go_to_the_end_says_so():
+    t = np.array([*np.arange(100.0), 1e6])
+    said = compared(source("rate", t, np.sin(t)), source("rate", t, np.sin(t)))
+    assert "compared over the first 56 h" in said
