@@ -172,10 +172,10 @@ def noise_on(signals: tuple[str, ...], kind: str, count: int, step: float, rng: 
     block = expm(np.block([[-a, q], [np.zeros((2, 2)), a.T]]) * dt)
     forward = block[2:, 2:].T
     root = np.linalg.cholesky(forward @ block[:2, 2:])
-    x, path = np.zeros(2), np.empty((before + count * fine, 2))
-    for k, w in enumerate(rng.standard_normal((len(path), 2)) @ root.T):
-        x = forward @ x + w
-        path[k] = x
+    # x <- forward x + w, in the coordinates in which it is two first-order processes.
+    poles, modes = np.linalg.eig(forward)
+    driven = rng.standard_normal((before + count * fine, 2)) @ root.T @ np.linalg.inv(modes).T
+    path = (np.stack([lfilter([1.0], [1.0, -p], d) for p, d in zip(poles, driven.T)], axis=1) @ modes.T).real
     by_waves = dict(zip(("psi", "r"), path[before::fine].T))
     return {s: w + by_waves.get(s, 0.0) for s, w in white.items()}
 
