@@ -18,7 +18,7 @@ from shipid.trials.logs.nmea.settings import chosen_format
 PAGES = Path(__file__).resolve().parents[1] / ".docs" / "files"
 EXAMPLE = re.compile(r"^```toml\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 TOP = "Top of the file"
-NAMED = re.compile(r"^(columns|windows|sensors)\.\w+$")
+NAMED = re.compile(r"^(columns|windows|sensors|trials)\..+$")
 
 
 def described(page: str) -> dict[str, list[str]]:
@@ -61,6 +61,7 @@ def test_the_format_file(accepted, tmp_path):
     assert accepted["nmea.order"] == accepted.pop("nmea.rudder"), "the page says that both have the same keys"
     accepted["nmea.rudder"] = accepted.pop("nmea.order")
     assert accepted.pop(TOP) == {*pages.pop(TOP), "nmea"}
+    assert accepted.pop("trials.NAME") == accepted["trial"], "the page says that both have the same keys"
     assert accepted == {name: set(keys) for name, keys in pages.items()}
 
 

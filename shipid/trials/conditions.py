@@ -113,6 +113,16 @@ class Conditions(Result):
         found = {"draught": sum(ends) / len(ends) if ends else None, "displacement": self.number("displacement")}
         return {n: v for n, v in found.items() if v is not None}
 
+    def with_those(self, of_one: Conditions) -> Conditions:
+        """Return conditions with those of one trial in place of what they state as well.
+
+        Parameters
+        ----------
+        of_one : Conditions
+            What is stated of this trial alone.
+        """
+        return Conditions({**self.values, **of_one.values})
+
     def shown(self, name: str) -> str | None:
         """Return a stated value with its unit as a reader expects it, or None for a blank.
 

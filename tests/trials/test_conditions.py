@@ -45,6 +45,22 @@ def test_the_trial_carries_them(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("name", "draught"), [("ballast.csv", 5), ("laden.csv", 7), ("laden.csv@end", 8), ("other.csv", 6)]
+)
+def test_one_format_file_describes_logs_at_several_loadings(tmp_path, name, draught):
+    stated(
+        tmp_path,
+        'draught_aft = "6 m"\nwho = "Trial party"\n[trials."ballast.csv"]\ndraught_aft = "5 m"\n[trials.laden]\n'
+        'draught_aft = "7 m"\n[trials."laden@end"]\ndraught_aft = "8 m"\n[windows]\nend = [10, 20]\n',
+    )
+    log = tmp_path / name.split("@")[0]
+    log.write_text("time,heading\n" + "".join(f"{k},{k % 5}\n" for k in range(30)), encoding="utf-8")
+    trial = shipid.read_trial(tmp_path / name, format=tmp_path / "logger.toml")
+    assert trial.source.conditions.loading == {"draught": draught}
+    assert trial.source.conditions.shown("who") == "Trial party"
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         ('draft = "8 m"', "no entry 'draft'"),

@@ -73,6 +73,8 @@ def hard_turn(identified: Identified, drawn: Iterable[np.ndarray], worthless: fl
     clock = np.arange(count) * _INTERVAL
     inputs: dict[str, float | np.ndarray] = {n: speed for n in ("u", "cruise") if n in model.inputs}
     inputs["delta"] = rudder * np.minimum(1.0, clock / _PUT_OVER)
+    # What else the ship is told is as it was in the trials: her loading, the revolutions of her propeller.
+    inputs |= {n: v for n, v in _usual(identified).items() if n not in inputs}
     rows = input_rows(model, inputs, count)
     intervals = np.full(count, _INTERVAL * scale.unit_time)
     intervals[-1] = 0.0
@@ -94,3 +96,14 @@ def hard_turn(identified: Identified, drawn: Iterable[np.ndarray], worthless: fl
     kept = rates[np.isfinite(rates)]
     spread = float(np.sqrt(np.mean((kept - point) ** 2)) / max(abs(point), 1e-12)) if kept.size else worthless
     return HardTurn(rudder, point, min(worthless, spread), away)
+
+
+def _usual(identified: Identified) -> dict[str, float]:
+    """Medians over the trials of the inputs that declare no default, SI."""
+    model = identified.model
+    rows = np.concatenate([data.inputs for data in identified.problem.trials], axis=1)
+    return {
+        name: float(np.nanmedian(rows[i]))
+        for i, name in enumerate(model.inputs)
+        if model[name].number("default") is None and np.isfinite(rows[i]).any()
+    }

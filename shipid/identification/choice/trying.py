@@ -87,7 +87,7 @@ class Tried:
     Attributes
     ----------
     model : str
-        Its name.
+        Its name, with the parts that the plain identification gave it: a change with the loading, a dead time.
     coefficients, free, reads : int
         How many it estimates, how many of them only trials determine, and how many recorded inputs it reads.
     folds : tuple of Fold or None
@@ -145,7 +145,7 @@ def try_candidate(candidate: Attempt) -> Tried:
     except ShipidError as error:
         return Tried(model.name, *counts, (None,) * len(trials), message=str(error))
     return Tried(
-        model.name,
+        fit.model.name,
         *counts,
         tuple(None if record is None else _fold(record, model) for record in left),
         spread,

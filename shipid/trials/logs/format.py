@@ -15,7 +15,8 @@ unit and sign, and what has to be put right::
 In a file of several tables ``[table]`` names the one that is meant: ``sheet = "Run 2"`` in a workbook, ``struct`` in a MATLAB
 file, ``group`` in an HDF5 file.
 
-``[trial]`` states the conditions of the trial for its record: loading, depth, wind, who (`shipid.trials.conditions`).
+``[trial]`` states the conditions of the trial for its record: loading, depth, wind, who (`shipid.trials.conditions`); ``[trials."NAME"]``
+those of one log or window, where they differ.
 
 A clock that is a date or a time of day is found out by itself; ``[clock]`` says what is not (`shipid.trials.logs.clocks.settings`).
 """
@@ -41,7 +42,7 @@ DECIMALS = {"point": ".", "comma": ","}
 
 _TOP = (
     "title", "source", "ship", "separator", "header_lines", "encoding", "comment", "decimal",
-    "columns", "clock", "windows", "repairs", "table", "trial",
+    "columns", "clock", "windows", "repairs", "table", "trial", "trials",
 )  # fmt: skip
 #: Codecs of Python that no text file is written in.
 _NO_ENCODINGS = ("punycode", "idna", "unicode_escape", "raw_unicode_escape", "undefined")
@@ -132,6 +133,8 @@ class TrialFormat:
         The sheet, struct or group that holds the log, in a file of several.
     conditions : Conditions
         What is stated of the trial beside its log.
+    of_one : Mapping of str to Conditions
+        What is stated of one log or window alone, by its name.
     ship, source, title : str or None
         Parameter set of the ship; where the data come from; what the campaign is.
     """
@@ -150,6 +153,7 @@ class TrialFormat:
     drop_trailing: bool = False
     table: str | None = None
     conditions: Conditions = field(default_factory=Conditions)
+    of_one: Mapping[str, Conditions] = field(default_factory=dict)
     ship: str | None = None
     source: str | None = None
     title: str | None = None
@@ -290,6 +294,7 @@ def common_entries(table: Table) -> dict[str, Plain]:
         "comment": comment,
         "windows": {key: _window(windows, key) for key in windows},
         "conditions": conditions_of(table.table("trial")),
+        "of_one": {name: conditions_of(one) for name, one in table.table("trials").tables()},
         **{key: table.value(key, str) for key in ("ship", "source", "title")},
     }
 

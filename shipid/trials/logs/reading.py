@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,6 +13,7 @@ import numpy as np
 
 from shipid.foundation.errors import MissingFileError, UsageError, nearest
 from shipid.trials import columns
+from shipid.trials.conditions import Conditions
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.nmea.opening import is_nmea
@@ -144,10 +146,14 @@ def read_record(
         simulated="simulated" in (comments[0].lower() if comments else ""),
         comment="\n".join(comments),
         origin=origin_in("\n".join(comments)),
-        conditions=fmt.conditions if fmt else record.source.conditions,
     )
     asked = wanted if span is None or isinstance(wanted, str) else ":".join("" if b is None else f"{b:g}" for b in span)
     title = record.name if asked is None else f"{record.name}@{asked}"
+    if fmt is not None:
+        # What is stated of the window counts more than what is stated of its log, and that more than what is stated of all.
+        names = [file.name, file.stem, *([wanted] if isinstance(wanted, str) else []), title]
+        stated = [fmt.of_one[name] for name in dict.fromkeys(names) if name in fmt.of_one]
+        source = replace(source, conditions=functools.reduce(Conditions.with_those, stated, fmt.conditions))
     ship = fmt.ship if fmt else None
     return replace(record, source=source, format=fmt, ship=ship, window=span, title=title)
 

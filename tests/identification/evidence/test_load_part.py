@@ -98,3 +98,11 @@ def test_one_ship_that_states_two_loadings_keeps_one_set():
 def test_at_one_loading_nothing_is_tried():
     alone = shipid.identify("nomoto", [sailed(9.0, 1)], ship=SHIP, starts=1)
     assert alone.model.name == "nomoto" and alone.identified.load_part is None
+
+
+def test_a_comparison_of_trials_at_two_loadings_has_the_part_too():
+    found = shipid.compare_models(["nomoto"], [sailed(9.0, 1), sailed(5.0, 2)], ship=SHIP, starts=1)
+    (rank,) = found.ranks
+    assert rank.model == MODEL.name and not rank.message
+    # A hard turn reads the loading, which nothing but the trials states.
+    assert rank.turn is not None and rank.turn.rate == pytest.approx(TRUE["K"] * np.deg2rad(35), rel=0.01)
