@@ -1,9 +1,10 @@
 """Uncertainty of coefficients when noise levels are estimated from the same short record.
 
-The inverse information at the estimated levels takes them for known. Two corrections of mixed linear models are made: the
-levels move to the maximum of the restricted likelihood, which counts what the coefficients absorb (Patterson and Thompson 1971),
-and the interval takes Student's quantile, with degrees of freedom by which the variance itself is known (Satterthwaite 1946;
-Kenward and Roger 1997, without their second-order term).
+The inverse information at the estimated levels takes them for known. Three corrections of mixed linear models are made: the
+levels move to the maximum of the restricted likelihood, which counts what the coefficients absorb (Patterson and Thompson 1971);
+the covariance gets what the coefficients move with the levels, once for their scatter and once for the levels that fit this record
+too well (Kackar and Harville 1984; Kenward and Roger 1997); and the interval takes Student's quantile, with degrees of freedom
+by which the variance itself is known (Satterthwaite 1946).
 """
 
 from __future__ import annotations
@@ -31,28 +32,30 @@ class SmallSample:
         The unknowns, with the levels at the maximum of the restricted likelihood.
     information : ndarray, shape (unknowns, unknowns)
         There.
+    added : ndarray, shape (unknowns, unknowns)
+        What the covariance of the others gets because they move with the levels.
     degrees : ndarray, shape (unknowns,)
         Degrees of freedom; those of the levels themselves are not meant.
     """
 
     q: np.ndarray
     information: np.ndarray
+    added: np.ndarray
     degrees: np.ndarray
 
 
 def small_sample(
-    information_at: Callable[[np.ndarray], np.ndarray], q: np.ndarray, information: np.ndarray, levels: np.ndarray
+    slopes_at: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]], q: np.ndarray, levels: np.ndarray
 ) -> SmallSample:
     """Correct for levels that are estimated.
 
     Parameters
     ----------
-    information_at : callable
-        From unknowns to the expected information, shape (unknowns, unknowns).
+    slopes_at : callable
+        From unknowns to the gradient of the log-likelihood, shape (unknowns,), and the expected information,
+        shape (unknowns, unknowns).
     q : ndarray, shape (unknowns,)
         The maximum of the likelihood.
-    information : ndarray, shape (unknowns, unknowns)
-        The information there.
     levels : ndarray of int
         Where the logarithms of levels (and correlation times) stand whose uncertainty counts.
 
@@ -60,30 +63,36 @@ def small_sample(
     -------
     SmallSample
     """
+    gradient, information = slopes_at(q)
     others = np.setdiff1d(np.arange(q.size), levels)
     others = others[np.diag(information)[others] > 0]
     inside, at = np.ix_(others, others), np.ix_(levels, levels)
-    cover = covariance_by(information)[inside]
+    cover, added = covariance_by(information)[inside], np.zeros((q.size, q.size))
     if not levels.size or not np.isfinite(cover).all():
-        return SmallSample(q, information, np.full(q.size, MANY))
-    slopes = []
+        return SmallSample(q, information, added, np.full(q.size, MANY))
+    slopes, pulls = [], []
     for k in levels:
         moved = q.copy()
         moved[k] += _STEP
-        slopes.append((information_at(moved)[inside] - information[inside]) / _STEP)
+        there = slopes_at(moved)
+        pulls.append((there[0][others] - gradient[others]) / _STEP)
+        slopes.append((there[1][inside] - information[inside]) / _STEP)
     spread = covariance_by(information)[at]
     known = np.isfinite(np.diag(spread))
     spread = np.where(np.outer(known, known), spread, 0.0)
-    gradient = np.array([-0.5 * np.trace(cover @ slope) for slope in slopes])
+    # Where the maximum over the others goes when a level moves.
+    moves = cover @ np.array(pulls).T
+    added[inside] = 2 * moves @ spread @ moves.T
+    restricted = np.array([-0.5 * np.trace(cover @ slope) for slope in slopes])
     better = q.copy()
-    better[levels] += np.clip(spread @ gradient, -_FARTHEST, _FARTHEST)
-    there = information_at(better)
-    if not np.isfinite(there).all() or not there.any():
-        better, there = q, information
+    better[levels] += np.clip(spread @ restricted, -_FARTHEST, _FARTHEST)
+    last = slopes_at(better)[1]
+    if not np.isfinite(last).all() or not last.any():
+        better, last = q, information
     # d(I^-1) = -I^-1 dI I^-1, on the diagonal; relative to the variance it hardly changes with the level.
     changes = np.array([np.einsum("ij,jk,ik->i", cover, slope, cover) for slope in slopes])
     variance = np.einsum("ki,kl,li->i", changes, spread, changes)
     degrees = np.full(q.size, MANY)
     with np.errstate(divide="ignore"):
         degrees[others] = np.clip(2 * np.diag(cover) ** 2 / variance, _FEWEST, MANY)
-    return SmallSample(better, there, degrees)
+    return SmallSample(better, last, np.where(np.isfinite(added), added, 0.0), degrees)

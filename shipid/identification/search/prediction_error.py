@@ -241,13 +241,13 @@ class _Search:
             covariance = np.full((shared, shared), 0.0) + np.diag(np.full(shared, np.inf))
             return self._named(found, q, covariance, np.full(shared, MANY), {})
         driving = np.array([self.at(n) for n in self.levels if not n.startswith("sensor:")])
-        small = small_sample(lambda p: self.objective(p)[2], q, found.information, driving)
+        small = small_sample(lambda p: self.objective(p)[1:], q, driving)
         stretches = self._innovations(small.q)
         inverse = covariance_by(small.information)
         known = np.isfinite(np.diag(inverse))
         tests = {s: whiteness(stretches, k).p_value for k, s in enumerate(problem.signals)}
         scatter = scatter_of(stretches, small.information, np.where(np.outer(known, known), inverse, 0.0))
-        covariance = covariance_by(small.information, scatter)
+        covariance = covariance_by(small.information, scatter) + small.added
         return self._named(found, small.q, covariance[:shared, :shared], small.degrees[:shared], tests)
 
     def _innovations(self, q: np.ndarray) -> list[Stretch]:

@@ -8,32 +8,59 @@ from shipid.identification.noise.small_sample import MANY, small_sample
 ROWS, COEFFICIENTS = 40, 4
 
 
-def information_at(design):
-    """Expected information of coefficients and of the logarithm of the standard deviation."""
+def slopes_at(design):
+    """Expected information of coefficients and of the logarithm of the standard deviation; coefficients at their best."""
 
-    def information(q):
+    def slopes(q):
         whole = np.zeros((q.size, q.size))
         whole[:-1, :-1] = design.T @ design / np.exp(2 * q[-1])
         whole[-1, -1] = 2 * len(design)
-        return whole
+        return np.zeros(q.size), whole
 
-    return information
+    return slopes
 
 
 def test_the_level_moves_to_the_restricted_maximum_and_the_degrees_are_the_rows():
     rng = np.random.default_rng(1)
-    information = information_at(rng.standard_normal((ROWS, COEFFICIENTS)))
+    slopes = slopes_at(rng.standard_normal((ROWS, COEFFICIENTS)))
     q = np.array([1.0, -2.0, 0.5, 0.1, np.log(0.3)])
-    found = small_sample(information, q, information(q), np.array([COEFFICIENTS]))
+    found = small_sample(slopes, q, np.array([COEFFICIENTS]))
     # The maximum likelihood divides by n; the restricted one by n - p, which is exp(p / n) to first order.
     assert found.q[-1] - q[-1] == pytest.approx(COEFFICIENTS / (2 * ROWS), rel=0.02)
     assert found.q[:-1] == pytest.approx(q[:-1], abs=0)
-    assert found.information == pytest.approx(information(found.q))
+    assert found.information == pytest.approx(slopes(found.q)[1])
+    assert not found.added.any()
     assert found.degrees[:-1] == pytest.approx(np.full(COEFFICIENTS, ROWS), rel=0.03)
 
 
 def test_without_levels_nothing_changes():
-    information = information_at(np.eye(4))
+    slopes = slopes_at(np.eye(4))
     q = np.zeros(5)
-    found = small_sample(information, q, information(q), np.zeros(0, dtype=int))
+    found = small_sample(slopes, q, np.zeros(0, dtype=int))
     assert (found.degrees == MANY).all() and found.q is q
+
+
+def test_coefficients_that_move_with_the_levels_scatter_more():
+    """The mean of two groups of different scatter, each estimated (Graybill and Deal 1959): variance told beside the true one."""
+    rng, means, told, plain = np.random.default_rng(3), [], [], []
+    for _ in range(400):
+        groups = [scale * rng.standard_normal(count) for scale, count in ((1.0, 10), (1.5, 10))]
+
+        def slopes(q, groups=groups):
+            gradient, whole = np.zeros(3), np.zeros((3, 3))
+            for k, group in enumerate(groups, start=1):
+                weight, away = np.exp(-2 * q[k]), group - q[0]
+                gradient += weight * away.sum() * np.eye(3)[0] + (weight * away @ away - group.size) * np.eye(3)[k]
+                whole += np.diag(weight * group.size * np.eye(3)[0] + 2 * group.size * np.eye(3)[k])
+            return gradient, whole
+
+        q = np.array([0.0, 0.0, 0.0])
+        for _ in range(60):
+            gradient, information = slopes(q)
+            q += np.linalg.solve(information, gradient)
+        found = small_sample(slopes, q, np.array([1, 2]))
+        means.append(q[0])
+        plain.append(1 / found.information[0, 0])
+        told.append(plain[-1] + found.added[0, 0])
+    true = np.mean(np.square(means))
+    assert np.mean(plain) < 0.9 * true and np.mean(told) == pytest.approx(true, rel=0.15)
