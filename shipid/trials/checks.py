@@ -45,6 +45,8 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
         advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+        if bad.size == len(t) - 1 and (np.diff(t) < 0).all():
+            advice = "The last sample stands first: sort the rows by time, or let 'shipid check --fix' do it."
         # The second of two logs begins where the first did; rows that were exchanged have stamps of their own.
         first = k > FEWEST_SAMPLES and t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
         if bad.size == 1 and t[k + 1] < t[k] and (first or np.unique(t).size < t.size):

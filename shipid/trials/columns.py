@@ -26,6 +26,11 @@ _SPELLINGS = (
 )
 #: A longer header is a name without a unit.
 _LONGEST_HEADER = 300
+#: Units at the end of a name of the vocabulary, for files whose names hold no brackets: ``psi_deg``, ``u_mps``.
+_ENDINGS = {
+    "deg": "deg", "rad": "rad", "m": "m", "kn": "kn", "kts": "kn", "knots": "kn", "mps": "m/s", "m_s": "m/s", "degps": "deg/s",
+    "dps": "deg/s", "deg_s": "deg/s", "degpmin": "deg/min", "deg_min": "deg/min", "radps": "rad/s", "rad_s": "rad/s", "rpm": "rpm", "rps": "rps",
+}  # fmt: skip
 _BRACKETED = re.compile(r"^\s*(?P<name>[^\[\]()]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>[^)]*)\))\s*$")
 
 
@@ -44,7 +49,7 @@ def spelt(unit: str) -> str:
 
 
 def split_header(text: str) -> tuple[str, str | None]:
-    """Split a header such as ``psi [deg]``, ``psi[deg]`` or ``psi (deg)`` into name and unit.
+    """Split a header such as ``psi [deg]``, ``psi[deg]``, ``psi (deg)`` or ``psi_deg`` into name and unit.
 
     Parameters
     ----------
@@ -61,9 +66,24 @@ def split_header(text: str) -> tuple[str, str | None]:
     text = text.strip().strip("\"'").strip()
     match = _BRACKETED.match(text) if len(text) <= _LONGEST_HEADER else None
     if not match or not match["name"]:
-        return text, None
+        return _by_ending(text) or (text, None)
     unit = match["square"] if match["square"] is not None else match["round"]
     return match["name"].strip(), unit.strip()
+
+
+def _by_ending(text: str) -> tuple[str, str] | None:
+    """Name and unit of ``psi_deg``: a field of the vocabulary, and behind it a unit that fits it."""
+    if text in FIELDS:
+        return None
+    for ending, unit in _ENDINGS.items():
+        name = text.removesuffix(f"_{ending}")
+        if name != text and name in FIELDS and name != "t":
+            try:
+                units.factor(unit, FIELDS[name].unit)
+            except UnitError:
+                return None
+            return name, unit
+    return None
 
 
 def header(name: str, unit: str) -> str:

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 from shipid.foundation.errors import UnknownNameError, nearest
 from shipid.trials import columns
-from shipid.trials.errors import HeaderError, TrialError, UnknownColumnError
+from shipid.trials.errors import ClockError, HeaderError, TrialError, UnknownColumnError
 from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.format import TrialFormat
 
@@ -15,7 +15,7 @@ T = TypeVar("T")
 
 
 def by_header(
-    found: Mapping[str, T], units: Mapping[str, str], where: str
+    found: Mapping[str, T], units: Mapping[str, str], where: str, unread: Mapping[str, str] | None = None
 ) -> tuple[dict[str, T], dict[str, str], list[TrialError]]:
     """Read names and units from headers.
 
@@ -27,6 +27,8 @@ def by_header(
         Units by name or header, for headers that say none.
     where : str
         File or table, for messages.
+    unread : Mapping of str to str, optional
+        Headers of a clock over text that was not read, with a cell of each.
 
     Returns
     -------
@@ -66,6 +68,21 @@ def by_header(
             raise UnknownNameError("column", name, values)
     if "t" not in values and clocks:
         faults.insert(0, columns.no_unit(clocks[0], where + ", ", "t"))
+    elif "t" not in values and unread:
+        name, cell = next(iter(unread.items()))
+        faults.append(
+            ClockError(
+                f"{where}, column '{name}': '{cell[:40]}' is no date or time in a form that is known. State its layout in [clock] of a "
+                "format file, as in layout = '%d.%m.%Y %H:%M:%S'; or write seconds under 't [s]'."
+            )
+        )
+    elif "t" not in values and not values:
+        faults.append(
+            UnknownColumnError(
+                f"{where}: its columns have no names. Describe them by their place (index = 0, 1, ...) in a format file, or name "
+                "them beside the table."
+            )
+        )
     elif "t" not in values:
         faults.append(
             UnknownColumnError(

@@ -20,6 +20,7 @@ NAMES = (
     "时间", "時間", "时刻", "時刻", "시간", "время", "czas", "zaman", "aika", "seconds", "timeofday", "tod", "hhmmss", "clock", "ts", "ros time".replace(" ", ""), "stamp", "tid", "tijd", "tijdstip", "tijdstempel", "datumtijd", "looptijd", "klokkeslett", "tidspunkt", "tidsstempel", "tiempo", "horalocal", "horautc",
     "horodatage", "dateheure", "heurelocale", "messzeit", "laufzeit", "heure", "hora",
     "tempo", "temps", "fechahora", "tow", "itow", "gpstow", "timeofweek", "gpstimeofweek", "datetimestamp", "timestamputc",
+    "jd", "juliandate", "julianday", "mjd", "modifiedjuliandate", "modifiedjulianday", "datenum", "matlabtime", "datetimenum",
     "recordtime", "logtime", "systemtime", "date", "datum", "dato", "fecha", "day", "datetimelocal", "index",
 )  # fmt: skip
 #: What a cell without a value holds as text.
@@ -27,6 +28,11 @@ NOTHING = frozenset({"", "nan", "NaN", "NaT", "None", "<NA>", "null", "NULL", "-
 _DATES = ("date", "datum", "dato", "fecha", "day", "utcdate", "dateutc", "localdate", "gpsdate", "tag")
 _ANY = frozenset((*NAMES, *_DATES))
 _WEEKS = ("week", "gpsweek", "wn", "gpsweeknumber", "weeknumber")
+#: Names that say the unit themselves, where a header has no brackets: ``t_s``, ``time_ms``.
+_SUFFIXED = re.compile(
+    r"^(t|time|elapsed|elapsed[_ ]?time|uptime|epoch|timestamp)_(s|sec|secs|seconds|ms|msec|us|usec|ns|min|h)$",
+    re.IGNORECASE,
+)
 _TIME_UNIT = re.compile(
     r"^(s|sec|secs|second|seconds|sek|ms|msec|us|µs|usec|ns|min|h|hr|hours?|d|days?)$", re.IGNORECASE
 )
@@ -40,7 +46,9 @@ def short(header: str) -> str:
     header : str
         As it stands in the table.
     """
-    return re.sub(r"[\W_]", "", columns.split_header(header)[0].lower())
+    name = columns.split_header(header)[0].lower()
+    suffixed = _SUFFIXED.match(name)
+    return re.sub(r"[\W_]", "", suffixed[1] if suffixed else name)
 
 
 def unit_of_time(header: str) -> str | None:
@@ -51,7 +59,9 @@ def unit_of_time(header: str) -> str | None:
     header : str
         As it stands in the table: ``t [s]``, ``Time (ms)``, ``Time [UTC]``.
     """
-    unit = columns.split_header(header)[1]
+    name, unit = columns.split_header(header)
+    if unit is None and (suffixed := _SUFFIXED.match(name)) is not None:
+        return suffixed[2].lower()
     return unit if unit and _TIME_UNIT.match(unit) else None
 
 
@@ -102,6 +112,7 @@ def find_clock(table: Mapping[str, pd.Series]) -> tuple[tuple[str, ...], tuple[s
     kinds = {h: _content(column) for h, column in table.items() if named[h] in _ANY or column.dtype.kind in "OmMTU"}
     clock = _choose(table, named, kinds)
     times = [h for h, kind in kinds.items() if kind in ("moment", "date", "time of day")]
+    times += [h for h in table if named[h] in _DATES and _is_six_digits(table[h])]
     return clock, tuple(h for h in times if h not in clock) if clock else ()
 
 
@@ -127,6 +138,21 @@ def _choose(table: Mapping[str, pd.Series], named: Mapping[str, str], kinds: Map
             week = next((w for w in named if named[w] in _WEEKS), None) if layout.startswith("gps") else None
             return (h,) if week is None else (week, h)
     return tuple(h for h in kinds if kinds[h] == "duration")[:1]
+
+
+def _is_six_digits(column: pd.Series) -> bool:
+    """Whether a column holds dates of two digits a part, in an order that nothing tells: 040526."""
+    known = _numbers(column)[:2000]
+    known = known[np.isfinite(known)]
+    pairs = np.column_stack((known // 10000, known // 100 % 100, known % 100))
+    return bool(
+        known.size
+        and (known % 1 == 0).all()
+        and ((known >= 10101) & (known < 1e6)).all()
+        and (pairs[:, 1] >= 1).all()
+        and (pairs[:, 1] <= 12).all()
+        and np.unique(known).size <= 3
+    )
 
 
 def could_be_clock(header: str, cell: str) -> bool:

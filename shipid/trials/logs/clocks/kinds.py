@@ -17,6 +17,9 @@ from shipid.trials.logs.clocks.settings import DATE_ORDERS, ClockFormat
 from shipid.trials.logs.clocks.stamps import Stamps, read_stamps
 from shipid.trials.logs.clocks.zones import Zone, to_utc
 
+#: So many stamps have to say a zone before the others are read in it.
+_FEWEST_ZONES = 10
+
 
 @dataclass(frozen=True)
 class Place:
@@ -263,8 +266,23 @@ def _in_zone(
 ) -> tuple[np.ndarray, Zone, tuple[str, ...]]:
     """Moments in UTC, where the cells, the format file or the header say the zone."""
     if np.isfinite(stamps.offset).any():
-        return seconds - stamps.offset, Zone("", stamps.offset, converted=True), ()
+        offset, notes = _every_offset(seconds, stamps.offset)
+        return seconds - offset, Zone("", offset, converted=True), notes
     return to_utc(seconds, stated.zone or stamps.zone or hints(place.names)[1])
+
+
+def _every_offset(seconds: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
+    """Offsets of all stamps, where some say none and run on with those that do."""
+    at = np.flatnonzero(np.isfinite(seconds))
+    said = np.isfinite(offset[at])
+    if said.all() or said.sum() < _FEWEST_ZONES or np.unique(offset[at][said]).size > 1:
+        return offset, ()
+    step, border = np.diff(seconds[at]), np.diff(said)
+    usual = float(np.median(step))
+    if not (usual > 0 and (step[border] > 0).all() and (step[border] <= 10 * usual).all()):
+        return offset, ()
+    note = f"{int((~said).sum())} stamps say no zone: they were read in that of the others, with which they run on."
+    return np.full(offset.shape, float(offset[at][said][0])), (note,)
 
 
 def _two_numbers(

@@ -10,6 +10,8 @@ from shipid.trials.logs.clocks.settings import EPOCHS, GPS_WEEK, SERIAL_DAYS
 
 DAY = 86400.0
 WEEK = 7 * DAY
+#: Year, month, day, hour, minute and second side by side: 20260504235820. Read as text.
+ALL_DIGITS = "yyyymmddhhmmss"
 #: The GPS began to count weeks here [s since 1970].
 GPS_START = 315964800.0
 #: No log in digital form is older, none is to come for a while [s since 1970]: 1990 and 2041, when Excel's days
@@ -106,19 +108,27 @@ def layout_of_numbers(values: np.ndarray, name: str) -> str | None:
         origin = SERIAL_DAYS[layout]
         if (low - origin) * DAY > _OLDEST and (high - origin) * DAY < _LATEST and 0 < step * DAY < _SLOWEST:
             return layout
+    named = {"jd": "julian", "julian": "julian", "mjd": "modified julian", "modifiedjulian": "modified julian"}
+    layout_named = named.get(name.removesuffix("date").removesuffix("day").removesuffix("utc"))
+    if layout_named is not None:
+        since = (known - SERIAL_DAYS[layout_named]) * DAY
+        if since.min() > _OLDEST and since.max() < _LATEST:
+            return layout_named
     if "tow" in name or "timeofweek" in name:
         if high < WEEK and low >= 0 and not name.startswith("itow"):
             return "gps week s"
         if WEEK < high < WEEK * 1000 and step > 5:
             return "gps week ms"
+    if low >= 19900101e6 and high < 20410101e6 and _is_hhmmss(known % 1e6, least=0):
+        return ALL_DIGITS
     if name in ("utc", "utctime", "hhmmss", "timeutc", "time", "gpstime") and _is_hhmmss(known):
         return "hhmmss"
     return None
 
 
-def _is_hhmmss(known: np.ndarray) -> bool:
+def _is_hhmmss(known: np.ndarray, least: float = 300) -> bool:
     """Whether numbers are hours, minutes and seconds side by side: no count of seconds leaves out 60 to 99."""
-    if known.min() < 0 or known.max() >= 240000 or np.ptp(known) < 300 or known.size < 20:
+    if known.min() < 0 or known.max() >= 240000 or np.ptp(known) < least or known.size < 20:
         return False
     return bool((known % 100 < 60).all() and (known // 100 % 100 < 60).all())
 

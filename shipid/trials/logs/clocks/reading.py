@@ -14,7 +14,8 @@ from shipid.trials.logs.clocks import course
 from shipid.trials.logs.clocks.calendar import DAY
 from shipid.trials.logs.clocks.headers import find_clock, is_number, short, unit_of_time
 from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, of_numbers, of_stamps, of_text, texts_of
-from shipid.trials.logs.clocks.numbers import WEEK, epoch_in, layout_of_numbers, read_numbers
+from shipid.trials.logs.clocks.numbers import ALL_DIGITS, WEEK, epoch_in, layout_of_numbers, read_numbers
+from shipid.trials.logs.clocks.parts import of_parts, with_thousandths
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat, moment_text
 
 _WEEK_UNITS = {1.0: "gps week s", 1e-3: "gps week ms"}
@@ -127,7 +128,7 @@ def read_clock(
         layout = layout_of(header, values)
         if layout is None and beside is None:
             return None
-    if layout is not None and layout not in DATE_ORDERS and layout not in TIMES:
+    if layout is not None and layout not in (*DATE_ORDERS, *TIMES, ALL_DIGITS):
         return _running(of_numbers(values, layout, beside, stated, place), place, twice)
     return _running(of_text(texts_of(main) if beside is None else joined(beside, main), stated, place), place, twice)
 
@@ -156,9 +157,19 @@ def with_clock(
     ClockError
         If no cell of the clock has a time.
     """
-    found, others = find_clock(table)
+    found: tuple[str, ...]
+    parts = of_parts(table)
+    if parts is not None:
+        name, column, used = parts
+        table = {name: column, **{header: other for header, other in table.items() if header not in used}}
+        found, others = (name,), find_clock(table)[1]
+    else:
+        found, others = find_clock(table)
     if not found:
         return ClockedTable(dict(table))
+    fraction = with_thousandths(table[found[-1]], table)
+    if fraction is not None:
+        table = {header: column for header, column in table.items() if header != fraction[1]} | {found[-1]: fraction[0]}
     rest = {header: column for header, column in table.items() if header not in found + others}
     beside = " and ".join(f"'{name}'" for name in others)
     notes = (f"Not used beside the clock '{found[-1]}': {beside}.",) if others else ()
@@ -169,7 +180,29 @@ def with_clock(
         return ClockedTable({"t [s]": t, **rest}, clock.start, (*clock.notes, *notes), clock.faults)
     if main.dtype.kind == "m":
         return ClockedTable({"t [s]": main.dt.total_seconds(), **rest}, None, notes)
-    return ClockedTable({headers.header("t", unit_of_time(found[-1]) or ""): main, **rest}, None, notes)
+    unit = unit_of_time(found[-1]) or ""
+    main, midnight = _over_midnight(main, unit)
+    return ClockedTable({headers.header("t", unit): main, **rest}, None, (*midnight, *notes))
+
+
+def _over_midnight(column: pd.Series, unit: str) -> tuple[pd.Series, tuple[str, ...]]:
+    """Let a clock of plain numbers run on that counts from midnight, and begins again there."""
+    if not unit or not is_number(column):
+        return column, ()
+    factor = headers.to_inside("t", unit)
+    seconds = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float, na_value=np.nan) * factor
+    at = np.flatnonzero(np.isfinite(seconds))
+    step = np.diff(seconds[at])
+    back = np.flatnonzero(step < 0)
+    if not back.size or not (step > 0).any():
+        return column, ()
+    near = max(60.0, 10 * float(np.median(step[step > 0])))
+    before, after = seconds[at[back]], seconds[at[back + 1]]
+    if not ((before > DAY - near) & (before < DAY) & (after >= 0) & (after < near)).all():
+        return column, ()
+    running, count = course.unrolled(seconds, DAY)
+    many = "once" if count == 1 else f"{count} times"
+    return pd.Series(running / factor, index=column.index), (f"The clock passes midnight {many}.",)
 
 
 def written_twice(columns: Iterable[pd.Series]) -> np.ndarray | None:

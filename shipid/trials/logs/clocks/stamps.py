@@ -33,12 +33,18 @@ _NAME = r"[^\W\d_]{3,10}"
 _GAP = r"(?:[-/. ,]+|(?<=\d)(?=[^\W\d_])|(?<=[^\W\d_])(?=\d))"
 _WEEKDAY = r"(?:[^\W\d_]{2,10}\.?,?\s+)?"
 _TIME = r"(?P<H>\d{1,3}):(?P<M>\d{2})(?::(?P<S>\d{2})(?:[.,:](?P<F>\d+))?)?\s*(?P<p>[AaPp]\.?[Mm]\.?(?![A-Za-z]))?"
-_ZONE = r"\s*(?P<z>[A-Za-z]{1,5})?\s*(?P<o>[+-]\d{1,2}(?::?\d{2})?)?\s*(?:\[[\w/+-]+\])?"
+_ZONE = r"\s*\(?(?P<z>[A-Za-z]{1,5})?\)?\s*(?P<o>[+-]\d{1,2}(?::?\d{2})?)?\s*(?:\[[\w/+-]+\])?"
 _DATED = re.compile(
     rf"{_WEEKDAY}(?P<a>\d{{4}}|\d{{1,2}}|{_NAME}){_GAP}(?P<b>\d{{1,2}}|{_NAME}){_GAP}(?P<c>\d{{4}}|\d{{1,2}})"
     rf"(?:\s*[Tt_,;: -]\s*{_TIME})?{_ZONE}"
 )
 _TIME_ONLY = re.compile(_TIME + _ZONE)
+#: As C, Python's ctime and the command date write it: the year stands behind the time.
+_YEAR_LAST = re.compile(
+    rf"{_WEEKDAY}(?P<a>{_NAME})\s+(?P<b>\d{{1,2}})\s+{_TIME}\s+(?P<z>(?!\d)[A-Za-z]{{1,5}})?(?P<o>(?!))?\s*(?P<c>\d{{4}})"
+)
+#: A duration as pandas and Python write it: ``0 days 00:01:20.5``, ``1 day, 0:01:20``.
+_DAYS = re.compile(r"(?P<days>\d{1,2}) days?,? \+?(?P<hours>\d{1,2})(?P<rest>:\d{2}:\d{2}(?:\.\d+)?)")
 _COMPACT = re.compile(
     r"(?P<a>\d{4})(?P<b>\d{2})(?P<c>\d{2})(?:[Tt_ -]?(?P<H>\d{2}):?(?P<M>\d{2})(?::?(?P<S>\d{2})(?:[.,](?P<F>\d+))?)?)?"
     rf"(?P<p>(?!))?{_ZONE}"
@@ -154,7 +160,9 @@ def read_stamps(cells: Sequence[str]) -> Stamps:
 
 def _groups(cell: str) -> tuple[str, ...]:
     """The parts of a cell, empty where it lacks them."""
-    match = _DATED.fullmatch(cell) or _COMPACT.fullmatch(cell)
+    if "day" in cell and (match := _DAYS.fullmatch(cell)) is not None:
+        cell = f"{24 * int(match['days']) + int(match['hours'])}{match['rest']}"
+    match = _DATED.fullmatch(cell) or _COMPACT.fullmatch(cell) or _YEAR_LAST.fullmatch(cell)
     if match is not None:
         return _filled(match.group(*_GROUPS))
     match = _TIME_ONLY.fullmatch(cell)

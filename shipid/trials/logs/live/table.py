@@ -21,7 +21,8 @@ from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.positions import pair_of, with_degrees
-from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, lay_out
+from shipid.trials.logs.tables.files.text_fields import fields
+from shipid.trials.logs.tables.files.text_layout import TextLayout, lay_out
 from shipid.trials.logs.tables.header_rows import is_sample_row
 from shipid.trials.logs.tables.numerals import Decimal, certain_sign, is_missing, read_numbers
 from shipid.trials.missing_marks import LARGEST

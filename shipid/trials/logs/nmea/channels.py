@@ -21,6 +21,8 @@ _DEG = pi / 180
 _USUAL_RUDDER = 45.0
 #: A rudder that moves less than this [deg] stands still, one that moves more is alive; twins further apart are not the same.
 _STILL, _MOVES, _APART = 0.5, 5.0, 2.0
+#: A rudder of twins that is valid in less than this part of the sentences of the other is not taken.
+_FALLS_SILENT = 0.9
 _QUALITIES = {1: "GPS", 2: "differential", 3: "precise", 4: "RTK", 5: "float RTK"}
 
 _TRUE: list[Wanted] = [("THS", ("heading",)), ("HDT", ("heading",)), ("127250", ("heading",))]
@@ -200,9 +202,17 @@ def _side(
         return found[use], use, []
     starboard, port = found["starboard"], found["port"]
     degrees = calibration.scale / _DEG
+    table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
+    many, few = ("starboard", "port") if len(starboard.t) >= len(port.t) else ("port", "starboard")
+    counts = {"starboard": len(starboard.t), "port": len(port.t)}
+    if counts[few] < _FALLS_SILENT * counts[many]:
+        note = (
+            f"WARNING: the {few} rudder of {kind} is valid {counts[few]} times and the {many} one {counts[many]} times: {name} is "
+            f"that of the {many} rudder, as use = '{many}' in {table} of a format file says it. Check the {few} sensor."
+        )
+        return found[many], many, [note]
     moves = {use: float(np.ptp(side.values)) * degrees for use, side in (("starboard", starboard), ("port", port))}
     still, alive = sorted(moves, key=lambda use: moves[use])
-    table = "[nmea.rudder]" if name == "delta" else "[nmea.order]"
     if moves[still] < _STILL and moves[alive] > _MOVES:
         at = float(np.median((starboard if still == "starboard" else port).values)) * degrees
         note = (

@@ -8,12 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
+from shipid.foundation.numbers import counted
 from shipid.trials import checks
 from shipid.trials.errors import LooksLikeDegreesError
 from shipid.trials.filling import interpolated
 from shipid.trials.logs.nmea.channels import is_magnetic, nothing_read, read_signals
 from shipid.trials.logs.nmea.clock import read_clock
 from shipid.trials.logs.nmea.errors import CalibrationError, NoOverlapError
+from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.opening import read_log
 from shipid.trials.logs.nmea.resampling import Channel, Signal, resample, united
 from shipid.trials.logs.nmea.settings import NmeaFormat
@@ -72,7 +74,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     columns |= {name: np.degrees(columns[name]) for name in columns if _UNITS[name].startswith("deg")}
     notes += rule + [note for signal in signals.values() for note in signal.notes]
     notes += _derived(columns, fmt, signals)
-    notes += [*left_out, *log.notes]
+    notes += [*left_out, *log.notes, *_never_valid(log, columns)]
     if log.others:
         seen = ", ".join(f"{address} ({n})" for address, n in log.others.most_common(10))
         rest = len(log.others) - 10
@@ -80,6 +82,21 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     stated = {name: _UNITS[name] for name in columns}
     faults = _rate_fault(signals, log.where)
     return LenientRecord(file.stem, columns, stated, log.where, notes=tuple(notes), faults=faults), log.head
+
+
+def _never_valid(log: NmeaLog, columns: dict[str, np.ndarray]) -> list[str]:
+    """Say which sentences never carry a valid value, where the trial lacks what they stand for."""
+    notes = []
+    for origin, records in log.records.items():
+        lacking = {"RSA": "delta", "ROR": "delta_order", "HDT": "psi", "THS": "psi", "HDG": "psi", "HDM": "psi"}.get(
+            origin.kind
+        )
+        if lacking is not None and lacking not in columns and np.isnan(records.values).all():
+            count = counted(len(records.order), f"sentence {origin.name} is", f"sentences {origin.name} are")
+            notes.append(
+                f"WARNING: {lacking} is missing: {count} there, all of them empty or marked as not valid (status V)."
+            )
+    return notes
 
 
 def _resampled(

@@ -15,6 +15,8 @@ _FEWEST = 20
 """Fewer sentences do not show whether they come from one device."""
 _ALTERNATING = 0.8
 """So many steps have to lead from one device to the other."""
+_STRICTLY = 0.95
+"""So many jumps between devices of different rates have to be there and back, and of one size."""
 _MOST = 4
 """More devices do not share a talker."""
 _APART = 4.0
@@ -94,7 +96,9 @@ def _labels(origin: Origin, records: Records, times: np.ndarray) -> tuple[np.nda
     elif fields[0] == "heading":
         values = np.unwrap(values, period=360, axis=0)
     step = _steps(t, values)
-    found = _alternating(t, values, step, least)
+    found = _alternating(t, values, step, least, may_meet=fields[0] == "starboard")
+    if found is None:
+        found = _beside(t, step, least)
     if found is None and "utc" in records.fields:
         found = _within_an_epoch(records.column("utc")[valid])
     if found is None:
@@ -114,19 +118,50 @@ def _steps(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.asarray(np.diff(values, axis=0) - slope * np.diff(t)[:, None])
 
 
-def _alternating(t: np.ndarray, values: np.ndarray, step: np.ndarray, least: float) -> np.ndarray | None:
+def _alternating(
+    t: np.ndarray, values: np.ndarray, step: np.ndarray, least: float, may_meet: bool
+) -> np.ndarray | None:
     """Labels of two devices that take turns: the values jump there and back. A turn may be missed."""
     size = np.linalg.norm(step, axis=1)
     typical = float(np.median(size))
     if typical < least:
         return None
     over = size > 0.5 * typical
-    labels = np.append(0, np.cumsum(over) % 2)
+    # Two rudders may say the same for a while, and go on taking turns: one was missed only where they are apart before and behind.
+    apart = np.concatenate((over[:1], over[:-1])) & np.concatenate((over[1:], over[-1:]))
+    labels = np.append(0, np.cumsum(over | ~apart if may_meet else over) % 2)
     back = np.sum(step[1:] * step[:-1], axis=1) < 0
     if over.mean() < _ALTERNATING or back.mean() < _ALTERNATING:
         return None
     scatter = [_scatter(t[labels == k], values[labels == k]) for k in (0, 1)]
     return labels if typical > _APART * max(scatter) else None
+
+
+def _beside(t: np.ndarray, step: np.ndarray, least: float) -> np.ndarray | None:
+    """Labels of two devices of different rates: the slower one speaks between two sentences of the other, which keeps its beat."""
+    size = np.linalg.norm(step, axis=1)
+    small, large = float(np.median(size)), float(np.quantile(size, 0.95))
+    for _ in range(20):  # two groups of sizes
+        over = size > (small + large) / 2
+        if not over.any() or over.all():
+            return None
+        small, large = float(size[~over].mean()), float(size[over].mean())
+    if large < least or large < _APART * float(np.median(size[~over])):
+        return None
+    jumps = step[over]
+    along = jumps @ (jumps[0] / np.linalg.norm(jumps[0]))
+    there = along > 0
+    alike = np.linalg.norm(jumps - np.where(there, 1, -1)[:, None] * jumps[there].mean(axis=0), axis=1) < 0.5 * large
+    if len(jumps) < _FEWEST or np.mean(there[1:] != there[:-1]) < _STRICTLY or alike.mean() < _STRICTLY:
+        return None
+    last = np.append(-1, np.maximum.accumulate(np.where(over, np.cumsum(over) - 1, -1)))
+    labels = np.where(last >= 0, there[np.maximum(last, 0)], not there[0]).astype(int)
+    if labels.mean() > 0.5:
+        labels = 1 - labels
+    # A glitch stands in the place of a sample; another device speaks besides, at a beat of its own.
+    beats = [np.diff(t[labels == k]) for k in (0, 1)]
+    even = [float(np.mean(np.abs(beat - np.median(beat)) <= 0.3 * np.median(beat))) for beat in beats]
+    return labels if min(even) >= _ALTERNATING else None
 
 
 def _scatter(t: np.ndarray, values: np.ndarray) -> float:

@@ -13,6 +13,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns as spelling
 from shipid.trials.errors import EmptyFileError, HeaderError, TextInColumnError, TrialError
 from shipid.trials.logs.clocks.formatted import clock_columns, formatted_clock
+from shipid.trials.logs.clocks.headers import NAMES, short
 from shipid.trials.logs.clocks.reading import with_clock
 from shipid.trials.logs.clocks.stamps import read_stamps
 from shipid.trials.logs.format import TrialFormat
@@ -131,7 +132,8 @@ def _unformatted(raw: RawTable) -> LenientRecord:
     empty = [h for h in clocked.columns if h in indices and h not in left_out and _is_unnamed_hole(h, table[h])]
     kept = {header: column for header, column in clocked.columns.items() if header not in (*left_out, *empty)}
     full, degrees = with_degrees(kept)
-    found, stated, faults = by_header(full, {}, raw.where + raw.header)
+    unread = {h: cells.first(indices[h]) for h in left_out if short(h) in NAMES}
+    found, stated, faults = by_header(full, {}, raw.where + raw.header, unread)
     notes = [f"Columns of text were left out: {', '.join(map(repr, left_out))}."] if left_out else []
     notes += [f"Columns without a sample were left out: {', '.join(map(repr, empty))}."] if empty else []
     # By header: a name may be that of two columns, of which the first is kept.
@@ -258,6 +260,10 @@ class _Cells:
         if column.dtype.kind not in "fiu":
             return np.full(len(column), np.nan)
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))
+
+    def first(self, k: int) -> str:
+        """Return the first cell of a column that holds something, as it is printed."""
+        return next((str(cell).strip() for cell in self.raw.columns[k].dropna()), "")
 
     def is_prose(self, k: int) -> bool:
         """Return whether a column holds cells and none of them is a number."""

@@ -172,6 +172,40 @@ def test_one_of_two_rudder_sensors_is_stuck(made, sailed, dead, toml, capsys):
     assert "zig-zag 20/20" in said.out and "stands still" in " ".join((said.out + said.err).split())
 
 
+def test_one_of_two_rudder_sensors_falls_silent(made, sailed):
+    """Its status turns to V: the other one is taken, and the log says so."""
+    write, save = made
+    lines = write(rudder="{0:.1f},A,{0:.1f},A")
+    for k, line in enumerate(lines):
+        if "RSA" in line and k > 400:
+            front, _, tail = line.partition("$")
+            address, _, _, port, _ = tail.partition("*")[0].split(",")
+            lines[k] = front + "$" + f"{address},0.0,V,{port},A"
+            lines[k] += f"*{_xor(lines[k].partition('$')[2]):02X}"
+    trial = read_trial(save(lines))
+    close(trial, sailed)
+    (warned,) = [note for note in trial.source.notes if note.startswith("WARNING")]
+    assert "the starboard rudder of RSA is valid 100 times and the port one 241 times" in warned
+    assert "use = 'port' in [nmea.rudder]" in warned
+
+
+def _xor(text):
+    total = 0
+    for character in text:
+        total ^= ord(character)
+    return total
+
+
+def test_a_rudder_that_is_never_valid_is_named(made):
+    write, save = made
+    trial = read_trial(save(write(rudder="{:.1f},V,,V")))
+    assert not trial.has("delta")
+    assert (
+        "WARNING: delta is missing: 241 sentences IIRSA are there, all of them empty or marked as not valid (status V)."
+        in trial.source.notes
+    )
+
+
 def test_twin_rudders_that_both_work(made, sailed):
     write, save = made
     trial = read_trial(save(write(rudder="{0:.1f},A,{0:.1f},A")))

@@ -172,3 +172,41 @@ def test_tag_blocks_that_name_their_source(log, sentence, toml):
     assert np.ptp(chosen["y"]) == pytest.approx(29.5, abs=0.6)  # whole seconds: right to half of one
     alone = "".join(line + "\n" for line in text.splitlines()[::2])
     assert any("GGA of talker GP, 60 values" in n for n in read_trial(log(alone)).source.notes)
+
+
+@pytest.mark.parametrize("every", [3, 5])
+def test_two_compasses_of_different_rates(log, sentence, every):
+    """The slower one speaks between two sentences of the other, which keeps its beat."""
+
+    def heading(k):
+        return 355 + 20 * np.sin(k / 15)
+
+    lines = []
+    for k in range(240):
+        lines.append(stamp(k) + sentence(f"HEHDT,{heading(k) % 360:.1f},T"))
+        if k % every == 0:
+            lines.append(stamp(k + 0.1) + sentence(f"HEHDT,{(heading(k + 0.1) + 1.5) % 360:.1f},T"))
+    trial = read_trial(log("\n".join(lines) + "\n"))
+    (warned,) = [n for n in trial.source.notes if "devices" in n]
+    assert "HEHDT comes from 2 devices that share a talker, 1.5 deg apart" in warned
+    there = np.isfinite(trial["psi"])
+    np.testing.assert_allclose(np.degrees(trial["psi"])[there], heading(trial["t"][there]), atol=0.06)
+
+
+def test_glitches_in_the_place_of_samples_are_no_second_compass(log, sentence):
+    lines = [
+        stamp(k) + sentence(f"HEHDT,{(355 + 20 * np.sin(k / 15) + 1.5 * (k % 5 == 0)) % 360:.1f},T") for k in range(240)
+    ]
+    assert not any("devices" in n for n in read_trial(log("\n".join(lines) + "\n")).source.notes)
+
+
+def test_of_two_rudders_with_one_talker_one_stands_still(log, sentence):
+    """Where the rudder that moves goes through the angle of the other, they go on taking turns."""
+
+    def rudder(k):
+        return float(np.clip(40 * np.sin(k / 20), -20, 20))
+
+    lines = [stamp(k) + sentence(f"IIRSA,{angle:.1f},A,,V") for k in range(300) for angle in (rudder(k), 0.0)]
+    trial = read_trial(log("\n".join(lines) + "\n"))
+    assert any("IIRSA comes from 2 devices" in n for n in trial.source.notes)
+    np.testing.assert_allclose(np.degrees(trial["delta"]), [rudder(k) for k in trial["t"]], atol=0.06)

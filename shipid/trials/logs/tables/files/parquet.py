@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 from pathlib import Path
 
 import pandas as pd
@@ -129,7 +130,9 @@ def _plain(column: pd.Series) -> pd.Series:
     if isinstance(column.dtype, pd.CategoricalDtype):
         return column.astype(object)
     if column.dtype.kind == "O" or not isinstance(column.dtype.type, type):
-        # Decimals and dates of Arrow come as objects.
+        # Decimals, dates and times of day of Arrow come as objects.
+        if bool(column.dropna().map(lambda cell: isinstance(cell, (datetime.date, datetime.time))).all()):
+            return column.map(lambda cell: cell.isoformat(), na_action="ignore")
         numbers = pd.to_numeric(column, errors="coerce")
         return (
             numbers.astype(float) if bool((numbers.notna() | column.isna()).all()) and column.notna().any() else column

@@ -15,7 +15,8 @@ import pandas as pd
 
 from shipid.trials.errors import ForeignFileError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.tables.files.text_layout import TextLayout, fields, is_comment, lay_out, no_samples
+from shipid.trials.logs.tables.files.text_fields import MOST_LINES_IN_QUOTES, fields, in_quotes, is_comment
+from shipid.trials.logs.tables.files.text_layout import TextLayout, lay_out, no_samples
 from shipid.trials.logs.tables.kinds import is_utf16
 from shipid.trials.logs.tables.numerals import MISSING
 from shipid.trials.logs.tables.table import RawTable, decimals_shown
@@ -61,7 +62,7 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
     header = text.split(b"\n", layout.row)[max(layout.row - 1, 0)]
     commented = layout.row > 0 and is_comment(header.decode("utf-8", "replace"), layout.comment)
     text, more = _without_garbled(text, layout, file)
-    text = _without_comments(text, layout)
+    text = _with_whole_rows(_without_comments(text, layout), layout)
     columns = _columns(text, layout, file)
     decimal = layout.decimal
     if decimal is None and decimals_shown(columns):
@@ -140,6 +141,22 @@ def _without_comments(text: bytes, layout: TextLayout) -> bytes:
         text = re.sub(rb"(?m)^[ \t]*(?:%|//)[^\n]*", b"", text)
         sign += _HASH_WORDS
     return re.sub(rb"(?m)(^[ \t]*|[ \t]+)" + sign + rb"[^\n]*", b"", text)
+
+
+def _with_whole_rows(text: bytes, layout: TextLayout) -> bytes:
+    """Write rows whose fields in quotes hold line ends in one line each; the numbers of the lines stay."""
+    body = text.split(b"\n") if b'"' in text else []
+    odd = [k for k, line in enumerate(body) if k >= layout.skip and line.count(b'"') % 2]
+    if not odd:
+        return text
+    behind = layout.skip
+    for k in odd:
+        if k < behind:
+            continue
+        lines = [line.decode("utf-8", "replace") for line in body[k : k + MOST_LINES_IN_QUOTES]]
+        behind = k + in_quotes(lines, 0)
+        body[k:behind] = [b" ".join(body[k:behind]), *[b""] * (behind - k - 1)]
+    return b"\n".join(body)
 
 
 def _columns(text: bytes, layout: TextLayout, file: Path, *, as_text: bool = False) -> dict[int, pd.Series]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import re
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -11,16 +9,18 @@ from pathlib import Path
 
 from shipid.trials.errors import EmptyFileError, HeaderError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
+from shipid.trials.logs.tables.files.text_fields import (
+    SEPARATORS_TRIED,
+    fields,
+    header_fields,
+    in_quotes,
+    is_comment,
+)
 from shipid.trials.logs.tables.header_rows import HeaderBlock, find_heading, is_sample_row
 from shipid.trials.logs.tables.numerals import Decimal, certain_sign
 from shipid.trials.logs.tables.table import MOST_COLUMNS
 
 _NAMES = {pattern: name for name, pattern in SEPARATORS.items()}
-#: The surer ones first.
-_SEPARATORS = (";", "\t", ",", "|", r"\s+")
-# A header in white space: a name, and after it perhaps a unit in brackets that belongs to it.
-# Possessive and bounded: a line without a blank would take the square of its length.
-_HEADER_WORD = re.compile(r"[^\s\[\(]++\s*+(?:\[[^\]]{0,100}\]|\([^)]{0,100}\))|\S+")
 #: How much of a file is looked at to find its layout: lines, and characters.
 _HEAD_LINES, _HEAD_SIZE = 300, 400_000
 #: Header lines that a format file may state.
@@ -75,60 +75,6 @@ class _Row:
     last: int
     text: str
     cells: list[str]
-
-
-def fields(line: str, separator: str) -> list[str]:
-    """Return the fields of a line; quotes around a field are dropped (RFC 4180).
-
-    Parameters
-    ----------
-    line : str
-        The line.
-    separator : str
-        Regular expression of the separator.
-    """
-    if separator == r"\s+" and '"' not in line:
-        return [part.strip("'") for part in line.split()]
-    # csv takes the line apart at quotes; white space counts as one blank.
-    text = re.sub(r"\s+", " ", line.strip()) if separator == r"\s+" else line
-    try:
-        found = next(csv.reader([text], delimiter=" " if separator == r"\s+" else separator, skipinitialspace=True), [])
-    except csv.Error:  # a field longer than csv takes: this is not the separator, or no line of a table
-        found = [text]
-    return [part.strip().strip("'") for part in found]
-
-
-def header_fields(line: str, separator: str, width: int | None = None) -> list[str]:
-    """Return the fields of a header line; with white space as separator a unit in brackets stays with its name.
-
-    Parameters
-    ----------
-    line : str
-        The line.
-    separator : str
-        Regular expression of the separator.
-    width : int, optional
-        Number of columns: names of several words are taken apart at wider spaces where that gives as many.
-    """
-    if separator != r"\s+":
-        return fields(line, separator)
-    words: list[str] = _HEADER_WORD.findall(line)
-    spaced = re.split(r"\s{2,}|\t", line.strip())
-    return spaced if len(words) != width and len(spaced) == width else words
-
-
-def is_comment(line: str, sign: str) -> bool:
-    """Return whether a line is a comment: it begins with the sign, or with that of MATLAB or C where the usual one is meant.
-
-    Parameters
-    ----------
-    line : str
-        The line.
-    sign : str
-        What starts a comment line.
-    """
-    start = line.lstrip()
-    return start.startswith(sign) or (sign == "#" and start.startswith(("%", "//")))
 
 
 def lay_out(data: bytes, path: Path, fmt: TrialFormat | None) -> TextLayout:
@@ -191,9 +137,9 @@ def _rows(lines: Sequence[str], separator: str, comment: str) -> list[_Row]:
         k += 1
         if not text.strip() or is_comment(text, comment):
             continue
-        while text.count('"') % 2 and k < len(lines) and k - first < 4 and '"' in lines[k]:
-            text = f"{text} {lines[k]}"
-            k += 1
+        if text.count('"') % 2:
+            whole = in_quotes(lines, first)
+            text, k = " ".join(lines[first:whole]), whole
         rows.append(_Row(first + 1, k, text, fields(text, separator)))
     return rows
 
@@ -250,7 +196,12 @@ def _detected(path: Path, fmt: TrialFormat | None, comment: str, lines: list[str
         row = rows[heading.row].last
         if len(headers) != width:  # a header with commas over samples between blanks
             text = rows[heading.row].text
-            headers = next((h for s in _SEPARATORS if len(h := header_fields(text, s, width)) == width), headers)
+            if '"' not in text:
+                headers = next(
+                    (h for s in SEPARATORS_TRIED if len(h := header_fields(text, s, width)) == width), headers
+                )
+            elif len(headers) == width - 1 and first.text.lstrip().startswith('"1"'):
+                headers = ["", *headers]  # R's write.table names all columns but that of the row names
         _check_fit(path, row, headers, rows[heading.first].cells)
         headers += [""] * (width - len(headers))  # every row ends with a separator
         notes += _unused(rows, heading)
@@ -272,7 +223,7 @@ def _best(
     """The separator at which most cells are numbers under a header that fits, with its rows and its header."""
     best: tuple[str, list[_Row], HeaderBlock | None] | None = None
     most = (-1, -1.0)
-    for separator in (fmt.separator,) if fmt and fmt.separator else _SEPARATORS:
+    for separator in (fmt.separator,) if fmt and fmt.separator else SEPARATORS_TRIED:
         rows = _rows(lines, separator, comment)
         if separator == r"\s+":
             sample = [is_sample_row(row.cells) for row in rows]
@@ -294,7 +245,7 @@ def _best(
 
 def _without_samples(path: Path, rows: Sequence[_Row], separator: str) -> EmptyFileError | SeparatorError:
     """The error for a file without a row of numbers."""
-    if len(rows) > 1 and not any(len(fields(row.text, s)) > 1 for row in rows for s in _SEPARATORS[:-1]):
+    if len(rows) > 1 and not any(len(fields(row.text, s)) > 1 for row in rows for s in SEPARATORS_TRIED[:-1]):
         shown = rows[0].text
         return _one_column(path, rows[0].first, separator if len(shown.split()) > 1 else None, shown)
     return no_samples(path)
@@ -358,7 +309,7 @@ def _decimal(fmt: TrialFormat | None, cells: Sequence[str]) -> Decimal | None:
 
 def _separator(path: Path, number: int, header: str, first: str) -> str:
     """Choose the separator at which header and first sample fall into the same number of fields."""
-    for separator in _SEPARATORS:
+    for separator in SEPARATORS_TRIED:
         row = fields(first, separator)
         count = len(header_fields(header, separator))
         if len(row) > 1 and count > 1 and count in (len(row), len(row) - (row[-1] == "")):

@@ -53,6 +53,18 @@ FORMS = {
     "a header in quotes over two lines": lambda: written(
         lambda *s: ",".join(map(point, s)), ['"t\n[s]"', '"x [m]"', '"psi\n[deg]"', "delta [deg]"]
     ),
+    "a header of which every field runs over two lines": lambda: written(
+        lambda *s: ",".join(map(point, s)), ['"t\n[s]"', '"x\n[m]"', '"psi\n[deg]"', '"delta\n[deg]"']
+    ),
+    "row names of R": lambda: (
+        ",".join(f'"{h}"' for h in HEADER)
+        + "\n"
+        + "\n".join(f'"{k + 1}",{point(t)},{point(x)},{point(psi)},{5.5 if t > 3 else 0.0}' for k, (t, x, psi) in enumerate(zip(T, X, PSI)))
+        + "\n"
+    ),
+    "names that end in a unit": lambda: written(
+        lambda *s: ",".join(map(point, s)), ["t_s", "x_m", "psi_deg", "delta_deg"]
+    ),
     "names and units in comments": lambda: (
         "# run 3\n# t x psi delta\n# s m deg deg\n" + written(lambda *s: " ".join(map(point, s))).split("\n", 1)[1]
     ),
@@ -150,6 +162,19 @@ def test_a_stray_quote_swallows_no_rows(log, table):
     text = table.replace("\n2.0,11.2000", '\n2.0,"11.2000').replace("\n7.0,", '\n7.0",')
     with pytest.raises(e.RaggedRowError, match="line 6: a quote is opened or closed alone"):
         read_trial(log(text))
+
+
+def test_a_remark_in_quotes_over_two_lines_is_one_field(log, table):
+    lines = table.rstrip("\n").split("\n")
+    lines = [lines[0] + ",remark", *(f'{line},""' for line in lines[1:])]
+    lines[4] = lines[4][:-1] + 'rudder ""hard""\nto starboard"'
+    trial = read_trial(log("\n".join(lines) + "\n"))
+    assert len(trial) == len(lines) - 1
+    lines[6] += "x"  # what is no number is named by its line in the file, that of the remark counted
+    bad = lines[6].split(",")
+    bad[1] = "abc"
+    lines[6] = ",".join(bad)
+    assert any("line 8," in str(fault) for fault in read_record(log("\n".join(lines) + "\n")).faults)
 
 
 def test_names_without_units_and_samples_of_nothing(log, table):

@@ -1,0 +1,117 @@
+"""Clocks that stand in several columns of numbers: year, month, day, hour, minute, second; or milliseconds beside a time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
+from shipid.trials.logs.clocks.headers import short
+
+#: Names of the parts of a moment in small letters, without blanks and signs; how large they get.
+_PARTS: dict[str, tuple[tuple[str, ...], float]] = {
+    "year": (("year", "yyyy", "yr", "jahr", "ar", "annee", "jaar", "utcyear"), 2100),
+    "month": (("month", "mon", "monat", "maned", "mois", "maand", "mm", "utcmonth"), 12),
+    "day": (("day", "dd", "tag", "dag", "jour", "utcday"), 31),
+    "hour": (("hour", "hours", "hh", "hr", "hrs", "stunde", "time", "heure", "uur", "h", "utchour"), 24),
+    "minute": (("minute", "minutes", "min", "mins", "mm", "minuut", "minuten", "utcminute"), 59),
+    "second": (("second", "seconds", "sec", "secs", "ss", "s", "sekunde", "sekunden", "seconde", "utcsecond"), 60.9999),
+}
+_THOUSANDTHS = ("ms", "msec", "msecs", "millis", "millisecond", "milliseconds", "millisekunden", "millisec")
+
+
+def of_parts(table: Mapping[str, pd.Series]) -> tuple[str, pd.Series, tuple[str, ...]] | None:
+    """Return a clock that is written in several columns as one column of text.
+
+    Parameters
+    ----------
+    table : Mapping of str to pandas.Series
+        Columns by header, as printed.
+
+    Returns
+    -------
+    header : str
+        A name for the clock, made of the headers.
+    column : pandas.Series
+        Moments or times of day as text, empty where a part is missing.
+    used : tuple of str
+        The headers of the parts.
+
+    None where hour, minute and second are not there, or where their numbers are none of a clock.
+    """
+    found = {part: _column(table, names, most) for part, (names, most) in _PARTS.items()}
+    hour, minute, second = found["hour"], found["minute"], found["second"]
+    if hour is None or minute is None or second is None or len({hour, minute, second}) < 3:
+        return None
+    values = {part: pd.to_numeric(table[h], errors="coerce") for part, h in found.items() if h is not None}
+    # Seconds that count on, and hours that stand for a duration with a fraction, are a clock by themselves.
+    if float(values["second"].max()) > _PARTS["second"][1] or not _rises_in_turn(values):
+        return None
+    thousandths = _column(table, _THOUSANDTHS, 999)
+    used = [h for h in found.values() if h is not None]
+    seconds = values["second"]
+    if thousandths is not None and bool((seconds.dropna() % 1 == 0).all()):
+        seconds = seconds + pd.to_numeric(table[thousandths], errors="coerce") / 1000
+        used.append(thousandths)
+    dated = all(part in values for part in ("year", "month", "day"))
+    if not dated:
+        used = [h for part, h in found.items() if part in ("hour", "minute", "second") and h is not None] + (
+            [thousandths] if thousandths in used and thousandths is not None else []
+        )
+    rows = zip(*(values[part] for part in ("year", "month", "day") if dated), values["hour"], values["minute"], seconds)
+    cells = [_text(row) for row in rows]
+    return ", ".join(used), pd.Series(cells, index=table[hour].index, dtype=object), tuple(used)
+
+
+def with_thousandths(column: pd.Series, table: Mapping[str, pd.Series]) -> tuple[pd.Series, str] | None:
+    """Return times of whole seconds with the milliseconds that stand in a column beside them, and its header.
+
+    Parameters
+    ----------
+    column : pandas.Series
+        The clock as text.
+    table : Mapping of str to pandas.Series
+        The columns beside it.
+
+    Returns
+    -------
+    tuple of pandas.Series and str, or None
+        None where there is no such column, or the times say parts of a second themselves.
+    """
+    header = _column(table, _THOUSANDTHS, 999)
+    if header is None or (column.dtype.kind not in "OUT" and not isinstance(column.dtype, pd.StringDtype)):
+        return None
+    cells = column.astype(object)
+    if not bool(cells.dropna().map(lambda cell: isinstance(cell, str) and cell.strip()[-3:-2] == ":").all()):
+        return None
+    parts = pd.to_numeric(table[header], errors="coerce")
+    joined = [
+        f"{cell.strip()}.{int(part):03d}" if isinstance(cell, str) and np.isfinite(part) else cell
+        for cell, part in zip(cells, parts)
+    ]
+    return pd.Series(joined, index=column.index, dtype=object), header
+
+
+def _column(table: Mapping[str, pd.Series], names: tuple[str, ...], most: float) -> str | None:
+    """The first column of one of some names whose numbers lie between 0 and a largest one."""
+    for header, column in table.items():
+        if short(header) in names and (column.dtype.kind in "fiu"):
+            values = column.to_numpy(dtype=float, na_value=np.nan)
+            known = values[np.isfinite(values)]
+            if known.size and known.min() >= 0 and known.max() <= most:
+                return header
+    return None
+
+
+def _rises_in_turn(values: Mapping[str, pd.Series]) -> bool:
+    """Whether hours and minutes are whole numbers."""
+    return all(bool((values[part].dropna() % 1 == 0).all()) for part in ("hour", "minute"))
+
+
+def _text(row: tuple[float, ...]) -> str | float:
+    if not np.isfinite(row).all():
+        return float("nan")
+    *date, hour, minute, second = row
+    day = f"{date[0]:04.0f}-{date[1]:02.0f}-{date[2]:02.0f} " if date else ""
+    return f"{day}{hour:02.0f}:{minute:02.0f}:{second:09.6f}"
