@@ -157,6 +157,7 @@ def with_clock(
     ClockError
         If no cell of the clock has a time.
     """
+    found: tuple[str, ...]
     parts = of_parts(table)
     if parts is not None:
         name, column, used = parts
