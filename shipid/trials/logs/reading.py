@@ -16,7 +16,7 @@ from shipid.trials import columns
 from shipid.trials.conditions import Conditions
 from shipid.trials.errors import EmptyFileError, TrialError, WindowError
 from shipid.trials.logs.format import TrialFormat
-from shipid.trials.logs.nmea.opening import is_nmea
+from shipid.trials.logs.nmea.opening import is_nmea, why_no_nmea
 from shipid.trials.logs.nmea.reading import read_nmea
 from shipid.trials.logs.nmea.settings import NmeaFormat, chosen_format
 from shipid.trials.logs.record import LenientRecord, Span, inside
@@ -136,7 +136,13 @@ def read_record(
     if isinstance(fmt, NmeaFormat):
         record, comments = read_nmea(file, fmt)
     else:
-        table = read_table(file, fmt, part)
+        try:
+            table = read_table(file, fmt, part)
+        except TrialError:
+            fault = why_no_nmea(file) if fmt is None else None
+            if fault is not None:
+                raise fault from None
+            raise
         record, comments = record_of(table, fmt), table.comments
     source = replace(
         record.source,

@@ -162,12 +162,13 @@ def _by_stamps(log: NmeaLog) -> tuple[np.ndarray, bool, list[str]]:
             f"{counted(bare, 'sentence without a stamp has', 'sentences without a stamp have')} that of the line before."
         )
     if not log.exact:
-        times, spread = _spread(times)
-        if spread:
-            notes.append(
-                "The stamps are whole seconds: the sentences of a second were spread evenly over it, so times are right "
-                "to about half a second."
-            )
+        times, spread = _spread(log, times)
+        notes.append(
+            "The stamps are whole seconds: sentences that come several times in a second were spread evenly over it, so times are "
+            "right to about half a second."
+            if spread
+            else "The stamps are whole seconds, so times are right to about a second; sentences of one second are taken together."
+        )
     return times, log.dated, notes
 
 
@@ -185,16 +186,61 @@ def _stray(stamps: np.ndarray, dated: bool) -> np.ndarray:
     return stray
 
 
-def _spread(times: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Spread sentences of one and the same whole second over it, in their order."""
+def _spread(log: NmeaLog, times: np.ndarray) -> tuple[np.ndarray, bool]:
+    """Spread the sentences of one whole second over it, by those that come most often."""
     known = np.flatnonzero(np.isfinite(times))
     order = known[np.argsort(times[known], kind="stable")]
-    _, first, group, count = np.unique(times[order], return_index=True, return_inverse=True, return_counts=True)
+    _, group, count = np.unique(times[order], return_inverse=True, return_counts=True)
     if count.max() == 1:
         return times, False
     result = times.copy()
-    result[order] += (np.arange(len(order)) - first[group]) / count[group]
-    return result, True
+    result[order] += _places(log, order, group, 0.0)
+    return result, bool((result != times).any())
+
+
+def _places(log: NmeaLog, order: np.ndarray, group: np.ndarray, alone: float) -> np.ndarray:
+    """Where in its interval a sentence stands, between 0 and 1.
+
+    Devices that speak once in it may do so together or apart: nothing tells, and their signals are taken at one moment. A device
+    that speaks several times does so evenly, and the others stand among its sentences as their lines do.
+
+    Parameters
+    ----------
+    log : NmeaLog
+        The log.
+    order : ndarray of int, shape (n,)
+        Sentences, in the order of their time.
+    group : ndarray of int, shape (n,)
+        The interval of each, counted from 0, not falling.
+    alone : float
+        Where a sentence stands of which there is one: 0 at the beginning, 0.5 in the middle.
+    """
+    label = np.zeros(len(log.numbers), dtype=int)
+    for k, records in enumerate(log.records.values(), start=1):
+        label[records.order] = k
+    own = label[order]
+    counts = np.bincount(own)
+    counts[0] = 0  # sentences that are not read
+    leads = own == int(np.argmax(counts))
+    behind, many = _counted(leads, group)
+    place = np.where(many > 1, np.maximum(behind - 1 + alone, 0.0) / np.maximum(many, 1), alone)
+    place[~leads] = (
+        np.where(many > 1, np.minimum(behind, many - 1 + alone) / np.maximum(many, 1), alone)[~leads]
+        if alone
+        else place[~leads]
+    )
+    for k in np.unique(own[own > 0]):
+        mine = own == k
+        rank, several = _counted(mine, group)
+        place = np.where(mine & (several > 1), (rank - 1 + alone) / np.maximum(several, 1), place)
+    return np.asarray(place)
+
+
+def _counted(chosen: np.ndarray, group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How many of the chosen stand in a sentence's interval up to it, and in all of it."""
+    total = np.bincount(group, weights=chosen).astype(int)
+    before = np.concatenate(([0], np.cumsum(total)))[group]
+    return np.cumsum(chosen) - before, total[group]
 
 
 def _utc_of(records: Records) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
@@ -219,7 +265,7 @@ def _best_utc(log: NmeaLog) -> Origin | None:
 def _by_utc(log: NmeaLog, origin: Origin) -> tuple[np.ndarray, bool, list[str]]:
     order, utc, days = _utc_of(log.records[origin])
     notes = [
-        f"The time of a sentence is the UTC of {origin.name}, interpolated over the lines between two of them; how long "
+        f"The time of a sentence is the UTC of {origin.name}, and the lines between two of them lie between; how long "
         "after a fix its sentence was sent is not known."
     ]
     dated = days is not None and bool(np.isfinite(days).all())
@@ -241,6 +287,10 @@ def _by_utc(log: NmeaLog, origin: Origin) -> tuple[np.ndarray, bool, list[str]]:
     step = np.diff(moments)
     sentences = np.arange(len(log.numbers))
     times = np.interp(sentences, order, moments, left=np.nan, right=np.nan)
+    between = np.setdiff1d(sentences[order[0] : order[-1]], order)
+    group = np.searchsorted(order, between) - 1
+    times[between] = moments[group] + step[group] * _places(log, between, group, 0.5)
+    times = _with_own_utc(log, times, origin, float(np.median(step)))
     limit = max(LONGEST, 5 * float(np.median(step)))
     for before in np.flatnonzero(step > limit):
         times[order[before] + 1 : order[before + 1]] = np.nan
@@ -250,6 +300,19 @@ def _by_utc(log: NmeaLog, origin: Origin) -> tuple[np.ndarray, bool, list[str]]:
         times, dated, more = _with_date(log, times)
         notes += more
     return times, dated, notes
+
+
+def _with_own_utc(log: NmeaLog, times: np.ndarray, leading: Origin, step: float) -> np.ndarray:
+    """The times of sentences that carry a UTC of their own, where it is that of the lines around them."""
+    result = times.copy()
+    for origin, records in log.records.items():
+        if origin.kind not in _WITH_UTC or origin == leading:
+            continue
+        order, utc, _ = _utc_of(records)
+        off = (utc - times[order] + DAY / 2) % DAY - DAY / 2
+        near = np.abs(off) <= 1.5 * step
+        result[order[near]] += off[near]
+    return result
 
 
 def _with_date(log: NmeaLog, times: np.ndarray) -> tuple[np.ndarray, bool, list[str]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -11,13 +12,19 @@ from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.log import NmeaLog
 from shipid.trials.logs.nmea.messages.canboat import is_message, read_messages
 from shipid.trials.logs.nmea.sentences.collecting import is_sentence, read_sentences
+from shipid.trials.logs.nmea.sentences.lines import sentences_of
 from shipid.trials.logs.nmea.settings import NmeaFormat
 from shipid.trials.logs.tables.opening import opened
 
 LONGEST_LINE = 65536
 """A longer line is read in pieces: it is no line of a log, and a file without line ends has to fit into the memory."""
 _HEAD = 65536
+_LONGEST_SENTENCE = 1024
+"""With the stamp before it; the standard allows 82 characters."""
 _COMPRESSED = (b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK\x03\x04")
+_LIKE_A_SENTENCE = re.compile(
+    r"(?:([$!])|(?<![A-Za-z0-9$!]))[A-Za-z]{2}(?i:HDT|HDG|HDM|THS|RSA|ROR|ROT|GGA|RMC|GLL|VTG|VHW|VBW|ZDA),[^*]*+(\*)?"
+)
 _FEWEST = 3
 """Fewer sentences or messages do not make a log that is recognised by itself."""
 
@@ -95,20 +102,56 @@ def _stream(file: Path) -> BinaryIO:
 
 def _lines(file: Path, encoding: str) -> Iterator[tuple[int, str]]:
     """Number and text of each line."""
-    number, whole = 0, True
+    number, whole, rest = 0, True, ""
     with io.TextIOWrapper(_stream(file), encoding, "replace") as text:
         for line in iter(lambda: text.readline(LONGEST_LINE), ""):
             number += whole
             whole = line.endswith("\n")
+            line, rest = rest + line, ""
+            if not whole and (behind := line.rfind("*") + 3) > len(line) - _LONGEST_SENTENCE:
+                # A log that lost its line ends: the piece ends behind a checksum, and the sentence that is cut goes to the next.
+                line, rest = line[:behind], line[behind:]
             yield number, line
+    if rest:
+        yield number, rest
 
 
 def _counted(file: Path, encoding: str) -> tuple[int, int, int]:
     """Sentences, messages and lines with anything but a comment in the head of a file."""
     with _stream(file) as stream:
         head = stream.read(_HEAD)
-    lines = [line.strip(" \t\x00") for line in head.decode(encoding, "replace").splitlines()]
+    lines = [
+        piece for line in head.decode(encoding, "replace").splitlines() for piece in sentences_of(line.strip(" \t\x00"))
+    ]
     lines = [
         line for line in (lines[:-1] if len(head) == _HEAD else lines) if line and not line.startswith(("#", ";", "//"))
     ]
     return sum(map(is_sentence, lines)), sum(map(is_message, lines)), len(lines)
+
+
+def why_no_nmea(file: Path) -> NotNmeaError | None:
+    """Return what is wrong with a log whose lines look like NMEA 0183 sentences and are none; None for any other file.
+
+    Parameters
+    ----------
+    file : Path
+        A file that could not be read as a table.
+    """
+    encoding = encoding_of(file)
+    with _stream(file) as stream:
+        lines = stream.read(_HEAD).decode(encoding, "replace").splitlines()
+    like = [match for line in lines if (match := _LIKE_A_SENTENCE.search(line)) is not None]
+    if len(like) < _FEWEST or len(like) * 2 < len(lines):
+        return None
+    marked, stars = sum(1 for match in like if match[1]), sum(1 for match in like if match[2])
+    fault = (
+        "no line has the sign $ in front of it"
+        if marked * 2 < len(like)
+        else "their checksums are wrong or cut short"
+        if stars * 2 > len(like)
+        else "they are no whole sentences"
+    )
+    return NotNmeaError(
+        f"'{file}': the lines look like NMEA 0183 sentences ('{like[0][0].strip()[:40]}'), and {fault}. Check the baud rate of the "
+        "logger, what it writes, and how the file was copied."
+    )

@@ -102,14 +102,40 @@ def test_whole_seconds_are_spread(log, stamped, basic):
     assert trial.sampling < 0.25
 
 
-def test_whole_seconds_of_two_sentences_are_spread(log, stamped):
-    """The rudder comes half a second behind the heading, as the second of two sentences of each second."""
+def test_two_devices_that_speak_once_a_second_are_taken_together(log, stamped):
+    """Nothing tells how far apart they speak in a second: heading and rudder are not shifted against each other."""
     turning = (lambda t: f"IIRSA,{t:.1f},A,,V", 1)
-    text = stamped(("HEHDT,30.0,T", 1), turning, stamp=lambda s: f"{at(s):%H:%M:%S} ")
+    text = stamped((lambda t: f"HEHDT,{30 + t:.1f},T", 1), turning, stamp=lambda s: f"{at(s):%H:%M:%S} ")
     trial = reading.read_trial(log(text), format="nmea")
-    assert any("spread evenly" in n for n in trial.source.notes)
+    assert any("right to about a second; sentences of one second are taken together" in n for n in trial.source.notes)
+    np.testing.assert_allclose(trial["t"], np.arange(21))
+    np.testing.assert_allclose(np.degrees(trial["delta"]), np.degrees(trial["psi"]) - 30, atol=1e-6)
+
+
+def test_beside_a_device_of_ten_sentences_a_second_the_order_of_lines_tells_the_time(log, stamped):
+    text = stamped(
+        (lambda t: f"HEHDT,{30 + t:.1f},T", 10),
+        (lambda t: f"IIRSA,{t - 0.25:.1f},A,,V", 1),
+        stamp=lambda s: f"{at(s):%H:%M:%S} ",
+        seconds=20,
+    )
+    lines = text.splitlines()
+    for k in [k for k, line in enumerate(lines) if "RSA" in line][::-1]:  # four headings later: 0.35 s
+        lines[k : k + 5] = [*lines[k + 1 : k + 5], lines[k]]
+    trial = reading.read_trial(log("\n".join(lines) + "\n"), format="nmea")
     there = np.isfinite(trial["delta"])
-    np.testing.assert_allclose(np.degrees(trial["delta"][there]), trial["t"][there] - 0.5, atol=1e-6)
+    assert np.median(trial["t"][there] % 1) == pytest.approx(0.35, abs=0.11)
+
+
+def test_without_stamps_devices_are_not_shifted_against_each_other(log, stamped):
+    text = stamped(
+        (lambda t: f"HEHDT,{30 + t:.1f},T", 1), (lambda t: f"IIRSA,{t:.1f},A,,V", 1), ("GPZDA,090000.00,04,05,2026,00,00", 1),
+        stamp=lambda _: "",
+    )  # fmt: skip
+    trial = reading.read_trial(log(text), format="nmea")
+    there = np.isfinite(trial["delta"]) & np.isfinite(trial["psi"])
+    assert there.sum() >= 19
+    np.testing.assert_allclose(np.degrees(trial["delta"])[there], np.degrees(trial["psi"])[there] - 30, atol=1e-6)
 
 
 def test_one_sentence_a_second_is_not_spread(log, stamped):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from shipid.trials import errors as e
+from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.opening import is_nmea
 from shipid.trials.logs.reading import read_trial
 
@@ -73,3 +74,28 @@ def test_compressed(log, stamped, basic, compress):
     assert np.isfinite(trial["psi"]).sum() == 101
     with pytest.raises(e.ForeignFileError, match=r"damaged|cannot be opened"):
         read_trial(log(compress(text)[:-30], "cut.nmea.gz"))
+
+
+def test_a_log_that_lost_all_its_line_ends(log, sentence):
+    """It is longer than a piece in which lines are read, and no sentence is lost where pieces meet."""
+    text = "".join(
+        f"2026-05-04T09:{k // 60:02d}:{k % 60:02d}.000Z " + sentence(f"HEHDT,{k % 360:.1f},T") for k in range(3000)
+    )
+    trial = read_trial(log(text, "log.nmea"))
+    assert len(trial) == 3000
+    assert not any("broken" in note for note in trial.source.notes)
+
+
+@pytest.mark.parametrize(
+    ("spoilt", "fault"),
+    [
+        (lambda s: s[:-2] + "00", "their checksums are wrong or cut short"),
+        (lambda s: s[:-1], "their checksums are wrong or cut short"),
+        (lambda s: s[1:], "no line has the sign $ in front of it"),
+    ],
+)
+def test_what_looks_like_sentences_and_is_none_is_named(log, sentence, spoilt, fault):
+    text = "".join(spoilt(sentence(f"HEHDT,{100.5 + k},T")) + "\r\n" for k in range(50))
+    with pytest.raises(NotNmeaError) as found:
+        read_trial(log(text, "log.txt"))
+    assert "look like NMEA 0183 sentences ('" in str(found.value) and fault in str(found.value)
