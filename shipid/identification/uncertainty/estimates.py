@@ -63,7 +63,9 @@ def estimates_of(
         entry, value = problem.model[name], float(q[i])
         std = float(np.sqrt(covariance[i, i]))
         order = np.argsort(-np.abs(correlation[i]))
-        strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > _TRADED]
+        strong = [
+            f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > _TRADED
+        ]
         size = max(abs(float(box.start[i])), abs(scale.start_of(entry) or 0.0))
         _, before = (None if problem.prior is None else problem.prior.parameters.get(name)) or (0.0, np.inf)
         standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)

@@ -198,7 +198,9 @@ def situation_of(known: Situation | Mapping[str, str | float]) -> Situation:
     if isinstance(known, Situation):
         return known
     if not isinstance(known, Mapping) or not all(isinstance(v, (str, int, float, np.number)) for v in known.values()):
-        raise UsageError("a prediction begins from a Situation, or from values by name: {'psi': '30 deg', 'u': '8 m/s'}.")
+        raise UsageError(
+            "a prediction begins from a Situation, or from values by name: {'psi': '30 deg', 'u': '8 m/s'}."
+        )
     return Situation({n: to_si(v, _unit(n), f"'{n}'") if isinstance(v, str) else float(v) for n, v in known.items()})
 
 
