@@ -97,7 +97,7 @@ def test_a_stopped_campaign_is_gone_on_with(studies, tmp_path, monkeypatch):
 
 def test_a_process_that_is_just_started_is_ended_too(studies, monkeypatch):
     """The signal comes after a worker was started and before anything knows of it."""
-    launch, started = popen_spawn_posix.Popen._launch, []
+    launch, started = popen_spawn_posix.Popen._launch, []  # noqa: SLF001 - where a process is started
 
     def interrupted(self: object, process: object) -> None:
         launch(self, process)

@@ -256,5 +256,5 @@ def test_a_start_outside_of_its_bounds_is_refused(start: float, low: float, high
             """Own notes."""
             return -self.y / self.tau
 
-    with pytest.raises(DeclarationError, match="'tau' of Lag declares .*low has to be below high"):
+    with pytest.raises(DeclarationError, match=r"'tau' of Lag declares .*low has to be below high"):
         join("lag", Lag)

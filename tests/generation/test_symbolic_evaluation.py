@@ -106,7 +106,7 @@ def test_other_numbers_over_symbols_are_refused(effect):
 
 @pytest.mark.parametrize("effect", [np.deg2rad, np.rad2deg])
 def test_a_conversion_of_units_is_refused(effect):
-    with pytest.raises(UnitError, match="with units and .* over plain SI numbers"):
+    with pytest.raises(UnitError, match=r"with units and .* over plain SI numbers"):
         yaw_of(effect)
 
 
