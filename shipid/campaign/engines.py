@@ -9,6 +9,7 @@ from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing.reduction import ForkingPickler
+from time import monotonic
 from typing import ParamSpec, TypeVar
 
 from shipid.campaign.campaign import Engine
@@ -16,12 +17,15 @@ from shipid.campaign.errors import CampaignRequestError
 from shipid.foundation.aliases import DaskClient
 from shipid.foundation.errors import MissingExtraError
 from shipid.foundation.processes.apart import processors
+from shipid.foundation.processes.stopping import undisturbed
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 #: Batches handed to an engine at once, for each of its workers: enough that none waits, few enough to hold in memory.
 _AHEAD = 3
+#: Seconds a worker that is told to stop is given.
+_GRACE = 1.0
 #: Seconds a scheduler is given to answer.
 _PATIENCE = "10s"
 
@@ -82,14 +86,24 @@ def local_engine(engine: Engine, workers: int | None, batches: int) -> Iterator[
         raise
     except BaseException:
         executor.shutdown(wait=False, cancel_futures=True)
-        for child in set(multiprocessing.active_children()) - before:
-            child.terminate()  # what it has in hand is run again
+        _end(set(multiprocessing.active_children()) - before)
         raise
     executor.shutdown()
 
 
+def _end(children: set[multiprocessing.process.BaseProcess]) -> None:
+    """Ask workers to end, and end those that do not: what they have in hand is run again."""
+    for child in children:
+        child.terminate()
+    latest = monotonic() + _GRACE
+    for child in children:
+        child.join(max(0.0, latest - monotonic()))
+        if child.is_alive():
+            child.kill()
+
+
 class _Processes(ProcessPoolExecutor):
-    """A pool that is handed only what can travel to a process.
+    """A pool that is handed only what can travel to a process, and that knows every process it has started.
 
     What cannot be pickled is found here, by who hands it over: found by the pool's own thread it can keep the pool from ending
     (a lock of Python 3.11's executor).
@@ -102,7 +116,9 @@ class _Processes(ProcessPoolExecutor):
             refused: Future[T] = Future()
             refused.set_exception(error)
             return refused
-        return super().submit(fn, *args, **kwargs)
+        # A signal between the start of a process and its entry in the list of those to end would leave it working.
+        with undisturbed():
+            return super().submit(fn, *args, **kwargs)
 
 
 def _only_told_to_stop() -> None:

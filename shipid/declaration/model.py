@@ -16,6 +16,7 @@ from shipid.declaration.component import SAMPLING_INTERVAL, Component, Scope, sl
 from shipid.declaration.described import model_html, model_text
 from shipid.declaration.quantity import COMPUTED, Equation, Kind, Quantity
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import given_unit
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
 
@@ -50,6 +51,11 @@ class Entry:
     def unit(self) -> str:
         """Its declared SI unit."""
         return self.quantity.unit
+
+    @property
+    def given_unit(self) -> str:
+        """The unit in which values of it are taken, see `shipid.declaration.vocabulary.given_unit`."""
+        return given_unit(self.name, self.unit)
 
     def value(self, lookup: Callable[[str], Expression]) -> Expression:
         """Return the right-hand side of its equation.

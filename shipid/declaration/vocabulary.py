@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from shipid.declaration.units import factor, pretty
+from shipid.declaration.units import counts_revolutions, factor, pretty, same_dimension
 from shipid.foundation.numbers import uncertain_text
 
 Number = TypeVar("Number", float, np.ndarray)
@@ -96,6 +96,18 @@ FIELDS: Mapping[str, Field] = MappingProxyType({f.name: f for f in _FIELDS})
 
 #: How quantities outside the vocabulary are shown, by the unit they have inside.
 _SHOWN = {"rad": "deg", "rad/s": "deg/s", "rad/s^2": "deg/s^2", "rps": "rpm", "rev/s": "rpm"}
+
+
+def given_unit(name: str, unit: str) -> str:
+    """Return the unit in which values of a quantity are taken: a shaft speed counts revolutions, as in records, and is no angle.
+
+    Parameters
+    ----------
+    name, unit : str
+        The quantity, and its declared unit: ``1/s`` alone would take radians.
+    """
+    counted = FIELDS[name].unit if name in FIELDS else unit
+    return counted if counts_revolutions(counted) and same_dimension(counted, unit) else unit
 
 
 def label(name: str, meaning: str = "") -> str:

@@ -20,6 +20,9 @@ DETERMINED: Standing = "determined"
 NEAR_ZERO: Standing = "not distinguishable from zero"
 UNKNOWN: Standing = "not determined"
 
+#: Why a coefficient is not determined whose search ended at the edge of what it was allowed: it may trade off with others besides.
+AT_BOUND = "it ended at its bound."
+
 #: A standard deviation that is a larger share of the size is too large: at half of it, the 95 % interval reaches zero.
 UNDETERMINED = 0.5
 #: A standard deviation that is a larger share of the one before the data comes from before.

@@ -131,7 +131,7 @@ def uncertain(value: float | None, std: float | None) -> str:
 
 
 def uncertain_text(value: float | None, std: float | None) -> str:
-    """Return the same for a terminal: an ASCII minus sign, and powers of ten as in ``1.2e-07``.
+    """Return the same digits for a terminal: an ASCII minus sign, and powers of ten as in ``1.20e-07``.
 
     Parameters
     ----------
@@ -144,10 +144,12 @@ def uncertain_text(value: float | None, std: float | None) -> str:
         return f"{value:.6g}"
     place = last_place(std)
     # Past six decimals or six figures before the point, powers of ten read better.
-    if 0 <= place <= 6 and abs(value) < 1e6:
-        return f"{value:.{place}f} ± {std:.{place}f}"
-    figures = max(1, floor(log10(max(abs(value), std))) + place + 1)
-    return f"{value:.{min(figures, 12)}g} ± {std:.2g}"
+    spread = float(f"{std:.1e}")
+    if place <= 6 and max(abs(value), spread) < 1e6:
+        return f"{round(value, place):.{max(0, place)}f} ± {round(spread, place):.{max(0, place)}f}"
+    figures = floor(log10(max(abs(value), spread))) + place + 1
+    # A trailing zero is a digit that is known.
+    return f"{value:#.{min(figures, 12)}g} ± {std:#.2g}".replace(". ", " ").removesuffix(".")
 
 
 def interval(ends: tuple[float, float] | None, std: float | None) -> str:

@@ -43,28 +43,27 @@ def check_kind(path: Path) -> None:
     Parameters
     ----------
     path : Path
-        The file to write. A link counts as what it leads to.
+        The file to write. A link is none: put in its place, a file would not come to where it leads, and ``/dev/stdout`` is one.
 
     Raises
     ------
     OverwriteError
-        If there is a device, a pipe, a socket, or a link that leads nowhere.
+        If there is a device, a pipe, a socket, or a link.
     MissingFileError
         If there is a folder.
     """
     if path.is_dir():
         raise MissingFileError(f"'{path}' is a folder. Name the file to write.")
-    if os.path.lexists(path) and not path.is_file():
+    if os.path.lexists(path) and (path.is_symlink() or not path.is_file()):
         raise OverwriteError(
             f"'{path}' is {_kind(path)}, and only a file is replaced. Name another file; without one a result is printed."
         )
 
 
 def _kind(path: Path) -> str:
-    try:
-        mode = path.stat().st_mode
-    except OSError:
-        return "a link that leads nowhere"
+    mode = path.lstat().st_mode
+    if stat.S_ISLNK(mode):
+        return "a link"
     if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode):
         return "a pipe"
     return "a device"

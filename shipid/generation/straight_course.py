@@ -89,7 +89,7 @@ def linear_ship(
     for name, value in (given or {}).items():
         if name not in model.inputs:
             raise UnknownNameError(f"input of model {model.name} called", name, model.inputs)
-        known[name] = to_si(value, model[name].unit, f"'{name}'")
+        known[name] = to_si(value, model[name].given_unit, f"'{name}'")
     at = {"u": speed, "cruise": speed, **dict.fromkeys(AMIDSHIPS, 0.0), **known}
     condition = dict(zip(model.states, initial_state(model, at).tolist()))
     condition |= dict(zip(model.inputs, input_rows(model, at, 1)[:, 0].tolist()))

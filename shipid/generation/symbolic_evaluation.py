@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import functools
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 
 import casadi as ca
+import numpy as np
 
 from shipid.declaration.joining.unit_check import user_line
-from shipid.declaration.model import Entry, Evaluation
+from shipid.declaration.model import Entry, Evaluation, Model
 from shipid.foundation.aliases import Expression
 from shipid.foundation.errors import DeclarationError, ShipidError
 
+#: Two values that differ by no more, relative to the larger, are the same.
+_SAME = 1e-9
+#: Tries: the sign of states and inputs.
+_SIGNS = (1.0, -1.0)
 _LOCK = threading.RLock()
 _CHOICE = (
     "A symbol is neither true nor false: write np.where(condition, a, b) for 'if', np.maximum and np.minimum for max and min, "
@@ -47,7 +53,7 @@ class SymbolicEvaluation(Evaluation):
                 return super().equation(entry)
         except ShipidError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             text = str(error)
             advice = (
                 _CHOICE
@@ -86,3 +92,85 @@ def _no_symbol_is_a_number() -> Iterator[None]:
             yield
         finally:
             ca.SX.__float__ = before  # type: ignore[method-assign]
+
+
+def check_numbers(model: Model) -> None:
+    """Compare every equation over symbols with itself over numbers of both signs.
+
+    A function of Python or NumPy that knows symbols may compute something else with them: the remainder of a negative number, a
+    branch of ``try``, a random number, a function that takes a symbol for an object.
+
+    Parameters
+    ----------
+    model : Model
+        Its equations run over symbols.
+
+    Raises
+    ------
+    DeclarationError
+        With the model, the equation, both values, and what to write instead.
+    """
+    signed = frozenset((*model.states, *model.inputs))
+    for entry in model.entries.values():
+        if entry.equation is None:
+            continue
+        differs = _differs(entry, signed & _reads(entry))
+        if differs is not None:
+            place = user_line(Exception(), entry.equation.function.__code__)
+            raise DeclarationError(
+                f"model {model.name}, equation {entry.owner.__name__}.{entry.equation.name} ({place}) gives {differs[0]:.4g} over "
+                f"numbers and {differs[1]:.4g} over symbols, which it is run over. Use NumPy's elementwise functions, np.where and "
+                "np.interp, and neither try, isinstance, round, % nor //."
+            )
+
+
+def _numbers(sign: float, signed: frozenset[str]) -> Callable[[str], float]:
+    """Arbitrary numbers by name, of which some have a sign; neither 0 nor 1, and no two alike."""
+    known: dict[str, float] = {}
+
+    def number(name: str) -> float:
+        known.setdefault(name, 0.35 + 0.6 * (0.618034 * (len(known) + 1) % 1))
+        return np.float64(known[name] * (sign if name in signed else 1.0))
+
+    return number
+
+
+@functools.lru_cache(maxsize=4096)
+def _reads(entry: Entry) -> frozenset[str]:
+    read: set[str] = set()
+
+    def lookup(name: str) -> float:
+        read.add(name)
+        return np.float64(0.7311)
+
+    # An equation that fails over plain numbers has read what it fails with.
+    with np.errstate(all="ignore"), suppress(Exception):
+        entry.value(lookup)
+    return frozenset(read)
+
+
+@functools.lru_cache(maxsize=4096)
+def _differs(entry: Entry, signed: frozenset[str]) -> tuple[float, float] | None:
+    """Values over numbers and over symbols where they differ; None where both are the same, or one is no number."""
+    symbols: dict[str, ca.SX] = {}
+
+    def symbol(name: str) -> ca.SX:
+        return symbols.setdefault(name, ca.SX.sym(name))
+
+    with _no_symbol_is_a_number():
+        expression = ca.SX(entry.value(symbol))
+    if not expression.is_scalar():
+        return None
+    run = ca.Function("equation", list(symbols.values()), [expression])
+    for sign in _SIGNS:
+        number = _numbers(sign, signed)
+        try:
+            with np.errstate(all="ignore"):
+                over_numbers = float(np.asarray(entry.value(number), dtype=float).item())
+        except (TypeError, ValueError, ArithmeticError):  # what numbers of this sign cannot do says nothing of symbols
+            continue
+        over_symbols = float(run.call([number(n) for n in symbols])[0])
+        size = max(abs(over_numbers), abs(over_symbols))
+        if np.isfinite([over_numbers, over_symbols]).all() and abs(over_numbers - over_symbols) > _SAME * size:
+            return over_numbers, over_symbols
+    return None

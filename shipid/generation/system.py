@@ -15,7 +15,7 @@ from shipid.declaration.component import SAMPLING_INTERVAL
 from shipid.declaration.model import Model
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import DeclarationError, UnknownNameError
-from shipid.generation.symbolic_evaluation import SymbolicEvaluation
+from shipid.generation.symbolic_evaluation import SymbolicEvaluation, check_numbers
 
 # CasADi has two modes for NumPy functions of its symbols; equations need the one that returns symbols.
 ca.GlobalOptions.setNumpyMode(1)
@@ -255,6 +255,11 @@ def generate(model: Model) -> System:
     Returns
     -------
     System
+
+    Raises
+    ------
+    DeclarationError
+        If an equation does what only numbers can do, or gives other numbers over symbols.
     """
     groups = {
         "x": model.states,
@@ -267,6 +272,7 @@ def generate(model: Model) -> System:
     rates = evaluation.right_hand_sides("rate")
     nexts = evaluation.right_hand_sides("next")
     values = {n: symbols[n] if n in symbols else ca.SX(evaluation[n]) for n in model.entries if n != SAMPLING_INTERVAL}
+    check_numbers(model)
     columns = {k: ca.vertcat(*(symbols[n] for n in names)) if names else ca.SX(0, 1) for k, names in groups.items()}
     return System(
         model,

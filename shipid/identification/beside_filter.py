@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from shipid.declaration.model import Model
 from shipid.estimation.levels.record_levels import BatchEstimate
 from shipid.estimation.settings.defaults import parameters_to_estimate
+from shipid.estimation.standing import AT_BOUND
 from shipid.foundation.errors import ShipidError
 from shipid.identification.identify import identify
 from shipid.parameters.parameter_set import ParameterSet
@@ -37,7 +38,8 @@ def beside_filter(
     Returns
     -------
     BatchEstimate or None
-        None where the record cannot be identified, or the search did not converge.
+        None where the record cannot be identified, or the search did not converge. A coefficient that ended at its bound has no
+        value: it is named.
     """
     try:
         # Coefficients that are named are no more the model's own choice, and a dead time would not be looked for.
@@ -52,5 +54,6 @@ def beside_filter(
     }
     if not fit.converged:
         return None
+    at_bound = tuple(n for n, e in fit.parameters.items() if e.why.startswith(AT_BOUND))
     used = next(r.method for r in fit.ladder if r.used)
-    return BatchEstimate(used.replace("-", " "), values)
+    return BatchEstimate(used.replace("-", " "), values, at_bound)

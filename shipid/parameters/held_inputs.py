@@ -52,7 +52,7 @@ def hold_inputs(model: Model, values: Mapping[str, str | float]) -> Model:
         if name not in model.inputs:
             raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
         entry = model[name]
-        number = to_si(text, entry.unit, f"input '{name}'") if isinstance(text, str) else float(text)
+        number = to_si(text, entry.given_unit, f"input '{name}'") if isinstance(text, str) else float(text)
         held.append((name, entry.unit, entry.quantity.meaning, entry.quantity.wraps, number))
     return join(model.name, model, _component(tuple(held)))
 

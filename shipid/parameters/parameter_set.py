@@ -11,6 +11,7 @@ from shipid.declaration.component import slug
 from shipid.declaration.model import Model
 from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
+from shipid.declaration.vocabulary import given_unit
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
 from shipid.foundation.result import Result, table
 from shipid.parameters.correlation import Joint
@@ -76,7 +77,7 @@ class Value:
         ParameterSetError
             If a table is asked for without a speed, or outside its range.
         """
-        what = f"'{self.name}' in {where}"
+        what, wanted = f"'{self.name}' in {where}", given_unit(self.name, wanted)
         if isinstance(self.value, (int, float)):
             return to_si((self.value, self.unit), wanted, what)
         import numpy as np
@@ -310,7 +311,7 @@ def parse_value(model: Model, assignment: str) -> tuple[str, float]:
             f"'{name}' is a {entry.quantity.kind} of model {model.name}, and cannot be given a value."
         )
     split(text)
-    return name, to_si(text, entry.unit, f"'{name}' ({entry.quantity.meaning})")
+    return name, to_si(text, entry.given_unit, f"'{name}' ({entry.quantity.meaning})")
 
 
 def missing_values(model: Model, values: Mapping[str, float], ship: str) -> ParameterSetError | None:

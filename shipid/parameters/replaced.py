@@ -8,6 +8,7 @@ from dataclasses import replace
 from shipid.declaration.component import declared_quantities
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
+from shipid.declaration.vocabulary import given_unit
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.parameters.correlation import Joint
 from shipid.parameters.draft import KNOWN_PARTICULARS
@@ -83,7 +84,7 @@ def _declared(name: str, models: Sequence[Model]) -> tuple[str, str, list[Model]
     having = [m for m in models if name in m.entries]
     holders = [m for m in having if m[name].quantity.kind in ("parameter", "derived")]
     if holders:
-        return holders[0][name].unit, holders[0][name].quantity.meaning, holders
+        return holders[0][name].given_unit, holders[0][name].quantity.meaning, holders
     for known in KNOWN_PARTICULARS:
         if known.name == name:
             return known.unit, known.meaning, []
@@ -92,7 +93,7 @@ def _declared(name: str, models: Sequence[Model]) -> tuple[str, str, list[Model]
         quantities[name] = model[name].quantity
     known_kinds = {n: q for n, q in quantities.items() if q.kind in ("parameter", "constant")}
     if name in known_kinds:
-        return known_kinds[name].unit, known_kinds[name].meaning, []
+        return given_unit(name, known_kinds[name].unit), known_kinds[name].meaning, []
     if name in quantities:
         raise UsageError(f"'{name}' is {_ROLES.get(quantities[name].kind, 'no value')}, and is no value of a ship.")
     names = [n for m in models for n in (*m.parameters, *m.constants)]

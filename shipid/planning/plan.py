@@ -207,4 +207,4 @@ def _estimate(value: float, std: float | None) -> str:
 
 
 def _spread(std: float | None) -> str:
-    return "any" if std is None else f"{std:.2g}"
+    return "any" if std is None else f"{std:#.2g}".removesuffix(".")

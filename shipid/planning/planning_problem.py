@@ -204,7 +204,7 @@ def planning_problem(
             f"{time} is more than {_MOST:.0f} times the {length / first:.3g} s in which ship {ship.name} sails her length: "
             "plan a part of it."
         )
-    held = {n: to_si(v, model[n].unit, f"'{n}' ({model[n].quantity.meaning})") for n, v in values.items()}
+    held = {n: to_si(v, model[n].given_unit, f"'{n}' ({model[n].quantity.meaning})") for n, v in values.items()}
     for n in held:
         if model[n].quantity.kind not in ("parameter", "constant", "derived"):
             raise UsageError(f"'{n}' is no coefficient of model {model.name}, and takes no value.")

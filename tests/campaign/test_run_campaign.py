@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import tracemalloc
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from multiprocessing import popen_spawn_posix
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +24,7 @@ from shipid.campaign.errors import (
 from shipid.campaign.run_campaign import run_campaign
 from shipid.campaign.table import read_runs
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.processes.stopping import Interrupted, watched
 
 
 def same_runs(one: dict, other: dict) -> None:
@@ -89,6 +93,23 @@ def test_a_stopped_campaign_is_gone_on_with(studies, tmp_path, monkeypatch):
     assert {p: p.stat().st_mtime_ns for p in kept} == stamps, "finished runs are not run again"
     assert resumed.to_dict() == whole.to_dict()
     same_runs(read_runs(tmp_path / "whole"), read_runs(tmp_path / "part"))
+
+
+def test_a_process_that_is_just_started_is_ended_too(studies, monkeypatch):
+    """The signal comes after a worker was started and before anything knows of it."""
+    launch, started = popen_spawn_posix.Popen._launch, []  # noqa: SLF001 - where a process is started
+
+    def interrupted(self: object, process: object) -> None:
+        launch(self, process)
+        started.append(self.pid)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(popen_spawn_posix.Popen, "_launch", interrupted)
+    study = replace(studies.slow_darts, engine="processes")
+    with watched(), pytest.raises(Interrupted):
+        run_campaign(study, 200, workers=2)
+    left = [n for n in started if Path(f"/proc/{n}").exists() and "Z" not in Path(f"/proc/{n}/stat").read_text()]
+    assert started and not left
 
 
 def test_runs_are_added(studies, tmp_path):

@@ -226,7 +226,7 @@ def unchanged(place):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes with a name")
-@pytest.mark.parametrize("kind", ["pipe", "link to a device", "link that leads nowhere", "folder"])
+@pytest.mark.parametrize("kind", ["pipe", "link to a device", "link to a file", "link that leads nowhere", "folder"])
 def test_only_files_are_replaced(own_command, tmp_path, kind):
     """Looked at before the work is done, and nothing is touched."""
     place = tmp_path / "notes.txt"
@@ -235,22 +235,19 @@ def test_only_files_are_replaced(own_command, tmp_path, kind):
     elif kind == "folder":
         place.mkdir()
     else:
-        place.symlink_to("/dev/null" if kind == "link to a device" else tmp_path / "none")
+        place.symlink_to({"link to a device": "/dev/null", "link to a file": __file__}.get(kind, tmp_path / "none"))
     before = unchanged(place)
-    words = {"link to a device": "a device", "pipe": "a pipe"}.get(kind, kind)
     for more in ((), ("--overwrite",)):
         answer = own_command("--out", tmp_path, *more)
         assert (answer.code, answer.out) == (ExitCode.BAD_DATA, "")
-        assert f"notes.txt' is {'a ' if kind == words else ''}{words}" in answer.said
+        assert f"notes.txt' is a {kind.split()[0]}" in answer.said
     assert unchanged(place) == before and [p.name for p in tmp_path.iterdir()] == ["notes.txt"]
 
 
-def test_a_link_to_a_file_is_replaced_by_the_file(own_command, tmp_path):
-    (tmp_path / "kept").write_text("kept")
-    (tmp_path / "notes.txt").symlink_to(tmp_path / "kept")
-    assert own_command("--out", tmp_path).code == ExitCode.USAGE
-    assert own_command("--out", tmp_path, "--overwrite").code == 0
-    assert (tmp_path / "notes.txt").read_text() == "notes" and (tmp_path / "kept").read_text() == "kept"
+def test_a_folder_that_is_a_link_to_nowhere_is_named(own_command, tmp_path):
+    (tmp_path / "out").symlink_to(tmp_path / "none")
+    answer = own_command("--out", tmp_path / "out")
+    assert (answer.code, answer.out) == (ExitCode.USAGE, "") and "leads nowhere" in answer.said
 
 
 def test_a_file_that_comes_while_the_work_is_done_is_not_lost(own_command, monkeypatch, tmp_path):

@@ -239,3 +239,22 @@ def test_a_time_constant_may_be_called_T() -> None:
     assert model.parameters == ("K", "T")
     rates = Evaluation(model, {"r": 0.1, "delta": 0.5, "K": 0.4, "T": 5.0}).right_hand_sides("rate")
     assert rates["r"] == (0.4 * 0.5 - 0.1) / 5.0
+
+
+@pytest.mark.parametrize(
+    ("start", "low", "high"), [(5, 0, 1), (float("nan"), 0, 1), (0.5, 10, 1), (1, 1, 1), (0, float("nan"), 1)]
+)
+def test_a_start_outside_of_its_bounds_is_refused(start: float, low: float, high: float) -> None:
+    class Lag(Component):
+        """A lag."""
+
+        y = state("m", "what follows")
+        tau = parameter("s", "time constant", start=start, low=low, high=high)
+
+        @y.rate
+        def follow(self):
+            """Own notes."""
+            return -self.y / self.tau
+
+    with pytest.raises(DeclarationError, match=r"'tau' of Lag declares .*low has to be below high"):
+        join("lag", Lag)

@@ -50,3 +50,12 @@ def test_places_that_cannot_be_written(tmp_path: Path) -> None:
         check_place(tmp_path / "no" / "file", overwrite=False)
     with pytest.raises(MissingFileError, match="cannot be written"), replacing(tmp_path / "no" / "file"):
         pass
+
+
+def test_a_link_is_no_file_to_replace(tmp_path: Path) -> None:
+    """``/dev/stdout`` leads to a file where the output of a shell goes to one: replaced, it would be a file for every program."""
+    (tmp_path / "kept").write_text("old")
+    (tmp_path / "link").symlink_to(tmp_path / "kept")
+    with pytest.raises(OverwriteError, match="is a link, and only a file is replaced"), replacing(tmp_path / "link"):
+        pass
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "kept").read_text() == "old"

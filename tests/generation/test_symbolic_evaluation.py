@@ -14,7 +14,7 @@ import pytest
 
 import shipid
 from shipid import Component, given, parameter, state
-from shipid.foundation.errors import DeclarationError
+from shipid.foundation.errors import DeclarationError, UnitError
 from shipid.generation.system import generate
 
 
@@ -89,3 +89,35 @@ def test_symbols_elsewhere_are_left_as_they_are():
         generate(yaw_of(lambda d: math.cos(d)))
     assert ca.SX.__float__ is before
     assert math.isnan(float(ca.SX.sym("x"))) and float(ca.SX(2)) == 2.0
+
+
+def tried(d):
+    try:
+        return math.sin(d)
+    except TypeError:
+        return 0 * d
+
+
+@pytest.mark.parametrize("effect", [tried, lambda d: d if isinstance(d, ca.SX) else 0.5 * d])
+def test_other_numbers_over_symbols_are_refused(effect):
+    with pytest.raises(DeclarationError, match=r"equation Yaw.yaw .* over numbers and .* over symbols"):
+        generate(yaw_of(effect))
+
+
+@pytest.mark.parametrize("effect", [np.deg2rad, np.rad2deg])
+def test_a_conversion_of_units_is_refused(effect):
+    with pytest.raises(UnitError, match=r"with units and .* over plain SI numbers"):
+        yaw_of(effect)
+
+
+@pytest.mark.parametrize("effect", [lambda d: d % 0.1, math.floor, lambda d: np.array([d, d])[1], lambda d: [0] * d])
+def test_what_is_the_same_over_both_is_taken(effect):
+    assert generate(yaw_of(effect)).states == ("r",)
+
+
+def test_an_equation_that_ends_the_program_is_refused():
+    def ends(_d):
+        raise SystemExit(0)
+
+    with pytest.raises(DeclarationError, match="SystemExit"):
+        yaw_of(ends)

@@ -7,9 +7,10 @@ import dataclasses
 import pytest
 
 import shipid
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import UnitError, UnknownNameError, UsageError
 from shipid.parameters.correlation import Joint
 from shipid.parameters.held_inputs import hold_inputs
+from shipid.parameters.parameter_set import Value
 from shipid.parameters.replaced import with_values
 
 MODEL = shipid.find_model("norrbin")
@@ -64,3 +65,16 @@ def test_a_held_input_is_an_input_no_more():
         hold_inputs(model, {"depth": "20 m"})
     with pytest.raises(UsageError, match="'delta' is what the command orders"):
         hold_inputs(model, {"delta": "20 deg"})
+
+
+def test_a_shaft_speed_is_no_angle_wherever_it_is_given():
+    """A model declares it in 1/s, and 12.57 rad/s are 2 of them, not 12.57."""
+    model = shipid.find_model("mmg-revolutions")
+    assert hold_inputs(model, {"n": "120 rpm"}) == hold_inputs(model, {"n": "2 1/s"})
+    for refused in (
+        lambda: hold_inputs(model, {"n": "12.57 rad/s"}),
+        lambda: Value("n", 12.57, "rad/s", "assumed").at(None, "1/s", "ship"),
+        lambda: with_values(SHIP, {"n": "12.57 rad/s"}, [hold_inputs(model, {"n": 2.0})]),
+    ):
+        with pytest.raises((UnitError, UsageError), match=r"counts revolutions|no value of a ship"):
+            refused()

@@ -322,12 +322,12 @@ def output_file(path: str, overwrite: bool) -> Path:
     MissingFileError
         If it is a folder, or its folder does not exist.
     OverwriteError
-        If it is a device, a pipe, or a link that leads nowhere.
+        If it is a device, a pipe, or a link.
     """
     from shipid.foundation.errors import UsageError
     from shipid.foundation.replacing import check_place
 
-    if Path(path).is_file() and not overwrite:
+    if Path(path).is_file() and not Path(path).is_symlink() and not overwrite:
         raise UsageError(f"{path} exists already. Choose another --output, or add --overwrite.")
     check_place(Path(path), overwrite)
     return Path(path)
@@ -350,6 +350,8 @@ def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Pa
     there = [n for n in files if (folder / n).exists()]
     if there and not overwrite:
         raise UsageError(f"{folder} holds {', '.join(there)} already. Choose another --out, or add --overwrite.")
+    if folder.is_symlink() and not folder.exists():
+        raise UsageError(f"{folder} is a link that leads nowhere; --out wants a folder.")
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     if not nearest.is_dir():
         raise UsageError(f"{nearest} is a file; --out wants a folder.")

@@ -11,6 +11,7 @@ from shipid.cli.frame.completing import complete_ship
 from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
 from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
+from shipid.foundation.numbers import uncertain_text
 
 if TYPE_CHECKING:
     from shipid.foundation.aliases import Plain
@@ -180,7 +181,7 @@ def _shown(value: Value, unit: str) -> str:
     tail = "" if unit == "1" else f" {unit}"
     if isinstance(value.value, tuple):
         return f"{min(value.value):g} to {max(value.value):g}{tail}"
-    return f"{value.value:g}" + (f" ± {value.std:g}" if value.std is not None else "") + tail
+    return (f"{value.value:g}" if value.std is None else uncertain_text(value.value, value.std)) + tail
 
 
 def _table(value: Value) -> str:

@@ -246,7 +246,7 @@ def _state_of(text: str, pilot: Autopilot) -> dict[str, float]:
     from shipid.foundation.errors import UnknownNameError
 
     named = (*pilot.model.states, *pilot.model.inputs, *pilot.model.parameters)
-    units = {n: pilot.model[n].unit for n in named} | _STATE
+    units = {n: pilot.model[n].given_unit for n in named} | _STATE
     values = {}
     for name, value in levels_of(text).items():
         if name not in units:

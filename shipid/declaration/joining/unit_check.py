@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import traceback
 import types
+from collections.abc import Mapping
+from math import isfinite
 
 from shipid.declaration import units
 from shipid.declaration.component import SAMPLING_INTERVAL
@@ -18,6 +20,8 @@ from shipid.foundation.aliases import Expression, PintUnit
 from shipid.foundation.errors import DeclarationError, ShipidError, UnitError
 
 _SOME_NUMBER = 0.7311
+#: Two values that differ by no more, relative to their size, are the same.
+_SAME = 1e-9
 
 
 def check_units(model: Model) -> None:
@@ -40,6 +44,7 @@ def check_units(model: Model) -> None:
 
     for entry in model.entries.values():
         _check_field(model, entry)
+        _check_bounds(model, entry)
     quantity = units.registry().Quantity
 
     def value(name: str, unit: str) -> Expression:
@@ -69,8 +74,39 @@ def _check_field(model: Model, entry: Entry) -> None:
         )
 
 
+def _check_bounds(model: Model, entry: Entry) -> None:
+    """A search begins within its bounds, and the lower one is below the upper one."""
+    said = {w: v for w in ("start", "low", "high") if (v := entry.number(w)) is not None}
+    within = [said[w] for w in ("low", "start", "high") if w in said]
+    good = all(isfinite(v) or (w != "start" and v == v) for w, v in said.items()) and within == sorted(within)
+    if not good or ("low" in said and said["low"] == said.get("high")):
+        told = ", ".join(f"{w} {v:g}" for w, v in said.items())
+        raise DeclarationError(
+            f"model {model.name}: '{entry.name}' of {entry.owner.__name__} declares {told}: low has to be below high, and a start "
+            "between them."
+        )
+
+
 class _Checked(Evaluation):
     """An evaluation over quantities with units that checks the unit of every result."""
+
+    def __init__(self, model: Model, values: Mapping[str, Expression]) -> None:
+        super().__init__(model, values)
+        self._plain: dict[str, float] = {}
+
+    def plain(self, name: str) -> Expression:
+        """Return a value as a plain SI number.
+
+        Parameters
+        ----------
+        name : str
+            A quantity whose value is known by now.
+        """
+        import numpy as np
+
+        if name not in self._plain:
+            self._plain[name] = float(self[name].to_base_units().magnitude)
+        return np.float64(self._plain[name])
 
     def equation(self, entry: Entry) -> Expression:
         equation = entry.equation
@@ -83,7 +119,7 @@ class _Checked(Evaluation):
             raise
         except ShipidError as error:
             raise _named(error, where, user_line(error, equation.function.__code__)) from None
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             place = user_line(error, equation.function.__code__)
             if (words := _in_words(error)) is not None:
                 raise UnitError(f"{where} ({place}): the units do not match: {words}.") from None
@@ -91,7 +127,25 @@ class _Checked(Evaluation):
                 f"{where} ({place}) raises {type(error).__name__}: {error}. An equation has to run with any numbers: correct "
                 "the line, and use NumPy's functions in it."
             ) from error
-        return _checked(result, wanted, where, equation.place, entry)
+        checked = _checked(result, wanted, where, equation.place, entry)
+        self._same_without_units(entry, checked, where)
+        return checked
+
+    def _same_without_units(self, entry: Entry, checked: Expression, where: str) -> None:
+        """Refuse what converts units by itself: an equation runs over plain SI numbers, and would give another number there."""
+        import numpy as np
+
+        assert entry.equation is not None
+        try:
+            found = float(np.asarray(checked.magnitude, dtype=float).item())
+            plain = float(np.asarray(entry.value(self.plain), dtype=float).item())
+        except Exception:  # it needs the units; over symbols it fails with its own words
+            return
+        if np.isfinite([plain, found]).all() and abs(plain - found) > _SAME * max(abs(plain), abs(found)):
+            raise UnitError(
+                f"{where} ({entry.equation.place}) gives {found:.4g} with units and {plain:.4g} over plain SI numbers, which it is "
+                "run over: it converts a unit (np.deg2rad, math.degrees). Angles are in rad inside: leave the conversion out."
+            )
 
 
 def _named(error: ShipidError, where: str, place: str) -> ShipidError:

@@ -180,6 +180,15 @@ def _about_coefficients(run: FilterRun, levels: RecordLevels | None) -> Iterator
             "coefficients-differ",
             serious=True,
         )
+    if levels.at_bound:
+        several = len(levels.at_bound) > 1
+        yield Notice(
+            f"By {levels.method} this record does not determine {' and '.join(levels.at_bound)}: the search ended at "
+            f"{'their bounds' if several else 'its bound'}. So nothing confirms the coefficients of the filter: they rest on noise "
+            "that drives the ship. Filter a longer record, or one with more rudder.",
+            "not-confirmed",
+            serious=True,
+        )
     if missed:
         yield Notice(
             f"The recursion did not come to the most probable coefficients: {', '.join(missed)}. Start closer to them (--start), "

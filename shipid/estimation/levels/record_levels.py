@@ -58,10 +58,13 @@ class BatchEstimate:
         Its method, in words: ``"output error"``.
     values : mapping of str to tuple
         Value, standard deviation and 95 % interval of each coefficient, SI.
+    at_bound : tuple of str
+        Coefficients that ended at a bound: it does not determine these, and the others only as they are with these.
     """
 
     method: str
     values: Mapping[str, tuple[float, float, tuple[float, float]]]
+    at_bound: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, repr=False)
@@ -107,6 +110,8 @@ class RecordLevels(Result):
         Unit of each level and of each ``bias:NAME``, and the one it is shown in, by key.
     method : str
         How `Judged.simulated` was found, in words.
+    at_bound : tuple of str
+        Coefficients that ended at a bound there, so that none is judged beside it.
     """
 
     sensors: Mapping[str, float]
@@ -119,6 +124,7 @@ class RecordLevels(Result):
     units: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     bias_standings: Mapping[str, BiasStanding] = field(default_factory=dict)
     method: str = "output error"
+    at_bound: tuple[str, ...] = ()
 
     def beside(self, batch: BatchEstimate) -> RecordLevels:
         """Return the same levels with the coefficients of an identification beside them, where it has all of them.
@@ -128,6 +134,9 @@ class RecordLevels(Result):
         batch : BatchEstimate
             The identification.
         """
+        if batch.at_bound:
+            alone = {n: replace(c, simulated=None, simulated_std=None) for n, c in self.coefficients.items()}
+            return replace(self, coefficients=alone, method=batch.method, at_bound=batch.at_bound)
         if not set(self.simulated) <= set(batch.values):
             return self
         known = {

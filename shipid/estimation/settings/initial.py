@@ -72,7 +72,7 @@ def read_states(model: Model, given: Mapping[str, Amount], parameters: Collectio
         if name not in model.states:
             known = [*model.states, *parameters]
             raise UnknownNameError(f"state of model {model.name} to start called", name, known)
-    return {n: to_si(v, model[n].unit, f"start of '{n}'") for n, v in given.items()}
+    return {n: to_si(v, model[n].given_unit, f"start of '{n}'") for n, v in given.items()}
 
 
 def parameter_starts(
@@ -117,7 +117,7 @@ def parameter_starts(
         entry = base[name]
         declared, factor = scale.start_of(entry), scale.factor_of(entry)
         if name in given:
-            value = to_si(given[name], entry.unit, f"start of '{name}'")
+            value = to_si(given[name], entry.given_unit, f"start of '{name}'")
         elif name in known:
             value = known[name]
         elif declared is not None:
@@ -232,7 +232,7 @@ def read_deviations(model: Model, given: Mapping[str, Amount], estimated: Mappin
     for name, value in given.items():
         if name not in model.states and name not in estimated:
             raise UnknownNameError(f"state of model {model.name} called", name, [*model.states, *estimated])
-        level = to_si(value, model[name].unit, f"first standard deviation of '{name}'")
+        level = to_si(value, model[name].given_unit, f"first standard deviation of '{name}'")
         if not level > 0:
             raise NoiseLevelError(
                 f"the first standard deviation of '{name}' is {value}; it must be greater than zero. What is known exactly "

@@ -199,7 +199,7 @@ def _of_inputs(model: Model, given: Mapping[str, Amount], kind: str, what: str) 
     for name in given:
         if name not in model.inputs:
             raise UnknownNameError(kind.format(model.name), name, model.inputs)
-    return {n: to_si(v, model[n].unit, f"{what} '{n}'") for n, v in given.items()}
+    return {n: to_si(v, model[n].given_unit, f"{what} '{n}'") for n, v in given.items()}
 
 
 def read_ranges(
@@ -226,7 +226,7 @@ def read_ranges(
     result = {}
     for name, (least, most) in ranges.items():
         _check_measured(name, sensors, "range")
-        low, high = (to_si(v, model[name].unit, f"range of '{name}'") for v in (least, most))
+        low, high = (to_si(v, model[name].given_unit, f"range of '{name}'") for v in (least, most))
         if not low < high:
             raise UsageError(f"the range of '{name}' runs from {least} to {most}: it holds no value.")
         result[name] = (low, high)

@@ -87,9 +87,11 @@ def sensor_levels(model: Model, measured: Mapping[str, Amount | None]) -> dict[s
         if given is None:
             raise NoiseLevelError(
                 f"the sensor of '{name}' has no noise level. Give the standard deviation of one sample, as in "
-                f"{name}={_example(model[name].unit)}."
+                f"{name}={_example(model[name].given_unit)}."
             )
-        levels[name] = _positive(given, (model[name].unit,), f"noise of the sensor of '{name}'", SMALLEST_LEVEL)[0]
+        levels[name] = _positive(given, (model[name].given_unit,), f"noise of the sensor of '{name}'", SMALLEST_LEVEL)[
+            0
+        ]
         if levels[name] > LARGEST_LEVEL:
             raise NoiseLevelError(
                 f"the noise of the sensor of '{name}' is {given}, larger than any sensor's. Leave the sensor out, or give the standard "

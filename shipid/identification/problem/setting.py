@@ -107,7 +107,7 @@ def settle(
     whole, given = model_of(model), ship_of(ship)
     if DEAD_TIME in {*(estimate or ()), *fixed}:
         whole = delayed(whole)
-    held = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
+    held = {n: to_si(v, whole[n].given_unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in fixed.items()}
     for name in held:
         if whole[name].quantity.kind not in ("parameter", "constant", "derived"):
             kind = "input" if whole[name].quantity.kind == "given" else whole[name].quantity.kind

@@ -43,7 +43,8 @@ def make_starts(box: Box, count: int, seed: int) -> list[np.ndarray]:
     starts = [box.start]
     for _ in range(count - 1):
         draw = rng.standard_normal(box.start.size) * _SPREAD
-        size = np.maximum(np.abs(box.start), 0.1 * np.minimum(np.abs(box.low), np.abs(box.high)))
+        nearer = np.minimum(np.abs(box.low), np.abs(box.high))
+        size = np.maximum(np.abs(box.start), np.where(np.isfinite(nearer), 0.1 * nearer, 0.0))
         moved = np.where(box.in_log, box.start * np.exp(draw), box.start + draw * size)
         starts.append(np.clip(moved, box.low, box.high))
     return starts

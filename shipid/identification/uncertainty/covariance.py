@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from shipid.estimation.standing import UNKNOWN, Standing, standing_of
+from shipid.estimation.standing import AT_BOUND, UNKNOWN, Standing, standing_of
 from shipid.identification.noise.autoregression import Autoregression, autoregression_of, corrected
 from shipid.identification.noise.filled_inputs import effects_of
 from shipid.identification.noise.residual_groups import ResidualGroup, groups_of
@@ -283,5 +283,5 @@ def verdict(
     if np.isfinite([std, span]).all() and min(value - low, high - value) < 1e-4 * span * min(
         1.0, abs(value) / span + 1e-3
     ):
-        standing, why = UNKNOWN, "it ended at its bound."
+        standing, why = UNKNOWN, AT_BOUND
     return standing, f"{why} It trades off with {partners}." if why and partners else why

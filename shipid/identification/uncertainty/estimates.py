@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import casadi as ca
@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from shipid.declaration.model import Entry, Model, reads_of
 from shipid.declaration.scale import Scale, prime_exponents
 from shipid.estimation.estimate import Estimate, estimate_of
-from shipid.estimation.standing import UNKNOWN, Standing, standing_of
+from shipid.estimation.standing import AT_BOUND, DETERMINED, UNKNOWN, Standing, standing_of
 from shipid.foundation.errors import UnitError
 from shipid.foundation.statistics import plain
 from shipid.generation.simulator import coefficient_vector
@@ -20,6 +20,9 @@ from shipid.generation.system import generate
 from shipid.identification.problem.box import Box
 from shipid.identification.problem.output_error import Problem
 from shipid.identification.uncertainty.covariance import correlation_of, verdict
+
+#: A larger correlation says that two coefficients trade off.
+_TRADED = 0.9
 
 
 def estimates_of(
@@ -60,7 +63,9 @@ def estimates_of(
         entry, value = problem.model[name], float(q[i])
         std = float(np.sqrt(covariance[i, i]))
         order = np.argsort(-np.abs(correlation[i]))
-        strong = [f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > 0.9]
+        strong = [
+            f"{names[j]} ({correlation[i, j]:+.2f})" for j in order if j != i and abs(correlation[i, j]) > _TRADED
+        ]
         size = max(abs(float(box.start[i])), abs(scale.start_of(entry) or 0.0))
         _, before = (None if problem.prior is None else problem.prior.parameters.get(name)) or (0.0, np.inf)
         standing = verdict(value, std, size, box.low[i], box.high[i], " and ".join(strong), before)
@@ -71,7 +76,23 @@ def estimates_of(
             half = float(stdtrit(degrees[i], 0.975)) * std
             found = replace(found, ci95=(value - half, value + half))
         result[name] = found
-    return result | _published(problem, q, covariance, scale)
+    at_bound = [i for i, n in enumerate(names) if result[n].why.startswith(AT_BOUND)]
+    for i, name in enumerate(names):
+        if i not in at_bound:
+            result[name] = _as_bounded(result[name], {names[j]: correlation[i, j] for j in at_bound})
+    return result | _published(problem, q, covariance, scale, at_bound)
+
+
+def _as_bounded(found: Estimate, at_bound: Mapping[str, float]) -> Estimate:
+    """The same, not determined where it trades off with a coefficient that ended at its bound: at another bound it is another.
+
+    What is given is its correlation with each of these.
+    """
+    strong = [n for n, c in at_bound.items() if abs(c) > _TRADED]
+    if not strong or found.standing != DETERMINED:
+        return found
+    which = "which ended at its bound" if len(strong) == 1 else "which ended at their bounds"
+    return replace(found, standing=UNKNOWN, why=f"it trades off with {' and '.join(strong)}, {which}.")
 
 
 def without_values(parameters: Mapping[str, Estimate], why: str) -> dict[str, Estimate]:
@@ -157,7 +178,9 @@ def _other_form(entry: Entry, value: float, scale: Scale) -> tuple[float | None,
     return (value / scale.factor(entry.unit), "1") if any(exponents) else (None, "")
 
 
-def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: Scale) -> dict[str, Estimate]:
+def _published(
+    problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: Scale, at_bound: Sequence[int]
+) -> dict[str, Estimate]:
     """Coefficients of the literature that follow from fitted ones, with the standard deviation by first order."""
     model = problem.model
     system = generate(model)
@@ -181,5 +204,10 @@ def _published(problem: Problem, q: np.ndarray, covariance: np.ndarray, scale: S
             standing = UNKNOWN, "it does not exist for these coefficients."
         elif standing[0] == UNKNOWN:
             standing = UNKNOWN, "the fitted coefficients it follows from do not determine it."
-        result[name] = _estimate(model[name], value, std, standing, True, scale)
+        with_bounds = {
+            problem.estimated[j]: float(slope[i, by] @ covariance[by, j]) / (std * np.sqrt(covariance[j, j]))
+            for j in at_bound
+            if 0 < std * covariance[j, j] < np.inf
+        }
+        result[name] = _as_bounded(_estimate(model[name], value, std, standing, True, scale), with_bounds)
     return result

@@ -33,7 +33,9 @@ def stated_inputs(model: Model, inputs: Mapping[str, str | float] | None) -> dic
     for name, value in (inputs or {}).items():
         if name not in model.inputs:
             raise UsageError(f"model {model.name} reads no input '{name}'; it reads {', '.join(model.inputs)}.")
-        found[name] = to_si(value, model[name].unit, f"input '{name}'") if isinstance(value, str) else float(value)
+        found[name] = (
+            to_si(value, model[name].given_unit, f"input '{name}'") if isinstance(value, str) else float(value)
+        )
     return found
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import FIELDS, shown_estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
@@ -173,6 +174,34 @@ class Situation(Result):
         """Return the situation in lines of text."""
         lines = [f"  {n:<16s} {shown_estimate(v, self.told_std(n), n, _unit(n))}" for n, v in self.values.items()]
         return "\n".join([f"situation at {self.t:g} s", *lines])
+
+
+def situation_of(known: Situation | Mapping[str, str | float]) -> Situation:
+    """Return a situation from itself or from values by name.
+
+    Parameters
+    ----------
+    known : Situation or mapping of str to str or float
+        What is known of the ship; values with a unit or in SI.
+
+    Returns
+    -------
+    Situation
+
+    Raises
+    ------
+    UsageError
+        If it is neither, or a value is no number.
+    UnitError
+        If a unit does not fit.
+    """
+    if isinstance(known, Situation):
+        return known
+    if not isinstance(known, Mapping) or not all(isinstance(v, (str, int, float, np.number)) for v in known.values()):
+        raise UsageError(
+            "a prediction begins from a Situation, or from values by name: {'psi': '30 deg', 'u': '8 m/s'}."
+        )
+    return Situation({n: to_si(v, _unit(n), f"'{n}'") if isinstance(v, str) else float(v) for n, v in known.items()})
 
 
 def _unit(name: str) -> str:

@@ -21,7 +21,7 @@ from shipid.parameters.validity import growth_in_run
 from shipid.parts.helm import DirectRudder
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.wind import Wind
-from shipid.prediction.situations.situation import Situation
+from shipid.prediction.situations.situation import Situation, situation_of
 from shipid.prediction.tracks.bands import linear_track, sampled_track, tracked
 from shipid.prediction.tracks.distance_loop import make_distance_loop, with_clock
 from shipid.prediction.tracks.first_order import at_cruising_speed, first_order_coefficients, first_order_for
@@ -131,7 +131,7 @@ class TrackPredictor:
 
     def predict(
         self,
-        situation: Situation,
+        situation: Situation | Mapping[str, str | float],
         *,
         heading: str | float | None = None,
         rudder: str | float | None = None,
@@ -147,8 +147,8 @@ class TrackPredictor:
 
         Parameters
         ----------
-        situation : Situation
-            What is known of the ship.
+        situation : Situation or mapping of str to str or float
+            What is known of the ship; values by name are with a unit or in SI, and taken as exact.
         heading, rudder, rate : str or float, optional
             The order, with a unit or in SI: a heading to steer, a rudder angle to hold, a rate of turn to hold, or a heading with the
             rate of the turn to it. One of them has to be given.
@@ -172,13 +172,13 @@ class TrackPredictor:
         Raises
         ------
         UsageError
-            If the order or the horizon is none.
+            If the order, the horizon or the situation is none.
         UnknownNameError
             If there is no such band, or a value is none of the model's coefficients.
         UnstatedInputError
             If the model reads an input that nothing states and that declares no default.
         """
-        order = read_order(heading, rudder, rate, rudder_limit)
+        order, situation = read_order(heading, rudder, rate, rudder_limit), situation_of(situation)
         if band not in get_args(Band):
             raise UnknownNameError("band", band, get_args(Band))
         known = situation.uncertain and (situation.covariance.any() or any(situation.noise.values()))
@@ -186,7 +186,7 @@ class TrackPredictor:
 
     def fan(
         self,
-        situation: Situation,
+        situation: Situation | Mapping[str, str | float],
         headings: Sequence[str | float],
         *,
         rudder_limit: str | float | None = None,
@@ -197,7 +197,7 @@ class TrackPredictor:
 
         Parameters
         ----------
-        situation : Situation
+        situation : Situation or mapping of str to str or float
             What is known of the ship.
         headings : sequence of str or float
             Headings to steer, with a unit or in rad.
@@ -209,7 +209,7 @@ class TrackPredictor:
         list of PredictedTrack
         """
         orders = [read_order(h, None, None, rudder_limit) for h in headings]
-        return self._run(situation, orders, horizon, points, "none") if orders else []
+        return self._run(situation_of(situation), orders, horizon, points, "none") if orders else []
 
     def along(
         self, situations: Sequence[Situation], rudders: np.ndarray, horizon: float = HORIZON

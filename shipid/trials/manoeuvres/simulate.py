@@ -245,7 +245,7 @@ def _with_steering(model: Model, helm: type[Component], steering: bool, wind: bo
 
 def _with_values(whole: Model, values: Mapping[str, str | float]) -> tuple[Model, dict[str, float]]:
     """Return the model, published coefficients imposed on it, and the values of a user in SI."""
-    replaced = {n: to_si(v, whole[n].unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in values.items()}
+    replaced = {n: to_si(v, whole[n].given_unit, f"'{n}' ({whole[n].quantity.meaning})") for n, v in values.items()}
     for n in replaced:
         if whole[n].quantity.kind not in ("parameter", "constant", "derived"):
             raise UsageError(f"'{n}' is {_ROLES[whole[n].quantity.kind]} of model {whole.name}, and takes no value.")

@@ -291,3 +291,12 @@ def test_a_ship_without_coefficients_of_the_wind_is_told(pilot):
     known = {"psi": 0.0, "u": 9.5, "wind_speed": 15.0, "wind_direction": 2.0}
     with pytest.raises(ParameterSetError, match="needs N_w"):
         shipid.predict_track(replace(pilot, ships=(ship,)), known, rudder=0.0, model="first-order")
+
+
+def test_a_situation_may_be_values_by_name(pilot):
+    predictor = TrackPredictor(pilot)
+    one, other = (predictor.predict(s, heading="20 deg") for s in ({"psi": "0 deg", "u": 9.5}, STILL))
+    np.testing.assert_array_equal(one.x, other.x)
+    for wrong in ([0.0, 9.5], {"psi": 0.0, "u": None}):
+        with pytest.raises(UsageError, match="values by name"):
+            predictor.predict(wrong, heading="20 deg")

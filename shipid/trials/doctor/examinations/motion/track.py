@@ -65,6 +65,8 @@ def examine_track(p: WorkingCopy) -> None:
     if p.found("speed-stands"):
         return
     askew = p.found("track-direction") and not any(f.repaired for f in p.findings if f.kind == "track-direction")
+    if p.has("u") and not askew:
+        _astern(p, way)
     if p.has("u", "v") and not askew:
         _frame(p, way)
     lengths = _lengths(p, way)
@@ -124,6 +126,22 @@ def _misfit(way: Way, sailed: np.ndarray, allowed: float) -> float:
             return np.inf
     rest = target - design @ found.value
     return float(np.sqrt(np.mean(np.sort(rest**2)[: int(0.9 * len(rest))])))
+
+
+def _astern(p: WorkingCopy, way: Way) -> None:
+    """Find out whether u is counted the other way round: the ship goes ahead where it says astern, and astern where it says ahead."""
+    ahead = np.real(way.made * np.exp(-1j * np.angle(way.integral(p.t, np.exp(1j * p["psi"])))))
+    found = robust.regress(way.integral(p.t, p["u"])[:, None], ahead)
+    if found is None or not -2 < found.value[0] < -0.5 or found.std[0] > 0.1 * abs(found.value[0]):
+        return
+    applied = p.add(
+        "speed-sign", "u", robust.confidence_of(abs(float(found.value[0] / found.std[0])), 10, 40),
+        f"along the heading the positions go {found.value[0]:.2f} times as far as u says: u is counted the other way round",
+        "The ship seems to go astern: nothing that depends on its speed can be identified or judged.",
+        "Change the sign of u; in a format file: sign = -1.", fix={"action": "scale", "column": "u", "factor": -1.0},
+    )  # fmt: skip
+    if applied:
+        p["u"] = -p["u"]
 
 
 def _frame(p: WorkingCopy, way: Way) -> None:

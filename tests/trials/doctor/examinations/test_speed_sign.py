@@ -1,0 +1,19 @@
+"""A speed that is counted positive astern, beside positions that say where the ship goes."""
+
+from pathlib import Path
+
+import numpy as np
+
+import shipid
+from shipid.trials.doctor.repair import fix_trial
+
+TRIAL = Path(__file__).parents[4] / "studies" / "trials" / "container-10-10.csv"
+
+
+def test_a_speed_counted_astern_is_found_and_turned_round(tmp_path):
+    trial = shipid.read_trial(TRIAL)
+    assert not [f for f in shipid.check_trial(trial).findings if f.kind == "speed-sign"]
+    log = shipid.Trial("astern", trial.table.assign(u=-trial.table["u"]), units=trial.units)
+    fixed, found = fix_trial(log, tmp_path / "fixed.csv")
+    assert [(f.channel, f.serious) for f in found] == [("u", True)]
+    np.testing.assert_allclose(shipid.read_trial(fixed)["u"], trial["u"])
