@@ -48,6 +48,7 @@ from shipid.estimation.settings.instruments import (
 from shipid.estimation.settings.noise import NoiseSource, declared_noise, process_sources, sensor_levels
 from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Printed
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.system import System
 from shipid.parameters.catalogue import model_of, ship_of
@@ -93,7 +94,7 @@ class FilterSettings:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FilterDesign:
+class FilterDesign(Printed):
     """A filter as its settings define it, SI; made by `design_filter`.
 
     Attributes

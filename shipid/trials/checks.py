@@ -44,7 +44,10 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
     if bad.size:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
-        advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+        advice = (
+            "shipid check FILE --fix -o FIXED.csv sorts the rows and removes duplicates; if the logger printed too few digits, "
+            "state [clock] interval in a format file."
+        )
         # The second of two logs begins where the first did; rows that were exchanged have stamps of their own.
         first = k > FEWEST_SAMPLES and t[k + 1] - t[0] < 0.1 * (t[k] - t[0])
         if bad.size == 1 and t[k + 1] < t[k] and (first or np.unique(t).size < t.size):
