@@ -48,7 +48,6 @@ from shipid.estimation.settings.instruments import (
 from shipid.estimation.settings.noise import NoiseSource, declared_noise, process_sources, sensor_levels
 from shipid.foundation.aliases import CasadiFunction
 from shipid.foundation.errors import UnknownNameError, UsageError
-from shipid.foundation.result import Printed
 from shipid.generation.loop import Loop, make_loop
 from shipid.generation.system import System
 from shipid.parameters.catalogue import model_of, ship_of
@@ -94,7 +93,7 @@ class FilterSettings:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class FilterDesign(Printed):
+class FilterDesign:
     """A filter as its settings define it, SI; made by `design_filter`.
 
     Attributes

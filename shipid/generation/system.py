@@ -61,7 +61,7 @@ class System:
 
     def _repr_html_(self) -> str:
         """The model that it was generated from."""
-        return self.model._repr_html_()  # noqa: SLF001 - the protocol of notebooks, and no private name
+        return self.model._repr_html_()
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from shipid.foundation.notices import Notice
-from shipid.foundation.result import Printed, LINES, WIDTH, Result, described, shortened, table
+from shipid.foundation.result import LINES, WIDTH, Printed, Result, described, shortened, table
 
 
 @dataclass(frozen=True, eq=False, repr=False)

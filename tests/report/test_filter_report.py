@@ -93,4 +93,6 @@ def test_what_is_added_to_inputs_is_on_the_page(run):
         run.design, instruments=dataclasses.replace(run.design.instruments, biases={"delta": 0.01})
     )
     page = render(dataclasses.replace(run, design=design))
-    assert "Added to inputs" in page and re.search(r"<code>delta</code></th><td[^>]*>0\.57\d*</td><td[^>]*>deg</td>", page)
+    assert "Added to inputs" in page and re.search(
+        r"<code>delta</code></th><td[^>]*>0\.57\d*</td><td[^>]*>deg</td>", page
+    )

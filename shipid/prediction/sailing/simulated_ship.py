@@ -123,7 +123,9 @@ class SimulatedShip:
         lost = [n for n in values or {} if n not in self._system.coefficients]
         if lost:
             raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
-        if (lacking := missing_values(self.model, {**known, **(values or {})}, f"ship {self.pilot.ship.name}")) is not None:
+        if (
+            lacking := missing_values(self.model, {**known, **(values or {})}, f"ship {self.pilot.ship.name}")
+        ) is not None:
             raise lacking
         self._p = self._system.vector(self._system.coefficients, {**known, **(values or {})})
         begin = {"u": self.speed, **(start or {})}

@@ -5,7 +5,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shipid import Component, ParameterSet, Trial, find_model, find_ship, given, join, read_trial, simulate, state, write_trial
+from shipid import (
+    Component,
+    ParameterSet,
+    Trial,
+    find_model,
+    find_ship,
+    given,
+    join,
+    read_trial,
+    simulate,
+    state,
+    write_trial,
+)
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
@@ -314,7 +326,7 @@ def test_an_engine_is_recorded_where_a_sensor_shows_it() -> None:
     model = join("with an engine", *find_model("norrbin").components, Engine)
     asked: Plain = {"inputs": {"n_order": 2.0}, "duration": 60.0}
     bare = simulate(model, "zeefakkel", "zigzag:20/20", **asked)
-    assert bare["n"][-1] == pytest.approx(2.0, abs=1e-6)
+    assert bare["n"][-1] == pytest.approx(2.0, rel=1e-3) and bare["n"][0] < 0.1
     assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard", **asked).has("n")
     shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,n=0.5 rpm", **asked)
     assert np.std(shown["n"] - bare["n"]) == pytest.approx(0.5 / 60, rel=0.2)

@@ -49,7 +49,12 @@ def timeline(found: Diagnosis, key: str) -> Markup | None:
         for k, (words, spans, colour) in enumerate(rows):
             ax.broken_barh([(a, max(b - a, least)) for a, b in spans], (k, _BAR), facecolors=colour, edgecolor="none")
             ax.text(0, k - 0.08, words, transform=ax.get_yaxis_transform(), va="bottom", ha="left")
-        for colour, label in ((BLUE, "manoeuvre"), (RED, "spoils a fit"), (ORANGE, "to know about"), (MUTED, "put right")):
+        for colour, label in (
+            (BLUE, "manoeuvre"),
+            (RED, "spoils a fit"),
+            (ORANGE, "to know about"),
+            (MUTED, "put right"),
+        ):
             if any(c == colour for _, _, c in rows):
                 ax.plot([], [], color=colour, linewidth=5, label=label)
         ax.set_ylim(len(rows) - 0.6, -0.5)

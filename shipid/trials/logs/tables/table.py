@@ -258,7 +258,10 @@ class _Cells:
                 strange |= (others & ~plain).to_numpy()
             self._read[k], self._strange[k] = pd.Series(values, name=column.name), strange
         if sign == "," and self.raw.decimal is None and decimal is None:
-            self.notes = (*self.notes, "The numbers are written with a decimal comma.",)
+            self.notes = (
+                *self.notes,
+                "The numbers are written with a decimal comma.",
+            )
 
     def column(self, k: int) -> pd.Series:
         """Return a column: numbers, time stamps, or the text of a clock."""

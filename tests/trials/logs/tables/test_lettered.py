@@ -50,7 +50,10 @@ def test_what_can_be_read_in_two_ways_is_not(cells):
 
 def test_a_log_of_a_bridge_is_read_and_said(tmp_path):
     log = tmp_path / "log.csv"
-    rows = "".join(f"14:00:{k:02d};48°{10 + k / 100:.3f}'N;004°{30 - k / 100:.3f}'W;{k / 10}{'PS'[k % 2]};{k / 4}\n" for k in range(40))
+    rows = "".join(
+        f"14:00:{k:02d};48°{10 + k / 100:.3f}'N;004°{30 - k / 100:.3f}'W;{k / 10}{'PS'[k % 2]};{k / 4}\n"
+        for k in range(40)
+    )
     log.write_text("Heure UTC;lat [deg];lon [deg];delta [deg];psi [deg]\n" + rows, encoding="utf-8")
     trial = read_trial(log)
     np.testing.assert_allclose(trial["t"], np.arange(40.0))
