@@ -32,4 +32,7 @@ def completion(shell: str) -> ExitCode:
     script = found(root.command, {}, "shipid", "_SHIPID_COMPLETE")
     # The source alone: click's own check of the version starts a shell.
     click.echo(script.source_template % script.source_vars())
+    if shell == "bash":
+        # A colon ends a word in bash, and 'zigzag:20/20', 'nmea:udp:10110' and 'plan.rtz:main' are one.
+        click.echo("COMP_WORDBREAKS=${COMP_WORDBREAKS//:/}")
     return ExitCode.DONE

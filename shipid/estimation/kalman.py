@@ -28,10 +28,11 @@ from shipid.estimation.recursion.layout import Form
 from shipid.estimation.redesign import started_at, with_levels
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import Printed
 from shipid.parameters.parameter_set import ParameterSet
 
 
-class ExtendedKalmanFilter:
+class ExtendedKalmanFilter(Printed):
     """An extended Kalman filter, generated from a model with exact Jacobians.
 
     The state is predicted by the model's own generated step and linearised at the estimate after the last sample; sensors

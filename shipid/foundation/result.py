@@ -54,6 +54,13 @@ class Result:
         return f"<div>{''.join(parts)}</div>"
 
 
+class Printed:
+    """What is no result and has no table, such as a filter: a notebook shows it as it prints, without running over the page."""
+
+    def _repr_html_(self) -> str:
+        return f'<pre style="white-space: pre-wrap">{escape(printable(repr(self).strip("<>")))}</pre>'
+
+
 class DrawnResult(Result):
     """A result with a report, and so with figures."""
 

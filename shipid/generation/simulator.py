@@ -43,7 +43,8 @@ def unstated_input(model: Model, name: str, where: str = "") -> UnstatedInputErr
     by = f" that {where} does not record" if where else " that nothing states"
     return UnstatedInputError(
         f"model {model.name} reads '{name}' ({model[name].quantity.meaning}),{by} and that declares no default. "
-        "shipid does not take it as zero: record it, state it, or choose a model that does not read it."
+        "shipid does not take it as zero: record it, state it (--input NAME=VALUE, or inputs={...} in Python), or choose a model that "
+        "does not read it."
     )
 
 

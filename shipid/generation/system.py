@@ -24,7 +24,7 @@ ca.GlobalOptions.setNumpyMode(1)
 _INSTANT = 0.005
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class System:
     """The equations of a model as SX expressions of its states, inputs and coefficients.
 
@@ -52,6 +52,16 @@ class System:
     rates: Any
     nexts: Mapping[int, Any]
     values: Mapping[str, Any] = field(repr=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"<equations of {self.model.name!r}: states {', '.join(self.states)}; inputs {', '.join(self.inputs) or 'none'}; "
+            f"coefficients {', '.join(self.coefficients) or 'none'}>"
+        )
+
+    def _repr_html_(self) -> str:
+        """The model that it was generated from."""
+        return self.model._repr_html_()
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ import importlib.util
 import pkgutil
 import sys
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
@@ -271,7 +271,7 @@ def _load(path: Path) -> ModuleType:
     sys.modules[spec.name] = module
     try:
         # What a model file prints must not mix with the output of a command.
-        with contextlib.redirect_stdout(sys.stderr):
+        with contextlib.redirect_stdout(sys.stderr), _beside(path):
             spec.loader.exec_module(module)
     except ShipidError as error:
         error.args = (f"{path}: {error}",)
@@ -283,6 +283,20 @@ def _load(path: Path) -> ModuleType:
             f"the model file {path} fails in line {line}: {type(error).__name__}: {error}. Correct it there."
         ) from None
     return module
+
+
+@contextlib.contextmanager
+def _beside(path: Path) -> Iterator[None]:
+    """Let a model file import the files beside it, as it does where Python runs it; behind everything else that is found."""
+    folder = str(path.parent.resolve())
+    new = folder not in sys.path
+    if new:
+        sys.path.append(folder)
+    try:
+        yield
+    finally:
+        if new and folder in sys.path:
+            sys.path.remove(folder)
 
 
 def _is_component(thing: object) -> TypeGuard[type[Component]]:

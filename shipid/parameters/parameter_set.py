@@ -346,4 +346,5 @@ def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
     # With two speeds: a coefficient that is scaled by the length alone comes out the same.
     start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
     value = "1.0" if start is None or start != other else f"{start:.3g}"
-    return f"--set '{name}={value} {pretty(model[name].unit)}'"
+    unit = model[name].unit
+    return f"--set '{name}={value}{'' if unit == '1' else f' {pretty(unit)}'}'"

@@ -13,9 +13,6 @@ if TYPE_CHECKING:
 
     from shipid.report.write_report import Reported
 
-#: Results without figures that are about a trial, which has some.
-_OF_A_TRIAL = ("Diagnosis", "tuple", "list")
-
 
 def plot(result: Reported, which: str | None = None) -> Figure:
     """Return a figure of the report of a result as a matplotlib figure.
@@ -43,10 +40,7 @@ def plot(result: Reported, which: str | None = None) -> Figure:
         page_of(result)
     kind = type(result).__name__
     if not drawings:
-        instead = (
-            "draw the trial: shipid.read_trial(FILE).plot()" if kind in _OF_A_TRIAL else "its numbers are in to_frame()"
-        )
-        raise UsageError(f"the report of this {kind} has no figure; {instead}.")
+        raise UsageError(f"the report of this {kind} has no figure; its numbers are in to_frame().")
     words = (which or "").lower().split()
     for key, drawing in drawings.items():
         if all(word in f"{key} {drawing.title}".lower() for word in words):

@@ -44,7 +44,10 @@ def check_clock(t: np.ndarray, where: str, line: Callable[[int], int]) -> None:
     if bad.size:
         k = int(bad[0])
         what = "repeats" if t[k + 1] == t[k] else "runs backwards"
-        advice = "Sort the rows and remove the duplicates; if the logger printed too few digits, state [clock] interval in a format file."
+        advice = (
+            "shipid check FILE --fix -o FIXED.csv sorts the rows and removes duplicates; if the logger printed too few digits, "
+            "state [clock] interval in a format file."
+        )
         if bad.size == len(t) - 1 and (np.diff(t) < 0).all():
             advice = "The last sample stands first: sort the rows by time, or let 'shipid check --fix' do it."
         # The second of two logs begins where the first did; rows that were exchanged have stamps of their own.

@@ -241,7 +241,7 @@ def test_no_ship_and_no_numbers():
             "nomoto",
             "zeefakkel",
             {"speeds": "1:6:1 m/s"},
-            "outside the identified range: ship zeefakkel was tried at 2 to 6.2",
+            "The schedule runs from 1 to 6 m/s: the [nomoto] coefficients of ship zeefakkel were found at 2 to 6.2",
         ),
         ("nomoto", "soesterberg", {}, "scaled by speed: the coefficients of nomoto hold at 9.5 m/s"),
         ("bech", "kvlcc2", {}, "course-unstable: without the autopilot"),

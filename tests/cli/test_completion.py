@@ -50,6 +50,11 @@ def test_the_script_of_each_shell(call, shell, word):
     assert answer.code == 0 and word in answer.out and f"_SHIPID_COMPLETE={shell}_complete" in answer.out
 
 
+def test_a_colon_does_not_end_a_word_in_bash(call):
+    """'zigzag:2' is completed to 'zigzag:20/20'."""
+    assert call("completion", "bash").out.rstrip().endswith("COMP_WORDBREAKS=${COMP_WORDBREAKS//:/}")
+
+
 def test_another_shell_is_refused(refused):
     refused(2, ["completion", "tcsh"], "'tcsh' is not one of 'bash', 'zsh', 'fish'")
 

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from shipid.foundation.notices import Notice
-from shipid.foundation.result import LINES, WIDTH, Result, described, shortened, table
+from shipid.foundation.result import LINES, WIDTH, Printed, Result, described, shortened, table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,3 +95,11 @@ def test_a_notebook_shows_warnings_the_table_and_the_rest_folded():
 def test_a_table_without_rows_keeps_its_columns():
     empty = table([], "name", ("value",))
     assert list(empty.columns) == ["value"] and empty.index.name == "name" and empty.empty
+
+
+def test_what_is_no_result_is_shown_as_it_prints():
+    class Tool(Printed):
+        def __repr__(self):
+            return "<a tool of 'x & y'>"
+
+    assert Tool()._repr_html_().endswith("a tool of &#x27;x &amp; y&#x27;</pre>")

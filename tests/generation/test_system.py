@@ -196,3 +196,10 @@ def test_states_that_an_input_drives() -> None:
     position = generate(find_model("position-filter"))
     driven = position.states_driven_by(["psi"])
     assert {"x", "y"} <= set(driven) and not {"current_north", "current_east"} & set(driven)
+
+
+def test_a_system_prints_its_names_and_shows_its_model():
+    model = find_model("nomoto")
+    system = generate(model)
+    assert repr(system).startswith("<equations of 'nomoto': states r") and len(repr(system)) < 300
+    assert system._repr_html_() == model._repr_html_()

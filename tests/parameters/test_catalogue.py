@@ -1,5 +1,6 @@
 """Finding models and ships: by name, by file, and without being listed anywhere."""
 
+import sys
 import textwrap
 from pathlib import Path
 
@@ -145,6 +146,13 @@ def test_a_file_that_raises_says_in_which_line(tmp_path: Path, text: str, words:
     path = written(tmp_path, text)
     with pytest.raises(DeclarationError, match=words):
         find_model(f"{path}:Bad")
+
+
+def test_a_model_file_may_import_the_file_beside_it(tmp_path: Path) -> None:
+    written(tmp_path, OWN_SHIP, "beside_it.py")
+    path = written(tmp_path, "from shipid import join\nfrom beside_it import SineShip\nboth = join('both', SineShip)\n")
+    before = list(sys.path)
+    assert find_model(f"{path}:both").name == "both" and sys.path == before
 
 
 def test_a_ship_may_be_a_file(tmp_path: Path) -> None:

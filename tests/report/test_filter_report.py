@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
 from pathlib import Path
 
 import casadi
@@ -83,3 +85,14 @@ def test_a_probability_is_drawn_from_zero_to_one():
     panel = Panel("probability", "1", [Curve("estimate", np.arange(3.0), np.array([0.5, 0.4, 0.6]))], span=(0.0, 1.0))
     low, high = histories_drawing([panel], "Probability").figure().axes[0].get_ylim()
     assert -0.1 < low <= 0 and 1 <= high < 1.1
+
+
+def test_what_is_added_to_inputs_is_on_the_page(run):
+    assert "Added to inputs" not in render(run)
+    design = dataclasses.replace(
+        run.design, instruments=dataclasses.replace(run.design.instruments, biases={"delta": 0.01})
+    )
+    page = render(dataclasses.replace(run, design=design))
+    assert "Added to inputs" in page and re.search(
+        r"<code>delta</code></th><td[^>]*>0\.57\d*</td><td[^>]*>deg</td>", page
+    )

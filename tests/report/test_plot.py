@@ -64,11 +64,14 @@ def test_a_report_without_a_figure_says_so(fit):
         bare.plot()
 
 
-def test_a_diagnosis_says_what_to_draw(fit):
-    found = shipid.check_trial(fit.fitted[0].trial)
-    assert not hasattr(found, "plot")
-    with pytest.raises(UsageError, match=r"no figure; draw the trial: shipid.read_trial\(FILE\).plot\(\)"):
-        shipid.plot(found)
+def test_a_diagnosis_draws_its_manoeuvres_and_findings_along_the_time(fit):
+    trial = fit.fitted[0].trial
+    wrong = dataclasses.replace(trial, table=trial.table.assign(delta=-trial.table["delta"]))
+    (axes,) = shipid.check_trial(wrong).plot().axes
+    words = [text.get_text() for text in axes.texts]
+    assert words[0] == "manoeuvres: zig-zag" and any("rudder-sign" in w for w in words[1:])
+    assert axes.get_xlim() == pytest.approx((trial["t"][0], trial["t"][-1]))
+    assert "Where in the record" in render([shipid.check_trial(trial), shipid.check_trial(wrong)])
 
 
 def test_collected_figures_are_not_drawn():

@@ -15,7 +15,7 @@ from shipid.generation.system import generate
 from shipid.parameters.held_inputs import held_inputs
 from shipid.parameters.parameter_set import ParameterSet
 from shipid.parameters.ship_coefficients import coefficients_at
-from shipid.parameters.validity import BEYOND, MARGIN, beyond, speed_words
+from shipid.parameters.validity import BEYOND, MARGIN, beyond, range_of, speed_words
 
 
 def design_warnings(
@@ -50,9 +50,11 @@ def _outside_trials(model: Model, ships: tuple[ParameterSet, ...], speeds: np.nd
         span = known[0].span
         outside = span and (speeds[0] < span[0] * (1 - MARGIN) or speeds[-1] > span[1] * (1 + MARGIN))
         if span and outside:
+            section = range_of(ship, model)
             words = (
-                f"outside the identified range: ship {ship.name} was tried at {speed_words(span)}, and the "
-                f"schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s; beyond the trials it is extrapolation."
+                f"The schedule runs from {speeds[0]:.3g} to {speeds[-1]:.3g} m/s: the [{section[0] if section else model.name}] "
+                f"coefficients of ship {ship.name} were found at {speed_words(span)}. Beyond that the model extrapolates, and no band "
+                "contains that error."
             )
             found.append(Notice(words, BEYOND, quantity="u"))
         if any(k.scaled for k in known) and (outside or not span):

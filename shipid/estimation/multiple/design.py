@@ -18,11 +18,12 @@ from shipid.estimation.multiple.cycle.layout import CycleLayout
 from shipid.estimation.multiple.cycle.moves import DisplacedMoves, GridMoves, Moves
 from shipid.estimation.multiple.structures import AdaptiveGrid, Displaced, Structure
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.result import Printed
 from shipid.generation.loop import Loop, make_loop
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MultipleModelDesign:
+class MultipleModelDesign(Printed):
     """A multiple-model filter as its settings define it, SI.
 
     Attributes

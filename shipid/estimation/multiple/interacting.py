@@ -25,9 +25,10 @@ from shipid.estimation.records.arrangement import FilterRecord, columns_of
 from shipid.estimation.records.restart import run_stretches
 from shipid.estimation.settings.instruments import Amount
 from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.result import Printed
 
 
-class InteractingMultipleModel:
+class InteractingMultipleModel(Printed):
     """A filter for a system that follows one of several models at a time, generated with exact Jacobians.
 
     Parameters

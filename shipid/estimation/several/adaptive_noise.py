@@ -31,6 +31,7 @@ from shipid.estimation.recursion import covariance_form
 from shipid.estimation.recursion.layout import Places
 from shipid.foundation.aliases import CasadiFunction, Expression
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Printed
 from shipid.generation.loop import Loop, Stepper, make_loop
 
 
@@ -50,7 +51,7 @@ class AdaptiveRun(FilterRun):
     smoothable: ClassVar[bool] = False
 
 
-class AdaptiveFilter:
+class AdaptiveFilter(Printed):
     """A Kalman filter in which the level of some noise changes at random.
 
     Parameters

@@ -23,10 +23,11 @@ from shipid.estimation.recursion import covariance_form
 from shipid.estimation.several.adaptive_noise import AdaptiveFilter
 from shipid.estimation.several.cascade_run import CascadeRun
 from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.result import Printed
 from shipid.trials.filling import GAP, usual_interval
 
 
-class Cascade:
+class Cascade(Printed):
     """Kalman filters in series.
 
     Parameters

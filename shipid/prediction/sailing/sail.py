@@ -21,7 +21,7 @@ from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
-from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.manoeuvring_range import manoeuvring_range
 from shipid.parts.waves import Waves
@@ -153,6 +153,8 @@ def sail(
         known["rudder_limit"] = number(rudder_limit, "rad", "the rudder limit")
     if waves is not None:
         known, acting = with_waves(waves, known, acting, pilot.length, u0, interval / fine, t.size, seed)
+    if (lacking := missing_values(whole, known, f"ship {pilot.ship.name}")) is not None:
+        raise lacking
     recorded = {n: n for n in RECORDED if n in whole}
     if waves is not None:
         recorded |= {"psi": "psi_seen", "r": "r_seen"}

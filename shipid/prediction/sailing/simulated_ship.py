@@ -25,7 +25,7 @@ from shipid.generation.loop import Loop, make_loop
 from shipid.generation.simulator import initial_state, input_rows
 from shipid.generation.step import make_step
 from shipid.generation.system import System, generate
-from shipid.parameters.parameter_set import ParameterSet
+from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parts.rudder_delay import at_rest
 from shipid.prediction.sailing.sail import steering
 from shipid.trials.manoeuvres.simulate import NotSailedError
@@ -123,6 +123,10 @@ class SimulatedShip:
         lost = [n for n in values or {} if n not in self._system.coefficients]
         if lost:
             raise UnknownNameError(f"coefficient of model {truth.name} called", lost[0], truth.parameters)
+        if (
+            lacking := missing_values(self.model, {**known, **(values or {})}, f"ship {self.pilot.ship.name}")
+        ) is not None:
+            raise lacking
         self._p = self._system.vector(self._system.coefficients, {**known, **(values or {})})
         begin = {"u": self.speed, **(start or {})}
         begin.setdefault("psi_ramp", begin.get("psi", 0.0))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import percent, quantity
-from shipid.foundation.result import Result, table
+from shipid.foundation.result import DrawnResult, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -200,7 +200,7 @@ class Stretch:
 
 
 @dataclass(frozen=True, repr=False)
-class Diagnosis(Result):
+class Diagnosis(DrawnResult):
     """The findings and manoeuvres of one record.
 
     Attributes

@@ -87,7 +87,7 @@ def by_header(
         faults.append(
             UnknownColumnError(
                 f"{where}: there is no time column 't' among {', '.join(values)}. Name the time column 't [s]', or map the "
-                "columns in a format file."
+                "columns in a format file: shipid format LOG -o FORMAT.toml drafts one."
             )
         )
     else:

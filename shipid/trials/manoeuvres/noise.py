@@ -12,8 +12,8 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.parts.sensors import LARGEST_LEVEL, SMALLEST_LEVEL, standard_noise
 
-#: Speeds through the water, which a trial with sensors holds only where one of them measures it.
-_THROUGH_WATER = {"u", "v"}
+#: What a trial with sensors holds only where one of them measures it: speeds through the water, roll, shaft speed.
+_ONLY_MEASURED = {"u", "v", "n", "phi", "p"}
 
 
 def parse_noise(text: str | Mapping[str, str | float] | None) -> dict[str, float]:
@@ -85,11 +85,11 @@ def measured(
     Returns
     -------
     pandas.DataFrame
-        Column ``t``, and the others without a speed through the water that no sensor measures.
+        Column ``t``, and the others without a speed through the water, a shaft speed or a roll that no sensor measures.
     """
     rng = np.random.default_rng([seed, 0])
     table = {"t": t}
-    unmeasured = _THROUGH_WATER - set(deviations) if deviations else set()
+    unmeasured = _ONLY_MEASURED - set(deviations) if deviations else set()
     for name, column in columns.items():
         # Drawn for every column, so that the noise on one does not depend on which others carry noise.
         draw = rng.standard_normal(t.size)

@@ -35,6 +35,8 @@ from shipid.trials.trial import Trial
 
 #: What a simulated trial records, where the model has it.
 RECORDED = ("x", "y", "psi", "u", "v", "r", "delta", "delta_order")
+#: What is recorded as well where the ship states it: shaft speed, roll.
+_OWN = ("n", "phi", "p")
 #: What shows the waves, and the quantity of the waves in it.
 _WAVED = {"psi": "psi_wave", "r": "r_wave"}
 #: Steps that still fit into memory, with room to spare.
@@ -159,7 +161,8 @@ def simulate(
         acting["helm_schedule"] = planned.scheduled(t)
     # Not compiled: a model that is simulated once is sooner run than compiled.
     logged = recorded_rudder(whole)
-    columns_shown = [logged if n == "delta" else n for n in (*RECORDED, *_WAVED.values()) if n in whole]
+    kept = (*RECORDED, *(n for n in _OWN if n in model.states))
+    columns_shown = [logged if n == "delta" else n for n in (*kept, *_WAVED.values()) if n in whole]
     simulator = make_simulator(whole, columns_shown, hold="zero", compiled=False)
     run = simulator(t, known, acting, {"u": u0, "psi": course})
     if run.departure is not None:
@@ -170,7 +173,7 @@ def simulate(
             + "".join(f" {said}" for said in beyond_in_run(model, ship, u0, steered, known=True))
         )
     deviations = parse_noise(noise)
-    columns = {"delta" if n == logged else n: c for n, c in run.columns.items() if n in (logged, *RECORDED)}
+    columns = {"delta" if n == logged else n: c for n, c in run.columns.items() if n in (logged, *kept)}
     if waves is not None:
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)

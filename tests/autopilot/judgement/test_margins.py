@@ -170,7 +170,7 @@ def test_the_judgement_holds_the_keys_of_its_result(judgement, uncertain_pilot):
     assert found["robust"]["samples"] == 50 and found["robust"]["disk_worst"] > 0
     assert {"speed", "change", "overshoot", "settling"} <= set(found["steps"][0])
     assert {"what", "where", "value"} <= set(found["weakest"])
-    assert any("outside the identified range" in w["message"] for w in found["warnings"])
+    assert any("The schedule runs from" in w["message"] for w in found["warnings"])
     assert judgement.to_frame().shape[0] == count
     assert "worst disk margin" in judgement.text() and "The weakest point" in judgement.text()
 

@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import shipid
-from shipid.foundation.errors import UnknownNameError, UsageError
+from shipid.foundation.errors import ParameterSetError, UnknownNameError, UsageError
 from shipid.prediction.sailing.sail import sail
 from shipid.prediction.situations.filtered_situation import situation_of
 from shipid.prediction.situations.own_ship_filter import own_ship_filter
@@ -27,6 +29,18 @@ def test_a_trial_sailed_is_identified(pilot, tmp_path):
     shipid.write_trial(trial, tmp_path / "voyage.csv")
     fit = shipid.identify("de-keizer", [shipid.read_trial(tmp_path / "voyage.csv")], ship="soesterberg")
     assert fit.parameters["K"].value == pytest.approx(1.6, rel=0.05)
+
+
+def test_wind_on_a_ship_without_its_coefficients_says_what_to_state(pilot, tmp_path):
+    bare = dataclasses.replace(pilot.ship, sections={k: v for k, v in pilot.ship.sections.items() if k != "wind"})
+    own = dataclasses.replace(pilot, ships=(bare,))
+    words = r"needs N_w \[rad/m²\], F_w \[1/m²\], which ship soesterberg does not hold. State them, as in --set"
+    with pytest.raises(ParameterSetError, match=words):
+        sail(own, "60 deg", duration=300, wind=("15 m/s", "135 deg"))
+    (tmp_path / "plan.csv").write_text("x [m],y [m]\n0,0\n3000,0\n6000,2000\n", encoding="utf-8")
+    route = shipid.read_route(tmp_path / "plan.csv")
+    with pytest.raises(ParameterSetError, match=words):
+        shipid.sail_route(own, route, wind=("15 m/s", "135 deg"))
 
 
 def test_weather_acts(pilot):

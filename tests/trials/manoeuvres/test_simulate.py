@@ -5,7 +5,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from shipid import ParameterSet, Trial, find_ship, read_trial, simulate, write_trial
+from shipid import (
+    Component,
+    ParameterSet,
+    Trial,
+    find_model,
+    find_ship,
+    given,
+    join,
+    read_trial,
+    simulate,
+    state,
+    write_trial,
+)
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import ParameterSetError, UnitError, UnknownNameError, UsageError
 from shipid.parameters.parameter_set import Value
@@ -296,3 +308,25 @@ def test_the_part_before_is_sailed() -> None:
     trial = sail("turn:30", values={"K_u": "0.9"}, duration="150 s")
     assert trial["u"].min() > 0.2 * 9.5
     assert ", K_u 0.9," in trial.source.comment
+
+
+class Engine(Component):
+    """Shaft speed behind a governor."""
+
+    n = state("1/s", "shaft speed, revolutions per second")
+    n_order = given("1/s", "ordered shaft speed, revolutions per second")
+
+    @n.rate
+    def follow(self) -> Plain:
+        """A test."""
+        return (self.n_order - self.n) * self.n_order / 10
+
+
+def test_an_engine_is_recorded_where_a_sensor_shows_it() -> None:
+    model = join("with an engine", *find_model("norrbin").components, Engine)
+    asked: Plain = {"inputs": {"n_order": 2.0}, "duration": 60.0}
+    bare = simulate(model, "zeefakkel", "zigzag:20/20", **asked)
+    assert bare["n"][-1] == pytest.approx(2.0, rel=1e-3) and bare["n"][0] < 0.1
+    assert not simulate(model, "zeefakkel", "zigzag:20/20", noise="standard", **asked).has("n")
+    shown = simulate(model, "zeefakkel", "zigzag:20/20", noise="psi=0.2 deg,n=0.5 rpm", **asked)
+    assert np.std(shown["n"] - bare["n"]) == pytest.approx(0.5 / 60, rel=0.2)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.numbers import given, number
 from shipid.report.page import Page, Row, Section
+from shipid.report.views.checking.timeline import timeline
 from shipid.report.views.words import count, listed, sentence, versions_now
 from shipid.trials.doctor.findings import Diagnosis, Finding, Stretch
 
@@ -34,7 +35,7 @@ def checks_page(found: Sequence[Diagnosis]) -> Page:
         At least one.
     """
     title = f"Check of {found[0].trial}" if len(found) == 1 else f"Check of {count(len(found), 'trial')}"
-    trials = [_trial(d) for d in found]
+    trials = [_trial(d, f"t{k}") for k, d in enumerate(found, 1)]
     return Page(
         title,
         [("", _answer(found))],
@@ -73,9 +74,10 @@ def _verdict(d: Diagnosis) -> Row:
     }
 
 
-def _trial(d: Diagnosis) -> Row:
+def _trial(d: Diagnosis, key: str) -> Row:
     return {
         "name": d.trial,
+        "figure": timeline(d, key),
         "findings": _findings(d),
         "manoeuvres": [_stretch(m) for m in d.manoeuvres],
         "rows": f"{d.rows} rows read, {d.kept} kept.",

@@ -187,4 +187,8 @@ def _noise(run: FilterRun) -> Section:
                 "origin": "default of the toolbox" if source.assumed else "given or declared",
             }
         )
-    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": sources})
+    added: list[Row] = []
+    for name, bias in design.instruments.biases.items():
+        how = shown(design.model, name)
+        added.append({"name": name, "bias": how.number(bias), "unit": how.unit})
+    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": sources, "added": added})

@@ -23,6 +23,13 @@ _GROUPS = (
 _LIMITS = [
     ("Quantity", "meaning"), ("Verdict", "verdict", "keep"), ("Measured", "value", "n"), ("Limit", "limit", "keep"),
 ]  # fmt: skip
+#: What the figure of a manoeuvre shows, by the class of its measures.
+_CAPTIONS = {
+    "ZigZag": "Heading and rudder against time; each overshoot is marked.",
+    "TurningCircle": "The track of the circle with the ship's outline, and its dimensions.",
+    "MeasuredSpiral": "Steady rate of turn against rudder angle.",
+    "PullOut": "Rate of turn after the rudder is put amidships.",
+}
 _NUMBERS = [("Quantity", "name"), ("Measured", "value", "n"), ("Meaning", "meaning", "wide")]
 #: A ratio to the ship length stands beside the distance itself, and so does the same in still water.
 _RATIO, _STILL = "_ratio", "_still_water"
@@ -112,6 +119,7 @@ def _manoeuvre(sailed: SheetManoeuvre, length: float | None) -> dict[str, object
         "trial": measures.trial,
         "simulated": sailed.record.source.simulated,
         "read_from": measures.read_from,
+        "caption": _CAPTIONS.get(type(measures).__name__, "The manoeuvre as it was measured."),
         "figure": manoeuvre_figure(measures, sailed.record, length, f"m{sailed.number}"),
         "columns": _NUMBERS,
         "rows": list(_single(measures)),

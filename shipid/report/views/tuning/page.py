@@ -27,7 +27,7 @@ from shipid.report.views.tuning.judgement import (
 from shipid.report.views.words import sentence
 
 #: Warnings that begin so stand in red: they say that the design may not hold.
-_GRAVE = ("unstable draws", "disk margin", "outside the identified range", "lost", "rudder rate", "negative rate gain",
+_GRAVE = ("unstable draws", "disk margin", "The schedule runs from", "lost", "rudder rate", "negative rate gain",
           "on board")  # fmt: skip
 _ADVICE = {
     "disk margin": "A lower natural frequency or more trials of this ship raise it.",

@@ -33,19 +33,27 @@ _SUFFIXED = re.compile(
     r"^(t|time|elapsed|elapsed[_ ]?time|uptime|epoch|timestamp)_(s|sec|secs|seconds|ms|msec|us|usec|ns|min|h)$",
     re.IGNORECASE,
 )
+#: A zone before or behind the name of a clock: ``Heure UTC``, ``GMT Time``.
+_ZONE = re.compile(r"^(utc|gmt|tu|local)|(utc|gmt|tu|local|locale)$")
 _TIME_UNIT = re.compile(
     r"^(s|sec|secs|second|seconds|sek|ms|msec|us|µs|usec|ns|min|h|hr|hours?|d|days?)$", re.IGNORECASE
 )
 
 
 def short(header: str) -> str:
-    """Return a header in small letters, without its unit, blanks and signs.
+    """Return a header in small letters, without its unit, blanks and signs, and without a zone that a name of a clock carries.
 
     Parameters
     ----------
     header : str
         As it stands in the table.
     """
+    whole = _whole(header)
+    bare = _ZONE.sub("", whole)
+    return bare if whole not in _ANY and bare in _ANY else whole
+
+
+def _whole(header: str) -> str:
     name = columns.split_header(header)[0].lower()
     suffixed = _SUFFIXED.match(name)
     return re.sub(r"[\W_]", "", suffixed[1] if suffixed else name)
@@ -87,7 +95,7 @@ def hints(names: tuple[str, ...]) -> tuple[str, str]:
         letters = "".join(part[0] for part in found.groups()) if found else ""
         order = letters if letters in ("dmy", "mdy", "ymd") else order
         stated = re.search(r"(?:\b|_)(utc|gmt)\s*([+-]\d{1,2}(?::?\d{2})?)?", text)
-        if stated or short(name).endswith("utc") or short(name).startswith("utc"):
+        if stated or _whole(name).endswith("utc") or _whole(name).startswith("utc"):
             zone = (stated[2] if stated and stated[2] else "") or "UTC"
     return order, zone
 

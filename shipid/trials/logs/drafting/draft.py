@@ -217,6 +217,11 @@ class _Draft:
         values, strange = read_numbers(column, self.raw.decimal or ".")
         return column if strange.any() or not np.isfinite(values).any() else pd.Series(values)
 
+    def _marked(self, k: int) -> bool:
+        """Whether the cells of a column carry the sign of degrees."""
+        cells = self.raw.columns[k].dropna().head(1)
+        return bool(cells.astype("str").str.contains("°", regex=False).all()) and len(cells) == 1
+
     def _address(self, k: int) -> str:
         """Where a column is found: by its header where that names it alone, else by its place."""
         name = spelling.split_header(self.headers[k])[0]
@@ -259,6 +264,8 @@ class _Draft:
         fits = stated is not None and self._fits(field, stated)
         unit = stated if fits else meaning.unit if meaning.unit and self._fits(field, meaning.unit) else None
         why = "the header says it" if fits else "the name says it"
+        if unit is None and self._fits(field, "deg") and self._marked(k):
+            unit, why = "deg", "the cells say it"
         if unit is None:
             self.open.append(field)
         wrong = f" (not {_shown(stated)}, which does not fit)" if stated and not fits else ""

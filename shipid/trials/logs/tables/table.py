@@ -20,6 +20,7 @@ from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.positions import with_degrees
 from shipid.trials.logs.record import LenientRecord, same_row
+from shipid.trials.logs.tables.lettered import read_lettered
 from shipid.trials.logs.tables.numerals import MISSING, Decimal, read_numbers, shows_decimals, sign_of_file
 from shipid.trials.source import Source
 
@@ -225,10 +226,20 @@ class _Cells:
                 texts[k] = column
         self._read_texts(texts, decimal)
 
-    def _read_texts(self, texts: Mapping[int, pd.Series], decimal: str | None) -> None:
+    def _read_texts(self, texts: dict[int, pd.Series], decimal: str | None) -> None:
         if not texts:
             return
         written = {k: _only_texts(column) for k, column in texts.items()}
+        for k in list(written):
+            lettered = read_lettered(written[k]) if bool(_is_text(texts[k])) else None
+            if lettered is not None:
+                values, said = lettered
+                self._read[k], self._strange[k] = pd.Series(values, name=texts[k].name), np.zeros(len(values), bool)
+                name = self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}"
+                self.notes = (*self.notes, f"Column '{name}': {said}.")
+                del written[k], texts[k]
+        if not texts:
+            return
         named = [
             cells.rename(self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}")
             for k, cells in written.items()
@@ -249,7 +260,10 @@ class _Cells:
                 strange |= (others & ~plain).to_numpy()
             self._read[k], self._strange[k] = pd.Series(values, name=column.name), strange
         if sign == "," and self.raw.decimal is None and decimal is None:
-            self.notes = ("The numbers are written with a decimal comma.",)
+            self.notes = (
+                *self.notes,
+                "The numbers are written with a decimal comma.",
+            )
 
     def column(self, k: int) -> pd.Series:
         """Return a column: numbers, time stamps, or the text of a clock."""

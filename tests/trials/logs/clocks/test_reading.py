@@ -44,6 +44,7 @@ def text(pattern, stamps=STAMPS):
         ({"Date (dd/mm/yyyy)": ["04/05/2026"] * 80, "Time (UTC)": text("%H:%M:%S.%f")}, "2026-05-04T23:59:50Z"),
         ({"date": [20260504] * 20 + [20260505] * 60, "time": text("%H:%M:%S.%f")}, "2026-05-04T23:59:50"),
         ({"Time": text("%H:%M:%S.%f")}, None),
+        ({"Heure UTC": text("%H:%M:%S.%f"), "ETA": ["01:02:03"] * 80}, None),
         ({"time": text("%I:%M:%S.%f %p")}, None),
         ({"time": text("%H:%M:%S")}, None),
         ({"time": text("%Y-%m-%d %H:%M:%S")}, "2026-05-04T23:59:50"),
