@@ -187,7 +187,7 @@ def _shown(unit: PintUnit) -> str:
     return f"{unit:~P}".replace("⋅", "·") or "1"
 
 
-def _in_words(error: Exception) -> str | None:
+def _in_words(error: Exception | SystemExit) -> str | None:
     """Which units do not match, or None where the error is another one. Pint's own words change with its version."""
     first, second = getattr(error, "units1", None), getattr(error, "units2", None)
     if first is not None and second is not None:
@@ -212,7 +212,7 @@ def _either(unit: Expression) -> str:
         return str(unit)
 
 
-def user_line(error: Exception, code: types.CodeType) -> str:
+def user_line(error: Exception | SystemExit, code: types.CodeType) -> str:
     """Return the deepest line of the user's own file in a traceback: ``file:line``.
 
     Parameters
