@@ -16,9 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shipid.trials.measuring.rudder.levels import Level, level_before, level_held
+from shipid.trials.measuring.rudder.ramps import ramp_line
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
-from shipid.trials.signals.plates import Plate, held_angle
+from shipid.trials.signals.plates import Plate
 
 LEFT = 0.15
 """Share of the plate's angle by which the rudder has left it."""
@@ -63,7 +65,7 @@ def leaves(steering: Steering, plate: Plate) -> Execute:
     # The plate and the ramp after it; a long record has hundreds of plates.
     near = slice(plate.first, min(len(steering.channel.t), 2 * plate.last - plate.first + 1))
     y = plate.side * steering.channel.y[near]
-    found = _put_over(steering, near, y, plate.last - plate.first, abs(plate.angle), 0.0, 1.8)
+    found = _put_over(steering, near, y, plate.last - plate.first, level_held(steering, plate), 0.0, 1.8)
     return _refined(steering, found, plate, first=False)
 
 
@@ -92,12 +94,13 @@ def first_execute(steering: Steering, plate: Plate, moved: float | None = None) 
         return None
     # The neutral angle: where the rudder stays before, over a stretch no longer than the plate is held.
     recent = calm[-max(5, plate.last - plate.first) :]
-    neutral = held_angle(before[recent])
+    level = level_before(steering, plate, recent)
+    neutral = level.angle
     y = -plate.side * rudder
     share = plate.first + 1
     if moved is None or steering.reading == "order":
         near = slice(max(0, int(recent[0])), min(len(t), plate.last))
-        found = _put_over(steering, near, y[near], share - near.start, -neutral, -way, 0.9)
+        found = _put_over(steering, near, y[near], share - near.start, Level(-neutral, level.scatter), -way, 0.9)
         return _refined(steering, found, plate, first=True), plate.side * neutral
     # From midships, unless the helm carried more than that before.
     still = np.flatnonzero(y[:share] > -(moved if neutral < moved else neutral + moved))
@@ -123,7 +126,10 @@ def _refined(steering: Steering, found: Execute, plate: Plate, *, first: bool) -
         else:
             read = leaves(feedback, answer) if answer.last < len(feedback.channel.t) else None
         if read is not None and read.hole is None and abs(read.time - found.time) <= found.within + read.within + 1e-9:
-            return Execute(read.time, min(read.within, found.within))
+            # The order stepped within its interval, whatever the ramp says.
+            within = max(read.within, abs(read.time - found.time) - found.within)
+            time = float(np.clip(read.time, found.time - found.within, found.time + found.within))
+            return Execute(time, min(within, found.within))
     return found
 
 
@@ -134,10 +140,10 @@ def _moved(channel: Channel, k: int) -> Execute:
 
 
 def _put_over(
-    steering: Steering, near: slice, y: np.ndarray, end: int, held: float, towards: float, reach: float
+    steering: Steering, near: slice, y: np.ndarray, end: int, level: Level, towards: float, reach: float
 ) -> Execute:
     """Execute at which `y`, held until somewhere before sample `end`, sets out for `towards` (downwards)."""
-    t = steering.channel.t[near]
+    t, held = steering.channel.t[near], level.angle
     size = held - towards
     on = np.flatnonzero(y[:end] >= held - LEFT * size)
     k = int(on[-1]) if on.size else 0
@@ -155,8 +161,9 @@ def _put_over(
     hole = steering.channel.hole(0.5 * float(t[k] + t[k + 1]))
     if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
         return Execute(0.5 * float(t[k] + t[k + 1]), 0.5 * float(t[k + 1] - t[k]), hole)
-    left, inaccuracy = _extended(t, y, ramp, held, steering.rate, k)
-    slack = 0.5 * (steering.channel.digit or steering.channel.grain or 0.0) / (steering.rate or np.inf)
+    left, inaccuracy = _extended(t, y, ramp, level, (size, reach), steering.rate, k)
+    step = steering.channel.digit or steering.channel.grain or _digit_of_ramp(steering.channel.y[near][ramp])
+    slack = 0.5 * step / (steering.rate or np.inf)
     # A ramp that is seen from the hole on gives the order all the same.
     known = hole is None or (ramp.size >= 2 and steering.rate is not None)
     return Execute(max(left, float(t[0])), inaccuracy + slack, None if known else hole)
@@ -189,22 +196,29 @@ def _ramp(y: np.ndarray, held: float, size: float, reach: float) -> np.ndarray:
     rising = np.flatnonzero(np.diff(y[:last]) > max(0.02 * size, 6 * noise))
     last = min(last, int(rising[0]) + 1) if rising.size else last
     all_of_it = np.flatnonzero(inside[:last])
-    first_half = all_of_it[y[all_of_it] >= held - 0.6 * size]
+    # Up to where it is beyond: the rudder comes back from a plate that is short of the other end.
+    beyond = np.flatnonzero(y[:last] < held - 0.6 * size)
+    first_half = all_of_it[: np.searchsorted(all_of_it, beyond[0])] if beyond.size else all_of_it
     return first_half if first_half.size >= 4 else all_of_it[:4]
 
 
+def _digit_of_ramp(y: np.ndarray) -> float:
+    """The digit of a ramp whose samples are equal steps apart: the gear may be half a digit off all of them; 0 otherwise."""
+    steps = np.abs(np.diff(y))
+    return float(steps[0]) if len(steps) > 2 and steps[0] > 0 and np.ptp(steps) < 1e-6 * steps[0] else 0.0
+
+
 def _extended(
-    t: np.ndarray, y: np.ndarray, ramp: np.ndarray, held: float, rate: float | None, k: int
+    t: np.ndarray, y: np.ndarray, ramp: np.ndarray, level: Level, way: tuple[float, float], rate: float | None, k: int
 ) -> tuple[float, float]:
     """When the ramp left the plate [s], and how far off that may be [s]."""
+    held = level.angle
     if ramp.size >= 3 or (ramp.size == 2 and rate is None):
-        x = t[ramp] - t[ramp[0]]
-        offset, slope = np.polynomial.polynomial.polyfit(x, y[ramp], 1)
-        if slope < 0:
-            scatter = float(np.std(y[ramp] - offset - slope * x))
+        line = ramp_line(t, y, ramp, held, *way)
+        if line is not None:
+            left, scatter = line.reaches(held, level.scatter)
             # A gear does not start at once: some hundredths of the interval, where the samples lie on the line.
-            inaccuracy = max(2 * scatter / -float(slope) / np.sqrt(ramp.size), 0.02 * float(t[k + 1] - t[k]))
-            return float(t[ramp[0]] + (held - offset) / slope), float(inaccuracy)
+            return left, max(scatter, 0.02 * float(t[k + 1] - t[k]))
     if rate is not None:
         back = t[ramp] - (held - y[ramp]) / rate
         # The rate is that of the other ramps, and not exactly this one's.

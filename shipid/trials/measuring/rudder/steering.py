@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import UnknownColumnError
+from shipid.trials.holding import repeats_of
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.coarse import ramps_of
 from shipid.trials.signals.order import order_against_feedback
@@ -17,6 +18,9 @@ from shipid.trials.signals.plates import Plate, plates, regular
 from shipid.trials.trial import Trial
 
 READINGS = ("order", "moved")
+
+_BEATS = 60
+"""Values of a slow sensor at least: a rudder of fewer, that steps at a beat, is held at one angle after the other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +134,11 @@ def steering_of(
             )
         column = "delta_order" if ordered and not (moved and trial.has("delta")) else "delta"
     logged = column == "delta_order"
+    if not logged:
+        # A slow sensor whose last value is written again in every row knows the rudder at its own beat; of few values each is held.
+        again = repeats_of(trial[column])
+        if again is not None and np.count_nonzero(~again) >= _BEATS:
+            wrong = again if wrong is None else wrong | again
     channel = _without_blips(channel_of(trial, column, wrong, spikes=False))
     channel = channel if logged else _drawn(channel)
     steps = np.diff(channel.y)

@@ -28,7 +28,8 @@ def test_a_rudder_in_steps_of_5_deg_is_told_and_executes_are_right(frame):
     np.testing.assert_allclose(coarse.executes, fine.executes, atol=0.6)
     assert any("quantised (delta)" in note for note in coarse.notes)
     # The rudder is known to half a step, and it is said what that makes.
-    assert min(coarse.overshoot_uncertainties) > 3 * max(fine.overshoot_uncertainties[:3])
+    assert coarse.execute_within >= np.radians(2.5) / coarse.rudder_rate
+    assert min(coarse.overshoot_uncertainties) > 1.2 * max(fine.overshoot_uncertainties[:3])
 
 
 def test_a_rudder_in_whole_degrees_is_no_fault(frame):

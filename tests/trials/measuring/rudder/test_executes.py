@@ -96,3 +96,51 @@ def test_a_helm_that_wanders_before_the_first_execute(logged):
     # It leaves 3.96 deg of rudder there, and the ramp of the model starts from 0.
     assert found.first_execute == pytest.approx(orders[0], abs=1.5)
     np.testing.assert_allclose(found.executes, orders[1 : 1 + len(found.executes)], atol=0.02)
+
+
+def test_stated_uncertainty_holds_the_scatter_of_the_rudder(sailed):
+    """Eight records of a rudder of 1 deg/s that scatters by 0.5 deg: the plate it leaves is as uncertain as its ramp."""
+    t, psi, delta, _, orders, overshoots = sailed(rudder_rate=1.0, duration=300.0)
+    every, within, errors = slice(0, None, 100), [], []
+    for seed in range(8):
+        scatter = 0.5 * np.random.default_rng(seed).standard_normal(t[every].size)
+        frame = pd.DataFrame({"t [s]": t[every], "psi [deg]": psi[every], "delta [deg]": delta[every] + scatter})
+        found = measure(Trial.from_frame(frame))
+        away = np.abs(np.degrees(found.overshoots[:2]) - overshoots[:2])
+        errors += list(away)
+        within += list(away <= np.degrees(found.overshoot_uncertainties[:2]))
+        np.testing.assert_allclose(found.executes[:2], orders[1:3], atol=1.2)
+    assert np.mean(within) > 0.8 and np.sqrt(np.mean(np.square(errors))) < 0.5
+
+
+def test_rudder_with_a_bias_that_is_short_of_the_other_end(sailed):
+    """Plates of 11.5 and 8.5 deg: the ramp ends before the other plate does, not with the way back."""
+    t, psi, delta, _, orders, overshoots = sailed(rudder_rate=0.7, rudder=10.0, switch=10.0, duration=300.0, side=-1)
+    scatter = 0.1 * np.random.default_rng(5).standard_normal(t[::100].size)
+    frame = pd.DataFrame({"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": delta[::100] + 1.5 + scatter})
+    found = measure(Trial.from_frame(frame))
+    np.testing.assert_allclose(found.executes[:3], orders[1:4], atol=0.5)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:2]), overshoots[:2], atol=0.4)
+
+
+def test_slow_sensor_of_the_rudder_whose_value_is_written_again_in_every_row(sailed):
+    """At 5 Hz the rows repeat what a sensor of 1 Hz says: read as its own, the execute would come 0.4 s late."""
+    t, psi, delta, _, orders, overshoots = sailed(rudder_rate=1.0, duration=300.0)
+    scatter = 0.1 * np.random.default_rng(6).standard_normal(t[::100].size)
+    held = np.repeat(delta[::100] + scatter, 5)[: t[::20].size]
+    found = measure(Trial.from_frame(pd.DataFrame({"t [s]": t[::20], "psi [deg]": psi[::20], "delta [deg]": held})))
+    np.testing.assert_allclose(found.executes[:3], orders[1:4], atol=0.3)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:2]), overshoots[:2], atol=0.3)
+
+
+@pytest.mark.parametrize("order", [False, True])
+def test_rudder_that_is_reversed_before_it_reaches_its_plate(sailed, order):
+    """Ordered to 35 deg at 1 deg/s, this ship has turned by 20 deg before: the rudder leaves the point where its ramps meet."""
+    t, psi, delta, ordered, orders, overshoots = sailed(rudder_rate=1.0, rudder=35.0, duration=400.0)
+    frame = pd.DataFrame({"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": delta[::100]})
+    if order:
+        frame["delta_order [deg]"] = ordered[::100]
+    found = measure(Trial.from_frame(frame), "zig-zag")
+    assert abs(delta[np.searchsorted(t, orders[1])]) < 34
+    np.testing.assert_allclose(found.executes[:2], orders[1:3], atol=0.2)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:2]), overshoots[:2], atol=0.3)

@@ -14,6 +14,8 @@ _STRONGEST = 0.35
 _DRIFTING = np.radians(30)
 """A ship in a turn makes good a course up to this far off its heading; a strong current does, too."""
 _HARMFUL = np.radians(15)
+_TOLD = np.radians(8)
+"""A track that is turned by less in a turning circle may be the sway of its beginning."""
 
 
 def examine_course(p: WorkingCopy) -> None:
@@ -59,7 +61,7 @@ def examine_course(p: WorkingCopy) -> None:
             # In body axes the sway says how far the course is off the heading.
             body = vector_fit(way, way.integral(p.t, (p["u"] + 1j * p["v"]) * heads), varied)
             plain = body if body is not None and abs(np.angle(body.factor)) < abs(np.angle(plain.factor)) else plain
-        _turned(p, names, way, plain, varied)
+        _turned(p, names, way, plain, varied, sailed)
 
 
 def _varied(p: WorkingCopy, way: Way) -> bool:
@@ -126,12 +128,32 @@ def _mirrored(p: WorkingCopy, names: str, fit: VectorFit, ratio: float) -> None:
     )  # fmt: skip
 
 
-def _turned(p: WorkingCopy, names: str, way: Way, fit: VectorFit, varied: bool) -> None:
-    turn = float(np.angle(fit.factor))
+def _beside_sway(way: Way, sailed: np.ndarray, heads: np.ndarray) -> VectorFit | None:
+    """Fit the way made good by the way sailed, a sway in proportion to the rate of turn, and a drift."""
+    # The integral of i r exp(i psi) is exp(i psi).
+    sway = np.diff(heads[way.at])[way.kept]
+    zero, one = np.zeros_like(way.dt), way.dt
+    real = [sailed.real, -sailed.imag, sway.real, -sway.imag, one, zero]
+    imaginary = [sailed.imag, sailed.real, sway.imag, sway.real, zero, one]
+    target = np.concatenate([way.made.real, way.made.imag])
+    found = robust.regress(np.column_stack([np.concatenate(pair) for pair in zip(real, imaginary)]), target)
+    if found is None:
+        return None
+    factor = complex(*found.value[:2])
+    std = float(np.max(found.std[:2])) / max(abs(factor), 1e-12)
+    return VectorFit(factor, std, complex(*found.value[4:]), float(np.max(found.std[4:])), found.sigma)
+
+
+def _turned(p: WorkingCopy, names: str, way: Way, fit: VectorFit, varied: bool, sailed: np.ndarray) -> None:
+    turn, heads = float(np.angle(fit.factor)), np.exp(1j * p["psi"])
     astern = p.has("u") and float(np.median(p["u"])) < 0 and abs(turn) > np.radians(150)
     psi = p["psi"][way.at]
     steady_turn = abs(float(psi[-1] - psi[0])) > np.pi
     limit = max(5 * fit.std, np.radians(4.0), _DRIFTING if steady_turn or not varied else 0.0)
+    own = _beside_sway(way, sailed, heads) if steady_turn and varied else None
+    if own is not None and max(5 * own.std, _TOLD) < limit:
+        # The approach, on which a ship does not slip, tells a turned track from the drift angle of the turn.
+        fit, turn, limit = own, float(np.angle(own.factor)), max(5 * own.std, _TOLD)
     if abs(turn) < limit or astern:
         return
     side = "starboard" if turn > 0 else "port"

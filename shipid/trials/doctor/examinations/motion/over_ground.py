@@ -8,6 +8,7 @@ import numpy as np
 
 from shipid.foundation.numbers import percent
 from shipid.trials.doctor import robust_statistics as robust
+from shipid.trials.doctor.examinations.motion.track import UNITS_OF_SPEED
 from shipid.trials.doctor.examinations.motion.way import vector_fit, way_made_good
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -23,6 +24,8 @@ _LONGEST_DRIFT = 0.6
 """In ship lengths sailed: the course of a drifting ship follows its heading this late at most."""
 _WIDEST_DRIFT = np.radians(25)
 """Largest drift angle of a ship in a turn."""
+_SAME_UNIT = 0.03
+"""A factor is that of a unit where it is no further from it than this, as a logarithm."""
 _OFF = 0.1
 """A log that is off by less may be a matter of its place on the hull."""
 
@@ -37,11 +40,38 @@ def examine_over_ground(p: WorkingCopy) -> None:
     """
     if len(p) < 60 or p.found("clock-scale"):
         return
+    if p.has("SOG", "x", "y"):
+        _unit_of_speed(p)
     heading = robust.integral(p.t, p["r"]) if p.has("r") else None
     if p.has("SOG", "COG"):
         heading = _late_course(p)
     if heading is not None and p.has("u") and not p.has("psi"):
         _speed_without_heading(p, heading)
+
+
+def _unit_of_speed(p: WorkingCopy) -> None:
+    """Find a speed over ground in another unit than its header says, by the length of the track."""
+    way = way_made_good(p, "SOG")
+    if way is None or p.found("speed-stands"):
+        return
+    heading = p["psi"] if p.has("psi") else None
+    # In a turn the way made good of a block is the chord of what is sailed.
+    chord = 1.0 if heading is None else np.abs(way.integral(p.t, np.exp(1j * heading))) / way.dt
+    found = robust.regress((way.integral(p.t, np.abs(p["SOG"])) * chord)[:, None], np.abs(way.made))
+    if found is None or found.value[0] <= 0 or found.std[0] > 0.01 * found.value[0]:
+        return
+    factor = float(found.value[0])
+    unit, exact = next(((u, f) for f, u in UNITS_OF_SPEED if abs(np.log(factor / f)) < _SAME_UNIT), ("", 1.0))
+    if not unit:
+        return
+    applied = p.add(
+        "unit", "SOG", 0.95, f"the positions move {factor:.4g} times as fast as SOG says: SOG is {unit}",
+        "Every speed and distance that is read from it is off by this factor.",
+        f"Multiply SOG by {exact:.6g}, or write its true unit in the header.",
+        fix={"action": "scale", "column": "SOG", "factor": float(exact)},
+    )  # fmt: skip
+    if applied:
+        p["SOG"] = p["SOG"] * exact
 
 
 def _late_course(p: WorkingCopy) -> np.ndarray | None:

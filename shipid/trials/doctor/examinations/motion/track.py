@@ -19,7 +19,7 @@ _PLAIN = 0.02
 """A factor that is further from one is one that would be repaired."""
 _MISTAKEN_KNOT = 1.9834 / 1.9438
 #: Way made good over logged speed: what that means.
-_UNITS = (
+UNITS_OF_SPEED = (
     (_KNOT, "knots"), (1 / 3.6, "km/h"), (1 / _KNOT, "m/s that were converted from knots"), (3.6, "m/s that were converted from km/h"),
 )  # fmt: skip
 
@@ -297,8 +297,8 @@ def _wrong_scale(p: WorkingCopy, columns: list[str], fit: _Fit, limit: float, gr
     if _units_of_positions(p, names, fit):
         return
     near = min(0.03, max(_NEAR, 3 * fit.std))
-    unit = next((u for f, u in _UNITS if abs(np.log(fit.scale / f)) < near), None)
-    factor = next((f for f, u in _UNITS if u == unit), fit.scale)
+    unit = next((u for f, u in UNITS_OF_SPEED if abs(np.log(fit.scale / f)) < near), None)
+    factor = next((f for f, u in UNITS_OF_SPEED if u == unit), fit.scale)
     knots = " (the knot taken as 1.9834 instead of 1.9438)" if abs(fit.scale - 1.020372) < 0.004 else ""
     # A current along a straight course looks like a factor; only where it is told apart is the factor certain.
     told = np.isfinite(fit.flow_std) or ground

@@ -1,0 +1,130 @@
+"""The angles at which the rudder lies before it sets out: on a plate, and before the first one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.trials.measuring.rudder.ramps import RampLine, line_through
+from shipid.trials.measuring.rudder.steering import Steering
+from shipid.trials.signals.plates import Plate, held_angle
+
+_MOST = 60
+"""Samples of a plate that are averaged at most: the last ones, from which the rudder sets out."""
+
+_HELD = 6
+"""Samples on a plate at least: fewer are told from its ramps by what fits best."""
+
+_BESIDE = 0.7
+"""Share of a ramp on either side of half of the way that a line is drawn through."""
+
+_SHORT = 0.97
+"""A rudder that is reversed below this share of its usual angle had not reached its plate."""
+
+_CALM = 1.5
+"""A rudder scatters so many times as much as from sample to sample at most, where it lies still."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """An angle at which the rudder lies.
+
+    Attributes
+    ----------
+    angle : float
+        The angle [rad], positive to the side of the plate.
+    scatter : float
+        Its standard deviation [rad]; 0 where the samples do not tell.
+    """
+
+    angle: float
+    scatter: float = 0.0
+
+
+def level_held(steering: Steering, plate: Plate) -> Level:
+    """Return the angle of a plate: that of the samples between its two ramps; where slow gear leaves none, where the ramps meet.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        The plate.
+    """
+    level, rate = Level(abs(plate.angle)), steering.rate
+    if steering.logged or rate is None or steering.reading != "order":
+        return level
+    half = 0.5 * level.angle
+    begin = max(0, plate.first - round(half / rate / steering.channel.interval))
+    t, y = steering.channel.t[begin : plate.last], plate.side * steering.channel.y[begin : plate.last]
+    over = np.flatnonzero(y >= half)
+    over = over[over >= plate.first - begin]
+    if not over.size:
+        return level
+    up, down = (float(t[k] - s * (y[k] - half) / rate) for k, s in ((over[0], 1), (over[-1], -1)))
+    found = level
+    for _ in range(3):
+        ramp = (found.angle - half) / rate
+        inside = np.flatnonzero((t > up + ramp) & (t < down - ramp))
+        if inside.size >= _HELD:
+            found = _middle(y[inside[-min(_MOST, 2 * inside.size // 3) :]])
+    usual = float(np.quantile(np.abs(steering.channel.y), 0.9))
+    if inside.size < _HELD or (inside.size < 3 * _HELD and found.angle < _SHORT * usual):
+        rising, falling = (
+            line_through(t[near], y[near])
+            for near in (np.abs(t - middle) <= _BESIDE * half / rate for middle in (up, down))
+        )
+        if plate.first == 0 or rising is None or falling is None or not rising.slope > 0 > falling.slope:
+            return level
+        inside = np.flatnonzero((t >= up) & (t <= down))
+        found = _between(t[inside], y[inside], rising, falling, usual)
+    return found if abs(found.angle - level.angle) < 0.2 * level.angle else level
+
+
+def _between(t: np.ndarray, y: np.ndarray, rising: RampLine, falling: RampLine, usual: float) -> Level:
+    """The middle of the angles at which a rudder may have been held, for a moment or not at all, between two ramps.
+
+    Where its ramps meet short of the usual plate it was reversed on its way, and held nowhere.
+    """
+    roof = np.minimum(rising.at(t), falling.at(t))
+    meet = falling.reaches(0.0, 0.0)[0] - rising.reaches(0.0, 0.0)[0]
+    top = meet * rising.slope * falling.slope / (falling.slope - rising.slope)
+    levels = np.linspace(0.8 * top, top, 201)
+    away = np.square(np.minimum(roof[:, None], levels[None, :]) - y[:, None]).sum(axis=0)
+    scatter = max(rising.scatter, falling.scatter)
+    alike = levels[away <= away.min() + (2 * scatter) ** 2 + 1e-15]
+    own = scatter / float(np.sqrt(min(rising.count, falling.count)))
+    if alike[-1] == top and top + 2 * own < _SHORT * usual:
+        return Level(float(top), own)
+    return Level(float(alike[0] + alike[-1]) / 2, float(np.hypot(own, (alike[-1] - alike[0]) / 4)))
+
+
+def level_before(steering: Steering, plate: Plate, recent: np.ndarray) -> Level:
+    """Return the angle from which the rudder sets out for its first plate.
+
+    Parameters
+    ----------
+    steering : Steering
+        The record of the rudder.
+    plate : Plate
+        The plate it goes to.
+    recent : ndarray of int
+        Samples before it, at angles near midships.
+    """
+    t, y = steering.channel.t, plate.side * steering.channel.y
+    if steering.logged or steering.rate is None or plate.first == 0:
+        return Level(held_angle(y[recent]))
+    half = float(t[plate.first]) - (float(y[plate.first]) - 0.5 * abs(plate.angle)) / steering.rate
+    still = y[recent[t[recent] < half - 0.6 * abs(plate.angle) / steering.rate - steering.channel.interval]]
+    if len(still) < 5:
+        return Level(held_angle(y[recent]))
+    noise = 1.4826 * float(np.median(np.abs(np.diff(still)))) / np.sqrt(2)
+    # A helm that wanders is left where it stayed longest; only noise is averaged.
+    return _middle(still[-_MOST:]) if float(np.std(still)) < _CALM * noise else Level(held_angle(y[recent]))
+
+
+def _middle(values: np.ndarray) -> Level:
+    """Median of values, and its standard deviation."""
+    scatter = 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    return Level(float(np.median(values)), 1.25 * scatter / np.sqrt(len(values)))
