@@ -92,7 +92,7 @@ def test_the_tour_can_be_walked(clone, capsys):
     """Each command takes what those before it wrote; those that take long are run by the tests of their rooms."""
     walked = ("simulate", "report", "identify", "filter")
     for call in commands(ROOT / ".docs" / "tour.md"):
-        if call[0] in walked:
+        if call[0] in walked and "--autopilot" not in call:  # the jobs of `studies/` sail under one that they tune
             assert run(call) == 0, (call, capsys.readouterr().err)
     for name in ("sheet/report.html", "found/ship.toml", "turn.csv", "filtered/estimates.csv"):
         assert (clone / name).is_file(), name

@@ -65,7 +65,8 @@ def write_trial(
     frame = trial.to_frame(units)
     if Path(path).suffix.lower() not in (".parquet", ".pq"):
         with text_file(trial, path, overwrite, comment) as file:
-            frame.to_csv(file, index=False, lineterminator="\n")
+            # A zero has no sign.
+            (frame + 0.0).to_csv(file, index=False, lineterminator="\n")
         return Path(path)
     check_place(Path(path), overwrite)
     with replacing(Path(path), overwrite) as temporary:

@@ -221,6 +221,7 @@ def test_write_and_read_back(tmp_path: Path) -> None:
     trial = sail("zigzag:20/20", noise="standard")
     back = read_trial(write_trial(trial, tmp_path / "run.csv"))
     assert back.source.simulated
+    assert ",-0.0," not in (tmp_path / "run.csv").read_text(encoding="utf-8")
     assert set(back.table) == set(trial.table)
     for name in trial.table:
         np.testing.assert_allclose(back[name], trial[name], rtol=1e-14, atol=1e-300)

@@ -231,11 +231,13 @@ class _Cells:
             return
         written = {k: _only_texts(column) for k, column in texts.items()}
         for k in list(written):
-            lettered = read_lettered(written[k]) if bool(_is_text(texts[k])) else None
+            name = self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}"
+            units = (self.raw.units[k] if k < len(self.raw.units) else None, spelling.split_header(name)[1])
+            # The marks are of degrees: beside a header that says radians nothing is certain.
+            lettered = None if "rad" in units or not _is_text(texts[k]) else read_lettered(written[k])
             if lettered is not None:
                 values, said = lettered
                 self._read[k], self._strange[k] = pd.Series(values, name=texts[k].name), np.zeros(len(values), bool)
-                name = self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}"
                 self.notes = (*self.notes, f"Column '{name}': {said}.")
                 del written[k], texts[k]
         if not texts:

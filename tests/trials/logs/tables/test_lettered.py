@@ -62,6 +62,9 @@ def test_a_log_of_a_bridge_is_read_and_said(tmp_path):
     notes = "\n".join(trial.source.notes)
     assert "the letters P and S are the sign, P counts negative" in notes and "degrees and minutes" in notes
     assert 'unit = "deg"  # the header says it' in draft_format(log).text
-    log.write_text(log.read_text(encoding="utf-8").replace("0.2P", "0.2"), encoding="utf-8")
+    whole = log.read_text(encoding="utf-8")
+    log.write_text(whole.replace("lat [deg]", "lat [rad]"), encoding="utf-8")
+    assert "Columns of text were left out: 'lat [rad]'" in "\n".join(read_trial(log).source.notes)
+    log.write_text(whole.replace("0.2P", "0.2"), encoding="utf-8")
     with pytest.raises(TextInColumnError, match="is not a number"):
         read_trial(log)
