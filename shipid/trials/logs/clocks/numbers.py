@@ -119,16 +119,16 @@ def layout_of_numbers(values: np.ndarray, name: str) -> str | None:
             return "gps week s"
         if WEEK < high < WEEK * 1000 and step > 5:
             return "gps week ms"
-    if low >= 19900101e6 and high < 20410101e6 and _is_hhmmss(known % 1e6, least=0):
+    if low >= 19900101e6 and high < 20410101e6 and _is_hhmmss(known % 1e6, least=0, fewest=2):
         return ALL_DIGITS
     if name in ("utc", "utctime", "hhmmss", "timeutc", "time", "gpstime") and _is_hhmmss(known):
         return "hhmmss"
     return None
 
 
-def _is_hhmmss(known: np.ndarray, least: float = 300) -> bool:
+def _is_hhmmss(known: np.ndarray, least: float = 300, fewest: int = 20) -> bool:
     """Whether numbers are hours, minutes and seconds side by side: no count of seconds leaves out 60 to 99."""
-    if known.min() < 0 or known.max() >= 240000 or np.ptp(known) < least or known.size < 20:
+    if known.min() < 0 or known.max() >= 240000 or np.ptp(known) < least or known.size < fewest:
         return False
     return bool((known % 100 < 60).all() and (known // 100 % 100 < 60).all())
 

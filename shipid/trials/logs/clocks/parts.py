@@ -12,11 +12,11 @@ from shipid.trials.logs.clocks.headers import short
 #: Names of the parts of a moment in small letters, without blanks and signs; how large they get.
 _PARTS: dict[str, tuple[tuple[str, ...], float]] = {
     "year": (("year", "yyyy", "yr", "jahr", "ar", "annee", "jaar", "utcyear"), 2100),
-    "month": (("month", "mon", "monat", "maned", "mois", "maand", "mm", "utcmonth"), 12),
+    "month": (("month", "mon", "monat", "maned", "mois", "maand", "utcmonth"), 12),
     "day": (("day", "dd", "tag", "dag", "jour", "utcday"), 31),
-    "hour": (("hour", "hours", "hh", "hr", "hrs", "stunde", "time", "heure", "uur", "h", "utchour"), 24),
+    "hour": (("hour", "hours", "hh", "hr", "hrs", "stunde", "heure", "uur", "utchour"), 24),
     "minute": (("minute", "minutes", "min", "mins", "mm", "minuut", "minuten", "utcminute"), 59),
-    "second": (("second", "seconds", "sec", "secs", "ss", "s", "sekunde", "sekunden", "seconde", "utcsecond"), 60.9999),
+    "second": (("second", "seconds", "sec", "secs", "ss", "sekunde", "sekunden", "seconde", "utcsecond"), 60.9999),
 }
 _THOUSANDTHS = ("ms", "msec", "msecs", "millis", "millisecond", "milliseconds", "millisekunden", "millisec")
 
@@ -46,7 +46,7 @@ def of_parts(table: Mapping[str, pd.Series]) -> tuple[str, pd.Series, tuple[str,
         return None
     values = {part: pd.to_numeric(table[h], errors="coerce") for part, h in found.items() if h is not None}
     # Seconds that count on, and hours that stand for a duration with a fraction, are a clock by themselves.
-    if float(values["second"].max()) > _PARTS["second"][1] or not _rises_in_turn(values):
+    if float(values["second"].max()) > _PARTS["second"][1] or not _whole(values):
         return None
     thousandths = _column(table, _THOUSANDTHS, 999)
     used = [h for h in found.values() if h is not None]
@@ -104,7 +104,7 @@ def _column(table: Mapping[str, pd.Series], names: tuple[str, ...], most: float)
     return None
 
 
-def _rises_in_turn(values: Mapping[str, pd.Series]) -> bool:
+def _whole(values: Mapping[str, pd.Series]) -> bool:
     """Whether hours and minutes are whole numbers."""
     return all(bool((values[part].dropna() % 1 == 0).all()) for part in ("hour", "minute"))
 

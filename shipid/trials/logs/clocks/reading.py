@@ -157,14 +157,12 @@ def with_clock(
     ClockError
         If no cell of the clock has a time.
     """
-    found: tuple[str, ...]
+    found, others = find_clock(table)
     parts = of_parts(table)
-    if parts is not None:
+    if parts is not None and (not found or found[-1] in parts[2]):
         name, column, used = parts
         table = {name: column, **{header: other for header, other in table.items() if header not in used}}
         found, others = (name,), find_clock(table)[1]
-    else:
-        found, others = find_clock(table)
     if not found:
         return ClockedTable(dict(table))
     fraction = with_thousandths(table[found[-1]], table)

@@ -14,9 +14,13 @@ from shipid.trials.logs.clocks.calendar import DAY, read_dates
 from shipid.trials.logs.clocks.course import HOUR, begins_summer, ends_summer
 from shipid.trials.logs.clocks.headers import hints, is_number, unit_of_time
 from shipid.trials.logs.clocks.kinds import Place, Reading, by_pattern, joined, of_numbers, of_text, texts_of
+from shipid.trials.logs.clocks.numbers import ALL_DIGITS
 from shipid.trials.logs.clocks.reading import layout_of, same_row
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat
 from shipid.trials.logs.clocks.stamps import read_stamps
+
+#: A clock that falls from within this of midnight to within this of it passes midnight [s].
+_NEAR = 60.0
 
 
 class RunningClock:
@@ -85,7 +89,7 @@ class RunningClock:
             Those of the clock, as the first rows were given.
         """
         if self._factor is not None:
-            return _number(cells[-1]) * self._factor
+            return self._over_midnight(_number(cells[-1]) * self._factor)
         reading = self._read(cells)
         stamp = float(reading.seconds[0]) if len(reading.seconds) else float("nan")
         if not np.isfinite(stamp):
@@ -97,6 +101,15 @@ class RunningClock:
                 self._start = reading.zone.moment(stamp, 0)
             return 0.0
         return float(np.round(self._runs_on(stamp, reading) - self._origin, 6))
+
+    def _over_midnight(self, stamp: float) -> float:
+        """Let seconds run on that count from midnight, and begin again there."""
+        if 0 <= stamp < _NEAR and DAY - _NEAR < self._stamp < DAY:
+            self._added += DAY
+            self.notes.append("The clock passes midnight.")
+        if np.isfinite(stamp):
+            self._stamp = stamp
+        return stamp + self._added
 
     def _decide_order(self, cells: list[str]) -> None:
         """Fix the order of day and month by the first rows; where they leave it open, only the time of day is read."""
@@ -113,7 +126,7 @@ class RunningClock:
         text = texts_of(main) if beside is None else joined(beside, main)
         if layout is not None and "%" in layout:
             return by_pattern(text, self._stated, self._place)
-        if layout is not None and layout not in DATE_ORDERS and layout not in TIMES:
+        if layout is not None and layout not in (*DATE_ORDERS, *TIMES, ALL_DIGITS):
             return of_numbers(np.array([_number(cells[-1])]), layout, beside, self._stated, self._place)
         try:
             reading = of_text(text, self._stated, self._place)

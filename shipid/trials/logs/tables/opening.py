@@ -37,6 +37,8 @@ _COMPRESSED: dict[bytes, tuple[str, Callable[[], _Decompressor]]] = {
     b"\xfd7zXZ\x00": ("xz", lambda: lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_MEMORY)),
 }
 _ZIP = b"PK\x03\x04"
+#: What macOS packs beside the files.
+_ASIDE = ("__MACOSX/", ".DS_Store")
 #: Members by which an archive is a document of its own.
 _DOCUMENTS = ("[Content_Types].xml", "mimetype")
 
@@ -120,7 +122,7 @@ def _single_member(data: bytes, file: Path) -> bytes | None:
     """The only file in a zip archive; None for a document that is packed as one."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = [m for m in archive.infolist() if not m.is_dir()]
+            members = [m for m in archive.infolist() if not m.is_dir() and not m.filename.startswith(_ASIDE)]
             if any(m.filename in _DOCUMENTS for m in members):
                 return None
             if len(members) != 1:

@@ -74,6 +74,23 @@ def test_whole_seconds_with_a_date(tmp_path, cells):
     assert trial.source.start.startswith("2026-05-04T") and "59:50" in trial.source.start
 
 
+def test_a_time_stamp_goes_before_its_parts(tmp_path):
+    clock = {
+        "timestamp": MOMENTS.strftime("%Y-%m-%dT%H:%M:%S.%f"),
+        "Hour": MOMENTS.hour,
+        "Minute": MOMENTS.minute,
+        "Second": 7,
+    }
+    path = written(tmp_path, **clock)
+    table = (
+        pd.read_csv(path)
+        .drop(columns=["Hour", "Minute", "Second"])
+        .assign(**{f"{n} [1]": clock[n] for n in ("Hour", "Minute", "Second")})
+    )
+    table.to_csv(path, index=False)
+    np.testing.assert_allclose(read_trial(path)["t"], 0.5 * np.arange(N), atol=1e-6)
+
+
 def test_a_date_of_six_digits_beside_a_time_is_not_the_clock(tmp_path):
     whole = MOMENTS[::2]
     path = tmp_path / "log.csv"

@@ -70,6 +70,17 @@ def test_tables(tmp_path, columns, separator):
     same_as_the_record("# head\n\n" + text, tmp_path / "log.csv", atol=2e-5)
 
 
+def test_a_clock_that_counts_from_midnight_and_names_that_end_in_a_unit(tmp_path):
+    table = frame(t_s=(86390 + SECONDS) % 86400).rename(columns={"psi [deg]": "psi_deg", "delta [deg]": "delta_deg"})
+    _, told = same_as_the_record(table.to_csv(index=False), tmp_path / "log.csv", atol=1e-6)
+    assert sum("The clock passes midnight" in text for text in told) == 1
+
+
+def test_dates_of_fourteen_digits(tmp_path):
+    text = frame(Time=STAMPS.dt.strftime("%Y%m%d%H%M%S"))[::2].to_csv(index=False)
+    same_as_the_record(text, tmp_path / "log.csv", atol=1e-6)
+
+
 def test_decimal_commas(tmp_path):
     same_as_the_record(frame(**{"t [s]": SECONDS}).to_csv(index=False, sep=";", decimal=","), tmp_path / "log.csv")
 

@@ -29,6 +29,7 @@ COMPRESSED = {
     "bzip2": bz2.compress,
     "xz": lzma.compress,
     "zip": lambda data: zipped(log=data.decode()),
+    "zip of macOS": lambda data: zipped(**{"__MACOSX/._log": "x", "log": data.decode()}),
     "gzip in zip": lambda data: gzip.compress(zipped(log=data.decode())),
 }
 
