@@ -9,7 +9,7 @@ import numpy as np
 
 from shipid.foundation.notices import Notice
 from shipid.trials.doctor.check_trial import check_trial
-from shipid.trials.doctor.findings import SURE, Diagnosis
+from shipid.trials.doctor.findings import LEAST, SURE, Diagnosis
 from shipid.trials.trial import Trial
 
 #: Kinds of findings whose samples show nothing of the ship.
@@ -113,6 +113,19 @@ class Faults:
                 words = f"{found.kind} ({found.channel}): {found.message}" + ("; left out" if left_out else "")
                 serious = found.serious and not left_out and found.kind not in _HARMLESS
                 said.append(Notice(words, found.kind, serious=serious, channel=found.channel))
+            elif found.kind == "latency" and found.confidence >= LEAST and not found.handled:
+                said.append(Notice(f"latency ({found.channel}): {found.message}", found.kind, channel=found.channel))
+        if "psi" in names:
+            # Heading and rate of turn disagree in time, and the heading may be the late one.
+            said += [
+                Notice(
+                    f"latency (r): {f.message}; overshoots are right if it is not the heading that is late",
+                    f.kind,
+                    channel="r",
+                )
+                for f in self.diagnosis.findings
+                if f.kind == "latency" and f.channel == "r" and f.confidence >= SURE and not f.handled and not f.serious
+            ]
         others = [
             f for f in self.diagnosis.serious if f not in self.diagnosis.bearing_on(names) and f.kind not in _TOLD
         ]

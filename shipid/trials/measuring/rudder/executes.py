@@ -194,7 +194,8 @@ def _ramp(y: np.ndarray, held: float, size: float, reach: float) -> np.ndarray:
     last = int(ends[0]) if ends.size else len(y)
     noise = 1.4826 * float(np.median(np.abs(np.diff(y)))) / np.sqrt(2) if len(y) > 2 else 0.0
     rising = np.flatnonzero(np.diff(y[:last]) > max(0.02 * size, 6 * noise))
-    last = min(last, int(rising[0]) + 1) if rising.size else last
+    # What the rudder rises from is the end of the ramp, or a wild sample.
+    last = min(last, int(rising[0]) + (rising[0] < 3)) if rising.size else last
     all_of_it = np.flatnonzero(inside[:last])
     # Up to where it is beyond: the rudder comes back from a plate that is short of the other end.
     beyond = np.flatnonzero(y[:last] < held - 0.6 * size)

@@ -12,6 +12,9 @@ _NOISY = 0.01
 _STRAIGHT = 1.25
 """The whole ramp is a line where its samples scatter so many times as much as those of the first half, at most."""
 
+_WILD = 8.0
+"""Samples so many times the median deviation off the line, and 5 % of the way, are left out."""
+
 _FROM, _HALF = 0.05, 0.6
 """Shares of the way between which the first half of a ramp is drawn through."""
 
@@ -126,6 +129,9 @@ def _chosen(t: np.ndarray, y: np.ndarray, line: RampLine, held: float, size: flo
     for _ in range(3):
         begins, ends = (line.reaches(held - part * size, 0.0)[0] for part in (_FROM, share))
         inside = (t >= begins) & (t <= ends)
+        away = np.abs(y - line.at(t))
+        # A wild sample is no part of a ramp.
+        inside &= away <= max(_WILD * float(np.median(away[inside])) if inside.any() else 0.0, 0.05 * size)
         found = line_through(t[inside], y[inside]) if inside.sum() >= 4 else None
         if found is None or found.slope >= 0:
             return None

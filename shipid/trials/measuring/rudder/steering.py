@@ -176,7 +176,9 @@ def _without_blips(channel: Channel) -> Channel:
     size = float(np.quantile(np.abs(y), 0.9))
     before, after = y[1:-1] - y[:-2], y[1:-1] - y[2:]
     blip = np.r_[False, (before * after > 0) & (np.minimum(abs(before), abs(after)) > max(0.3 * size, 1e-6)), False]
-    blip[1:-1] &= np.abs(y[2:] - y[:-2]) < 0.1 * size
+    # On a ramp the neighbours are apart, by less than the sample is off both.
+    apart = np.abs(y[2:] - y[:-2])
+    blip[1:-1] &= (apart < 0.1 * size) | (apart < np.minimum(abs(before), abs(after)))
     # The last sample and the first have one neighbour: beyond any other is beyond the rudder's stops.
     limit = 1.5 * float(np.quantile(np.abs(y), 0.98)) + 1e-6
     blip[[0, -1]] = np.abs(y[[0, -1]]) > limit

@@ -144,3 +144,13 @@ def test_rudder_that_is_reversed_before_it_reaches_its_plate(sailed, order):
     assert abs(delta[np.searchsorted(t, orders[1])]) < 34
     np.testing.assert_allclose(found.executes[:2], orders[1:3], atol=0.2)
     np.testing.assert_allclose(np.degrees(found.overshoots[:2]), overshoots[:2], atol=0.3)
+
+
+def test_single_zeros_of_the_rudder_on_its_ramp_are_no_execute(sailed):
+    """A zero in the first second of the ramp put the execute 6 s early, where the zero began."""
+    t, psi, delta, _, orders, overshoots = sailed(duration=300.0)
+    rudder = delta[::100] + 0.1 * np.random.default_rng(1).standard_normal(t[::100].size)
+    rudder[int(orders[1]) + 2] = rudder[int(orders[2]) + 4] = 0.0
+    found = measure(Trial.from_frame(pd.DataFrame({"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": rudder})))
+    np.testing.assert_allclose(found.executes[:3], orders[1:4], atol=0.3)
+    np.testing.assert_allclose(np.degrees(found.overshoots[:3]), overshoots[:3], atol=0.3)

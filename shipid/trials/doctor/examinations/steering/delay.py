@@ -18,6 +18,9 @@ from shipid.trials.doctor.examinations.steering.filtered import (
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
+_PLAIN, _LEAST = 5.0, 1.5
+"""An answer that is explained so many times as well by a shift shows one of so many samples; ships of second order reach 2.3."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -130,13 +133,16 @@ def examine_delay(p: WorkingCopy) -> None:
     if answer.delay < 0:
         # A ship with a fast second mode seems to answer a little before a first-order one would.
         clear = answer.free > 1.3 and answer.gain > 1.5
-        limit = max(2.5 * p.sampling, 2 * answer.step, (0.02 if clear else 0.06) * answer.half)
+        plain = answer.gain > _PLAIN
+        least = _LEAST if plain else 2.5
+        limit = max(least * p.sampling, 2 * answer.step, (0.02 if clear or plain else 0.06) * answer.half)
         if -answer.delay >= limit and answer.gain > (1.25 if clear else 2.0):
             _rudder_late(p, name, answer, limit)
         return
     clear = answer.free > 1.3 and answer.gain > 1.5
     likely = answer.slow > 1.8 and answer.gain > 2
-    limit = max(2.5 * p.sampling, 2 * answer.step, 0.015 * answer.half)
+    least = _LEAST if answer.gain > _PLAIN and answer.slow > 2 else 2.5
+    limit = max(least * p.sampling, 2 * answer.step, 0.015 * answer.half)
     if answer.delay < limit or not (clear or likely or (share > 0.08 and answer.gain > 2)):
         return
     sure = max(
@@ -145,7 +151,7 @@ def examine_delay(p: WorkingCopy) -> None:
     )
     ordered = p.found("order-not-feedback") or name == "delta_order"
     p.add(
-        "latency", name, min(sure, robust.confidence_of(answer.delay / limit, 0.9, 1.6)),
+        "latency", name, min(sure, robust.confidence_of(answer.delay / limit, 0.9, 1.5)),
         f"the rudder is logged about {answer.delay:.3g} s before it acts (the ship's answer is explained {answer.gain:.3g} times "
         "as well with it that much later): the rudder is early, it is an order, or heading and rate are late",
         "The delay is taken for a slower ship: the time constant comes out too long by about as much, the gain with it.",
@@ -158,7 +164,10 @@ def examine_delay(p: WorkingCopy) -> None:
 def _rudder_late(p: WorkingCopy, name: str, answer: Answer, limit: float) -> None:
     late = -answer.delay
     precise = answer.free > 1.3
-    confidence = min(robust.confidence_of(answer.gain, 1.2, 2.5), robust.confidence_of(late / limit, 0.9, 2))
+    confidence = min(
+        robust.confidence_of(answer.gain, 1.2, 2.5),
+        robust.confidence_of(late / limit, 0.9, 1.5 if answer.gain > _PLAIN else 2),
+    )
     applied = p.add(
         "latency", name, confidence if precise else min(confidence, 0.89),
         f"the rudder moves about {late:.3g} s after the ship has answered it",
