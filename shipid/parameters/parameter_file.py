@@ -94,7 +94,7 @@ def _value(section: Table, name: str) -> Value:
     table = isinstance(raw["value"], list)
     numbers = raw["value"] if table else [raw["value"]]
     if not numbers or not all(is_finite(n) for n in numbers):
-        raise ParameterSetError(f"{where} is {raw['value']}, which is not a finite number.")
+        raise ParameterSetError(f"{where} is {raw['value']!r}, which is not a finite number.")
     std = raw.get("std")
     if std is not None and not (is_finite(std) and std >= 0):
         raise ParameterSetError(f"{where} has the standard deviation {std!r}, which is not a number of zero or more.")

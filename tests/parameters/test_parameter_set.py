@@ -158,6 +158,7 @@ def test_what_is_missing_is_listed_with_its_unit(tmp_path: Path) -> None:
         ('K = { value = inf, unit = "1/s", source = "x" }', r"K is inf, which is not a finite number"),
         ('K = { value = nan, unit = "1/s", source = "x" }', r"K is nan, which is not a finite number"),
         ('K = { value = true, unit = "1/s", source = "x" }', r"K is True, which is not a finite number"),
+        ('K = { value = "12", unit = "1/s", source = "x" }', r"K is '12', which is not a finite number"),
         ('K = { value = [1.0, 2.0], unit = "1/s", source = "x" }', r"needs one speed for each of its 2 values"),
         ('K = { value = [1.0, 2.0], unit = "1/s", speed = [2, 1], source = "x" }', r"2 values, rising"),
         ("K = {", r"is not valid TOML"),
