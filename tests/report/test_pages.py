@@ -7,6 +7,7 @@ import re
 import shutil
 
 import html5lib
+import jinja2
 import numpy as np
 import pandas as pd
 import pypdf
@@ -235,3 +236,12 @@ def test_a_report_is_printed(fit, criteria, tmp_path):
     whole = " ".join(p.extract_text() for p in printed.pages)
     assert "Ljung and Box" in whole, "what is folded on a screen is open on paper"
     assert [p.name for p in tmp_path.iterdir()] == ["fit.pdf"]
+
+
+def test_a_card_that_only_a_number_names_says_what_the_number_counts():
+    """On a phone the head of the table is not shown: '2' alone is nothing."""
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("shipid.report"), autoescape=True)
+    text = environment.from_string(
+        '{% from "macros.html" import table %}{{ table([("Reversal", "k"), ("Execute [s]", "t", "n"), ("±", "s", "n")], rows) }}'
+    ).render(rows=[{"k": "2", "t": "180.00", "s": "0.20"}, {"k": "first", "t": "1.0", "s": "0.1"}])
+    assert '<th scope="row" data-label="Reversal">2</th>' in text and '<th scope="row">first</th>' in text
