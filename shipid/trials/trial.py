@@ -7,11 +7,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
 
 from shipid.declaration import units as border
 from shipid.declaration.vocabulary import FIELDS, display_unit
 from shipid.foundation.aliases import Plain
-from shipid.foundation.errors import nearest
+from shipid.foundation.errors import UsageError, nearest
 from shipid.foundation.result import DrawnResult
 from shipid.trials import columns
 from shipid.trials.errors import ColumnUnitError, UnknownColumnError, WindowError
@@ -49,7 +50,7 @@ class Trial(DrawnResult):
     @classmethod
     def from_frame(
         cls,
-        frame: pd.DataFrame,
+        frame: pd.DataFrame | Mapping[str, ArrayLike],
         *,
         name: str = "trial",
         units: Mapping[str, str] | None = None,
@@ -60,7 +61,7 @@ class Trial(DrawnResult):
 
         Parameters
         ----------
-        frame : pandas.DataFrame
+        frame : pandas.DataFrame, or mapping of str to array_like, shape (samples,)
             One row a sample. Columns say their unit in the header (``psi [deg]``) or in `units`.
         name : str
             The trial's name.
@@ -79,7 +80,19 @@ class Trial(DrawnResult):
         ------
         TrialError
             If a unit is missing or does not fit, or the record is not a sound one (`shipid.trials.checks`).
+        UsageError
+            If it is no table.
         """
+        if isinstance(frame, Mapping):
+            try:
+                frame = pd.DataFrame(dict(frame))
+            except ValueError as error:
+                raise UsageError(f"trial '{name}' is no table: {str(error)[:1].lower()}{str(error)[1:]}.") from None
+        if not isinstance(frame, pd.DataFrame):
+            raise UsageError(
+                f"trial '{name}' is made of a pandas.DataFrame, or of columns by name; this is a {type(frame).__name__}. "
+                "shipid.read_trial reads a file."
+            )
         sound = sound_table(record_of_frame(frame, name, units or {}, source))
         return cls(name, sound.table, sound.source, ship, sound.units)
 

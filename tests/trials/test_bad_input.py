@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from shipid.foundation.errors import MissingFileError, UnknownNameError
+from shipid.foundation.errors import MissingFileError, UnknownNameError, UsageError
 from shipid.trials import errors as e
 from shipid.trials.fitness import check_identifiable_input
 from shipid.trials.logs.reading import read_trial
@@ -245,3 +245,13 @@ def test_positive_rudder_that_turns_to_port_is_noted():
     assert any(n.startswith("WARNING: positive rudder turns") for n in Trial.from_frame(frame).source.notes)
     frame["delta [deg]"] *= -1
     assert not any("WARNING" in n for n in Trial.from_frame(frame).source.notes)
+
+
+def test_from_frame_takes_columns_by_name_and_says_what_is_no_table():
+    t = np.arange(20.0)
+    trial = Trial.from_frame({"t [s]": t, "psi [deg]": t, "delta [deg]": 0 * t})
+    assert trial["psi"] == pytest.approx(np.deg2rad(t))
+    with pytest.raises(UsageError, match=r"'log' is made of a pandas\.DataFrame.* this is a str\. shipid\.read_trial"):
+        Trial.from_frame("log.csv", name="log")
+    with pytest.raises(UsageError, match="'trial' is no table: all arrays must be of the same length"):
+        Trial.from_frame({"t [s]": t, "psi [deg]": t[1:]})

@@ -63,6 +63,8 @@ def with_speeds(values: dict[str, np.ndarray]) -> Followed:
     for name, column, note in _speeds(values):
         found[name] = column
         notes.append(note)
+    if "U" in found and not {"u", "beta"} & found.keys():
+        notes.append("The log holds the speed U and no drift angle beta: u and v do not follow from it, and are not used.")
     return Followed(found, tuple(notes))
 
 

@@ -89,3 +89,9 @@ def test_a_recorded_true_wind_stays_and_a_lack_is_said(tmp_path):
     assert any("no heading" in n for n in read(tmp_path, u=5.0, **relative).source.notes)
     drifting = read(tmp_path, psi=90.0, SOG=5.0, wind_speed_relative=5.0, wind_direction_relative=180.0)
     assert drifting["wind_speed"] == pytest.approx(np.zeros(T.size), abs=1e-9)
+
+
+def test_a_speed_without_a_drift_angle_is_said_not_to_be_used():
+    t = np.arange(20.0)
+    trial = shipid.Trial.from_frame({"t [s]": t, "psi [deg]": t, "U [m/s]": 8 + 0 * t})
+    assert any("the speed U and no drift angle beta" in note for note in trial.source.notes)
