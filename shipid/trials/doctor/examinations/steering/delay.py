@@ -141,13 +141,17 @@ def examine_delay(p: WorkingCopy) -> None:
         return
     clear = answer.free > 1.3 and answer.gain > 1.5
     likely = answer.slow > 1.8 and answer.gain > 2
-    least = _LEAST if answer.gain > _PLAIN and answer.slow > 2 else 2.5
+    plain = answer.gain > _PLAIN and answer.slow > 2
+    least = _LEAST if plain else 2.5
     limit = max(least * p.sampling, 2 * answer.step, 0.015 * answer.half)
     if answer.delay < limit or not (clear or likely or (share > 0.08 and answer.gain > 2)):
         return
     sure = max(
         robust.confidence_of(answer.free, 1.1, 2.0) if clear else 0.0,
-        min(robust.confidence_of(answer.slow, 1.3, 3.0), robust.confidence_of(answer.gain, 1.5, 4.0)),
+        min(
+            robust.confidence_of(answer.slow, *((1.0, 2.5) if plain else (1.3, 3.0))),
+            robust.confidence_of(answer.gain, 1.5, 4.0),
+        ),
     )
     ordered = p.found("order-not-feedback") or name == "delta_order"
     p.add(
