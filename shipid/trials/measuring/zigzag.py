@@ -269,10 +269,8 @@ def _unknown(
     top: float | None,
 ) -> bool:
     """Whether the overshoot after reversal `k` is known; writes the reasons where something is not."""
-    one, then = executes[k], executes[k + 1].time if k + 1 < len(executes) else end
-    hole = one.hole
-    place = f"[{k + 1}]"
-    why = None
+    one, then, hole = executes[k], executes[k + 1].time if k + 1 < len(executes) else end, executes[k].hole
+    place, why = f"[{k + 1}]", None
     if hole is not None:
         why = faults.hole(steering.channel.name, hole)
         reasons["executes" + place] = why
@@ -286,6 +284,8 @@ def _unknown(
                 why = faults.hole("psi", (a, b))
                 break
     why = why or faults.step(one.time, then if top is None else top)
+    if top is None and steering.silence:
+        why = why or faults.hole(steering.channel.name, steering.silence)
     if why is None:
         return True
     for name in ("overshoots", "extreme_headings", "times_to_check_yaw"):

@@ -234,3 +234,16 @@ def test_a_heading_of_which_nothing_is_left_is_refused(logged):
         NotAManoeuvreError, match=r"fewer than two samples of the heading that can be right \(glitches\)"
     ):
         _check_heading(Trial.from_frame(frame), wrong)
+
+
+@pytest.mark.parametrize(("end", "known"), [(105.0, 1), (125.0, 2)])
+def test_no_peak_is_taken_past_the_last_sample_of_the_rudder(logged, end, known):
+    """The second reversal is at 96 s, its peak at 111 s; the record goes on without the rudder."""
+    trial, _, overshoots = logged(0.1, order=True)
+    frame = trial.to_frame()[["t [s]", "psi [deg]", "u [m/s]", "delta_order [deg]"]]
+    frame.loc[trial["t"] > end, "delta_order [deg]"] = np.nan
+    found = measure(Trial.from_frame(frame, name="silent"))
+    np.testing.assert_allclose(np.degrees(found.overshoots[:known]), overshoots[:known], atol=0.3)
+    assert found.overshoots[known:] == (None,) * (2 - known)
+    assert ("overshoots[2]" in found.reasons) == (known == 1)
+    assert found.reasons.get("overshoots[2]", "gap 105 to ").startswith("gap 105 to ")

@@ -10,6 +10,7 @@ import numpy as np
 from shipid.declaration.vocabulary import angle
 from shipid.foundation.errors import UsageError
 from shipid.trials.errors import UnknownColumnError
+from shipid.trials.filling import GAP, usual_interval
 from shipid.trials.holding import repeats_of
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.coarse import ramps_of
@@ -40,13 +41,15 @@ class Steering:
     rate : float or None
         Rate of the rudder on its ramps, median [rad/s]; None where it steps or is not logged.
     end : float
-        End of the record [s].
+        End of what is known of the rudder [s]: of the record, or before it where the rudder falls silent.
     feedback : Steering or None
         The rudder angle beside the logged order: its ramp tells when, within the interval in which the order stepped.
     answers : tuple of Plate
         The plates of that rudder.
     doubt : str
         Why the logged order is not what is read, in words; empty where it is, or where none is logged.
+    silence : tuple of float or None
+        From when to when the record goes on without the rudder [s].
     """
 
     channel: Channel
@@ -58,6 +61,7 @@ class Steering:
     feedback: Steering | None = None
     answers: tuple[Plate, ...] = ()
     doubt: str = ""
+    silence: tuple[float, float] | None = None
 
     @property
     def words(self) -> str:
@@ -134,6 +138,7 @@ def steering_of(
             )
         column = "delta_order" if ordered and not (moved and trial.has("delta")) else "delta"
     logged = column == "delta_order"
+    rejected = wrong
     if not logged:
         # A slow sensor whose last value is written again in every row knows the rudder at its own beat; of few values each is held.
         again = repeats_of(trial[column])
@@ -145,7 +150,8 @@ def steering_of(
     on_change = logged and len(channel.y) < 0.5 * len(trial) and bool(np.mean(steps != 0) > 0.9)
     if on_change:
         channel = replace(channel, holes=())
-    end = float(trial["t"][-1])
+    silence = None if on_change else _silence(trial, column, rejected, channel)
+    end = float(trial["t"][-1]) if silence is None else silence[0]
     feedback, answers = None, []
     if logged and not on_change and trial.has("delta"):
         feedback = steering_of(trial, "order", "delta", wrong)
@@ -159,8 +165,21 @@ def steering_of(
         else feedback.rate
     )
     return Steering(
-        channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt
+        channel, "moved" if moved else "order", logged, on_change, rate, end, feedback, tuple(answers), doubt, silence
     )
+
+
+def _silence(
+    trial: Trial, column: str, wrong: np.ndarray | None, channel: Channel
+) -> tuple[float, float] | None:
+    """From the last sample of the rudder to the end of the record; None where it comes to the end, or holds until it is written again."""
+    t, there = trial["t"], np.isfinite(trial[column])
+    if wrong is not None:
+        there &= ~wrong
+    last = float(t[np.flatnonzero(there)[-1]]) if there.any() else float(t[-1])
+    if channel.digit is not None or t[-1] - last <= GAP * usual_interval(t[there]):
+        return None
+    return last, float(t[-1])
 
 
 def _moves(order: np.ndarray) -> bool:
