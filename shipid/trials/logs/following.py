@@ -64,7 +64,9 @@ def with_speeds(values: dict[str, np.ndarray]) -> Followed:
         found[name] = column
         notes.append(note)
     if "U" in found and not {"u", "beta"} & found.keys():
-        notes.append("The log holds the speed U and no drift angle beta: u and v do not follow from it, and are not used.")
+        notes.append(
+            "The log holds the speed U and no drift angle beta: u and v do not follow from it, and are not used."
+        )
     return Followed(found, tuple(notes))
 
 

@@ -169,9 +169,7 @@ def steering_of(
     )
 
 
-def _silence(
-    trial: Trial, column: str, wrong: np.ndarray | None, channel: Channel
-) -> tuple[float, float] | None:
+def _silence(trial: Trial, column: str, wrong: np.ndarray | None, channel: Channel) -> tuple[float, float] | None:
     """From the last sample of the rudder to the end of the record; None where it comes to the end, or holds until it is written again."""
     t, there = trial["t"], np.isfinite(trial[column])
     if wrong is not None:
