@@ -88,11 +88,13 @@ def repeats_of(values: np.ndarray) -> np.ndarray | None:
         if beat < _SHORTEST or float(np.mean(np.abs(apart - beat) <= slack)) < _BEAT or _few_digits(moves):
             return None
     starts = changed + 1
-    fresh = np.zeros(there.size, dtype=bool)
-    ends = np.append(starts[1:], there.size)
-    for begin, end in zip(np.append(starts[0] % beat, starts), np.append(starts[0], ends)):
-        # A value that stays is measured again at every beat.
-        fresh[begin : max(end - beat // 2, begin + 1) : beat] = True
+    begins, ends = np.append(starts[0] % beat, starts), np.append(starts, there.size)
+    rows = np.arange(there.size)
+    stretch = np.searchsorted(begins, rows, side="right") - 1
+    since = rows - begins[stretch]
+    # A value that stays is measured again at every beat, but for a last one that is cut short.
+    last = np.maximum(ends - begins - beat // 2, 1)[stretch]
+    fresh = (stretch >= 0) & (since % beat == 0) & (since < last)
     result = np.zeros(len(values), dtype=bool)
     result[there[~fresh]] = True
     return result
