@@ -103,8 +103,7 @@ def test_no_result_speaks_in_angle_brackets():
 def test_what_has_a_report_draws_its_figures():
     views = vars(write_report)["_VIEWS"]
     drawn = {n for n in HOMES if DrawnResult in loaded(n).__bases__}
-    # A diagnosis is a table; its trial is what can be drawn.
-    assert drawn == {n for n in views if n in HOMES} - {"Diagnosis"}
+    assert drawn == {n for n in views if n in HOMES}
 
 
 @pytest.mark.parametrize(

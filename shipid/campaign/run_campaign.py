@@ -220,7 +220,11 @@ def _run(
     def hand_out() -> None:
         for index in waiting:
             numbers = store.numbers(index, runs)
-            out[running.executor.submit(_task, campaign, int(store.head["seed"]), list(numbers))] = index
+            try:
+                future = running.executor.submit(_task, campaign, int(store.head["seed"]), list(numbers))
+            except BrokenExecutor as error:  # a worker died since the last batch came
+                raise _EngineError from error
+            out[future] = index
             if len(out) >= running.in_flight:
                 return
 

@@ -144,6 +144,7 @@ class DeadPool(ThreadPoolExecutor):
     """An engine of the caller's that is lost after two batches."""
 
     taken = 0
+    refuses = False
 
     def submit(self, function, /, *arguments, **named):
         from concurrent.futures import BrokenExecutor
@@ -151,13 +152,22 @@ class DeadPool(ThreadPoolExecutor):
         self.taken += 1
         if self.taken <= 2:
             return super().submit(function, *arguments, **named)
+        if self.refuses:
+            raise BrokenExecutor("lost")
         lost: Future = Future()
         lost.set_exception(BrokenExecutor("lost"))
         return lost
 
 
-def test_a_lost_engine_is_told_and_gone_on_with(studies, tmp_path):
-    with DeadPool(1) as pool, pytest.raises(WorkerLostError, match="--resume"):
+class RefusingPool(DeadPool):
+    """One that is found to be lost when the next batch is handed over."""
+
+    refuses = True
+
+
+@pytest.mark.parametrize("engine", [DeadPool, RefusingPool])
+def test_a_lost_engine_is_told_and_gone_on_with(studies, tmp_path, engine):
+    with engine(1) as pool, pytest.raises(WorkerLostError, match="--resume"):
         run_campaign(studies.darts, 100, folder=tmp_path, executor=pool)
     resumed = run_campaign(studies.darts, 100, folder=tmp_path, resume=True)
     assert resumed.to_dict() == run_campaign(studies.darts, 100).to_dict()

@@ -43,9 +43,9 @@ def test_column_of_marks_for_missing_values(call, changed, column):
 
 def test_repeated_and_unsorted_samples(refused, changed, fitted):
     twice = changed(lambda rows: [*rows[:50], rows[49], *rows[50:]])
-    refused(3, ["identify", twice, *fitted], "repeats between rows 51 and 52", "remove the duplicates")
+    refused(3, ["identify", twice, *fitted], "repeats between rows 51 and 52", "removes duplicates")
     swapped = changed(lambda rows: [*rows[:50], rows[51], rows[50], *rows[52:]])
-    refused(3, ["identify", swapped, *fitted], "runs backwards between rows 52 and 53", "Sort the rows")
+    refused(3, ["identify", swapped, *fitted], "runs backwards between rows 52 and 53", "sorts the rows")
 
 
 def test_gap_in_the_clock(call, changed, zigzag, fitted):

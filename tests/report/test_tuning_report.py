@@ -70,7 +70,7 @@ def test_a_weak_design_is_named_in_the_summary(pages, weak, read_page):
     text = read_page(pages["weak"]).text
     lead = text[: text.index("Weak points")]
     assert min(m.disk for m in weak.margins[0]) < 0.5
-    assert "below 0.5" in lead and "Outside the identified range" in lead and "Disk margin: the least" in lead
+    assert "below 0.5" in lead and "Beyond that the model extrapolates" in lead and "Disk margin: the least" in lead
     assert "is not known" in lead
     assert pages["weak"].count('class="box warning"') >= 3
 

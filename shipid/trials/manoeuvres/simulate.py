@@ -13,12 +13,12 @@ from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.joining.join import join
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.declaration.vocabulary import shown
+from shipid.declaration.vocabulary import FIELDS, shown
 from shipid.foundation.errors import ParameterSetError, ShipidError, UsageError
 from shipid.foundation.exit_codes import ExitCode
 from shipid.generation.simulator import make_simulator
 from shipid.parameters.catalogue import model_of, ship_of
-from shipid.parameters.held_inputs import hold_inputs
+from shipid.parameters.held_inputs import held_inputs, hold_inputs
 from shipid.parameters.parameter_set import ParameterSet, missing_values
 from shipid.parameters.validity import beyond_in_run
 from shipid.parts.helm import DirectRudder
@@ -177,6 +177,9 @@ def simulate(
     if waves is not None:
         columns |= {n: columns[n] + run.columns[wave] for n, wave in _WAVED.items() if n in columns}
     table = measured({n: column[::fine] for n, column in columns.items()}, t[::fine], deviations, seed)
+    # What was held is known, and what reads the trial needs it: the loading, the revolutions of the propeller.
+    held = {n: float(known[constant]) for n, constant in held_inputs(model).items() if n not in table}
+    table = table.assign(**held)
     noises = ", ".join(f"{n} {shown(d, n)}" for n, d in deviations.items()) or "none"
     met = "".join(
         f"; {what} {said_of(w, unit)}"
@@ -192,8 +195,9 @@ def simulate(
     # A range that the set does not state is told by ``shipid ship``; it is no news about this run.
     notes = beyond_in_run(model, ship, u0, columns, known=True)
     source = Source(simulated=True, comment=comment, notes=(comment, *notes))
+    units = {n: model[n].unit for n in held if n not in FIELDS}
     return Trial(
-        name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship=ship.name
+        name or f"{model.name}-{str(manoeuvre).replace(':', '-').replace('/', '-')}", table, source, ship.name, units
     )
 
 

@@ -71,4 +71,4 @@ def _innovations(run: RecursiveIdentification) -> Section:
 def _noise(run: RecursiveIdentification) -> Section:
     how = shown(run.design.model, run.design.output)
     sensor = {"name": run.design.sensor, "level": how.number(run.noise_level), "unit": how.unit}
-    return Section("Noise levels", "filter/noise.html", {"sensors": [sensor], "sources": []})
+    return Section("Noise levels", "filter/noise.html", {"sensors": [sensor], "sources": [], "added": []})

@@ -59,4 +59,4 @@ def _noise(found: WhichShip) -> Section:
     for name, level in zip(design.measured, design.r):
         how = shown(design.model, name)
         sensors.append({"name": name, "level": how.number(float(level)), "unit": how.unit})
-    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": []})
+    return Section("Noise levels", "filter/noise.html", {"sensors": sensors, "sources": [], "added": []})

@@ -26,6 +26,8 @@ from shipid.trials.source import Source
 
 #: No log has as many columns.
 MOST_COLUMNS = 10_000
+#: Units, in lower case, beside which an angle may have letters for its sides or a mark of degrees.
+_DEGREES = ("", "deg", "degs", "degree", "degrees", "°", "º", "grad", "graden", "grados", "degré", "degrés")
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,8 +235,9 @@ class _Cells:
         for k in list(written):
             name = self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}"
             units = (self.raw.units[k] if k < len(self.raw.units) else None, spelling.split_header(name)[1])
-            # The marks are of degrees: beside a header that says radians nothing is certain.
-            lettered = None if "rad" in units or not _is_text(texts[k]) else read_lettered(written[k])
+            # The marks are of degrees: beside a header that says another unit nothing is certain.
+            degrees = all((unit or "").strip(". ").lower() in _DEGREES for unit in units)
+            lettered = read_lettered(written[k]) if degrees and _is_text(texts[k]) else None
             if lettered is not None:
                 values, said = lettered
                 self._read[k], self._strange[k] = pd.Series(values, name=texts[k].name), np.zeros(len(values), bool)
