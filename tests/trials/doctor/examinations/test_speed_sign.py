@@ -17,3 +17,10 @@ def test_a_speed_counted_astern_is_found_and_turned_round(tmp_path):
     fixed, found = fix_trial(log, tmp_path / "fixed.csv")
     assert [(f.channel, f.serious) for f in found] == [("u", True)]
     np.testing.assert_allclose(shipid.read_trial(fixed)["u"], trial["u"])
+
+
+def test_a_northward_speed_of_a_ship_that_sails_south_is_no_speed_astern():
+    trial = shipid.simulate("de-keizer", "soesterberg", "zigzag:20/20", heading="180 deg")
+    c, s, u, v = np.cos(trial["psi"]), np.sin(trial["psi"]), trial["u"], trial["v"]
+    log = shipid.Trial("south", trial.table.assign(u=u * c - v * s, v=u * s + v * c), units=trial.units)
+    assert {f.kind for f in shipid.check_trial(log).findings if f.serious} == {"earth-fixed-velocity"}

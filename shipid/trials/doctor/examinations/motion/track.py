@@ -65,10 +65,11 @@ def examine_track(p: WorkingCopy) -> None:
     if p.found("speed-stands"):
         return
     askew = p.found("track-direction") and not any(f.repaired for f in p.findings if f.kind == "track-direction")
-    if p.has("u") and not askew:
-        _astern(p, way)
     if p.has("u", "v") and not askew:
         _frame(p, way)
+    # Northward speed of a ship that sails south is no speed astern.
+    if p.has("u") and not askew and not p.found("earth-fixed-velocity"):
+        _astern(p, way)
     lengths = _lengths(p, way)
     if lengths is not None and askew:
         _scale(p, way, lengths, lengths)
