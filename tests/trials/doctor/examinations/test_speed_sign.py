@@ -24,3 +24,11 @@ def test_a_northward_speed_of_a_ship_that_sails_south_is_no_speed_astern():
     c, s, u, v = np.cos(trial["psi"]), np.sin(trial["psi"]), trial["u"], trial["v"]
     log = shipid.Trial("south", trial.table.assign(u=u * c - v * s, v=u * s + v * c), units=trial.units)
     assert {f.kind for f in shipid.check_trial(log).findings if f.serious} == {"earth-fixed-velocity"}
+
+
+def test_it_is_no_speed_of_the_earth_where_the_sway_is_logged():
+    """Eastward, the sway and the reversed speed are nearer to velocities north and east than to those of a ship that goes ahead."""
+    noise = "psi=0.1 deg, u=0.02 m/s, v=0.02 m/s, x=1 m, y=1 m"
+    trial = shipid.simulate("cross-flow", "kvlcc2", "zigzag:20/20", heading="90 deg", noise=noise, seed=1)
+    log = shipid.Trial("astern", trial.table.assign(u=-trial["u"]), units=trial.units)
+    assert {f.kind for f in shipid.check_trial(log).findings if f.serious} == {"speed-sign"}

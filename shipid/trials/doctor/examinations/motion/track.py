@@ -154,10 +154,13 @@ def _frame(p: WorkingCopy, way: Way) -> None:
         "earth": u + 1j * v,
         "exchanged": (v + 1j * u) * heads,
         "port": (u - 1j * v) * heads,
+        "astern": (-u + 1j * v) * heads,
     }
     allowed = _STRONGEST * float(np.mean(np.abs(way.integral(p.t, np.hypot(u, v))) / way.dt))
     misfit = {name: _misfit(way, way.integral(p.t, velocity), allowed) for name, velocity in readings.items()}
     best = min(misfit, key=lambda name: misfit[name])
+    if best == "astern":  # `_astern` says so, also where no sway is logged
+        return
     c, s = heads.real, heads.imag
     floor = 1e-5 * float(np.sum(np.abs(way.made))) + 1e-9
     if best != "body" and misfit["body"] > 1.5 * max(misfit[best], floor) and np.isfinite(misfit[best]):
