@@ -116,8 +116,8 @@ class RecursiveDesign:
 
     def __repr__(self) -> str:
         return (
-            f"<{self.method.name} of {', '.join(self.names)} in the equation of '{self.output}' of {self.model.name!r}, "
-            f"ship {self.ship.name}>"
+            f"{self.method.name} of {', '.join(self.names)} in the equation of '{self.output}' of {self.model.name!r}, "
+            f"ship {self.ship.name}"
         )
 
     @property
