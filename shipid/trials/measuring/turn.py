@@ -118,6 +118,10 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
         reasons["course"] = faults.hole("psi", psi.hole(when) or (when, when))
     turned = side * (psi.y - course)
     running = slice(int(np.searchsorted(psi.t, when)), int(np.searchsorted(psi.t, off, side="right")))
+    if running.stop - running.start < 2:
+        raise NotAManoeuvreError(
+            f"trial '{trial.name}' has no heading while the rudder is over, from {when:.5g} to {off:.5g} s: the turn cannot be measured."
+        )
     smooth = series.smoothed(psi.t, turned, calm)[running]
     quarters: list[float | None] = [series.crossing(psi.t[running], smooth, q) for q in _QUARTERS]
     for k, quarter in enumerate(quarters, start=1):

@@ -133,6 +133,15 @@ def test_turn_that_began_before_the_record():
         measure(circle(turns=0.2), "turning circle")
 
 
+def test_a_turn_without_a_heading_while_the_rudder_is_over_is_refused():
+    """The heading is another one behind a silence, in which the rudder was over: a clock or a source that changed."""
+    t = np.arange(0.0, 100.0, 0.5)
+    psi = np.where(t < 49.5, 0.0, np.where(t > 70.5, 170.0, np.nan))
+    columns = {"t [s]": t, "psi [deg]": psi, "delta [deg]": 20.0 * ((t >= 50) & (t <= 70)), "u [m/s]": 0 * t + 5}
+    with pytest.raises(e.NotAManoeuvreError, match="no heading while the rudder is over, from"):
+        measure(Trial.from_frame(columns, name="silent"), "turning circle")
+
+
 def test_rudder_moved_by_three_degrees():
     frame = circle().to_frame().rename(columns={"delta_order [deg]": "delta [deg]"})
     t = frame["t [s]"].to_numpy()
