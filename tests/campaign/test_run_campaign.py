@@ -106,8 +106,13 @@ def test_a_process_that_is_just_started_is_ended_too(studies, monkeypatch):
 
     monkeypatch.setattr(popen_spawn_posix.Popen, "_launch", interrupted)
     study = replace(studies.slow_darts, engine="processes")
-    with watched(), pytest.raises(Interrupted):
-        run_campaign(study, 200, workers=2)
+    # In the background of a shell interruptions are ignored, and stay so.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with watched(), pytest.raises(Interrupted):
+            run_campaign(study, 200, workers=2)
+    finally:
+        signal.signal(signal.SIGINT, before)
     left = [n for n in started if Path(f"/proc/{n}").exists() and "Z" not in Path(f"/proc/{n}/stat").read_text()]
     assert started and not left
 
