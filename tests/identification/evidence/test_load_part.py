@@ -106,3 +106,8 @@ def test_a_comparison_of_trials_at_two_loadings_has_the_part_too():
     assert rank.model == MODEL.name and not rank.message
     # A hard turn reads the loading, which nothing but the trials states.
     assert rank.turn is not None and rank.turn.rate == pytest.approx(TRUE["K"] * np.deg2rad(35), rel=0.01)
+
+
+def test_a_simulated_trial_states_the_loading_it_was_held_at():
+    run = shipid.simulate(MODEL, known(**TRUE), "zigzag:20/20", inputs={"draught": "9 m"}, duration="60 s")
+    assert run["draught"] == pytest.approx(9.0) and run.unit("draught") == "m"
