@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
@@ -59,8 +60,8 @@ def of_parts(table: Mapping[str, pd.Series]) -> tuple[str, pd.Series, tuple[str,
         used = [h for part, h in found.items() if part in ("hour", "minute", "second") and h is not None] + (
             [thousandths] if thousandths in used and thousandths is not None else []
         )
-    rows = zip(*(values[part] for part in ("year", "month", "day") if dated), values["hour"], values["minute"], seconds)
-    cells = [_text(row) for row in rows]
+    columns = [*(values[part] for part in ("year", "month", "day") if dated), values["hour"], values["minute"], seconds]
+    cells = _texts(np.column_stack([column.to_numpy(dtype=float, na_value=np.nan) for column in columns]))
     return ", ".join(used), pd.Series(cells, index=table[hour].index, dtype=object), tuple(used)
 
 
@@ -86,11 +87,11 @@ def with_thousandths(column: pd.Series, table: Mapping[str, pd.Series]) -> tuple
     if not bool(cells.dropna().map(lambda cell: isinstance(cell, str) and cell.strip()[-3:-2] == ":").all()):
         return None
     parts = pd.to_numeric(table[header], errors="coerce")
-    joined = [
-        f"{cell.strip()}.{int(part):03d}" if isinstance(cell, str) and np.isfinite(part) else cell
-        for cell, part in zip(cells, parts)
-    ]
-    return pd.Series(joined, index=column.index, dtype=object), header
+    there = cells.notna().to_numpy() & np.isfinite(parts.to_numpy(dtype=float, na_value=np.nan))
+    behind = np.char.mod(".%03d", parts[there].to_numpy(dtype=int)).astype(object)
+    cells = cells.copy()
+    cells[there] = cells[there].str.strip().to_numpy(dtype=object) + behind
+    return cells, header
 
 
 def _column(table: Mapping[str, pd.Series], names: tuple[str, ...], most: float) -> str | None:
@@ -109,9 +110,11 @@ def _whole(values: Mapping[str, pd.Series]) -> bool:
     return all(bool((values[part].dropna() % 1 == 0).all()) for part in ("hour", "minute"))
 
 
-def _text(row: tuple[float, ...]) -> str | float:
-    if not np.isfinite(row).all():
-        return float("nan")
-    *date, hour, minute, second = row
-    day = f"{date[0]:04.0f}-{date[1]:02.0f}-{date[2]:02.0f} " if date else ""
-    return f"{day}{hour:02.0f}:{minute:02.0f}:{second:09.6f}"
+def _texts(rows: np.ndarray) -> np.ndarray:
+    """Moments, of rows of six numbers, or times of day, of three, as text; NaN where a number is missing."""
+    forms = (*(("%04.0f-", "%02.0f-", "%02.0f ") if rows.shape[1] > 3 else ()), "%02.0f:", "%02.0f:", "%09.6f")
+    whole = np.isfinite(rows).all(axis=1)
+    cells = np.full(len(rows), np.nan, dtype=object)
+    parts = [np.char.mod(form, column) for form, column in zip(forms, rows[whole].T)]
+    cells[whole] = functools.reduce(np.char.add, parts)
+    return cells
