@@ -48,7 +48,7 @@ def read_lettered(column: pd.Series) -> tuple[np.ndarray, str] | None:
     if cells.iloc[:1].str.fullmatch(_CELL).fillna(False).sum() == 0:  # most text is none: the first cell tells
         return None
     parts = cells.str.extract(_CELL)
-    side = parts["before"].fillna(parts["behind"]).str.upper()
+    side = parts["before"].where(parts["before"].notna(), parts["behind"]).astype(object).str.upper()
     marked = parts["mark"].notna()
     if (
         parts["whole"].isna().any()
