@@ -93,6 +93,7 @@ def test_files_that_are_no_tables(tmp_path: Path) -> None:
         ("a." * 5000 + "b = 1", "nested deeper than 20 tables|not valid TOML"),
         ("# " + "x" * 1_000_000, "larger than 1000000 bytes"),
     ],
+    ids=["long number", "number", "number in a list", "open lists", "lists", "tables", "bytes"],
 )
 def test_a_file_without_bounds_is_refused(text: str, words: str, tmp_path: Path) -> None:
     path = tmp_path / "boat.toml"
