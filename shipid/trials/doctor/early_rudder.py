@@ -1,4 +1,4 @@
-"""Whether the rudder of a trial acts later than it is logged: the dead time of a steering gear, or a clock that is early."""
+"""Whether rudder or order of a trial act later than they are logged: the dead time of a steering gear, or a clock that is early."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 from shipid.trials.doctor.examinations.motion.heading import examine_wrap
 from shipid.trials.doctor.examinations.record.missing import examine_missing
 from shipid.trials.doctor.examinations.steering.delay import answer_to, examine_delay
+from shipid.trials.doctor.examinations.steering.order_alone import LateAnswer, late_answer
 from shipid.trials.doctor.examinations.steering.rudder import examine_movement
 from shipid.trials.doctor.findings import CERTAIN
 from shipid.trials.doctor.guesses import from_trial
@@ -63,3 +64,27 @@ def early_rudder(trial: Trial) -> EarlyRudder | None:
     if found is None or answer is None or answer.delay <= 0:
         return None
     return EarlyRudder(answer.delay, found.confidence)
+
+
+@functools.lru_cache(maxsize=128)
+def order_answered(trial: Trial, name: str) -> LateAnswer | None:
+    """Return when the rudder sets out after an order with no rudder angle beside it, or None where the record does not tell.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    name : str
+        The column of the order.
+    """
+    copy = WorkingCopy(from_trial(trial).record)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a fit through too few samples says so in its result
+        try:
+            for examination in (examine_wrap, examine_missing):
+                if len(copy) < 4:
+                    return None
+                examination(copy)
+            return late_answer(copy, name)
+        except np.linalg.LinAlgError:
+            return None

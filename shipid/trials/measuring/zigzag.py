@@ -14,8 +14,9 @@ from shipid.trials.errors import NotAManoeuvreError
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.instead import propeller_doubts, slowed_down, steered_by_hand
 from shipid.trials.measuring.results.zigzag import ZigZag
-from shipid.trials.measuring.rudder.doubts import late_by, late_words, others_than, setting_out, silent_in
+from shipid.trials.measuring.rudder.doubts import bridges, left_out, others_than, silent_in
 from shipid.trials.measuring.rudder.executes import Execute, first_execute, leaves
+from shipid.trials.measuring.rudder.late import SettingOut, late_notes, not_told, setting_out, unseen_by, widened
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
 from shipid.trials.measuring.track import distance_between, over_ground_notes, speed_channel
 from shipid.trials.measuring.uncertainty import overshoot_uncertainty
@@ -163,6 +164,9 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     signs = side * (-1.0) ** np.arange(len(at))
     # The nominal heading is the one at the order: in slow steering gear the ship turns on while the rudder moves.
     ordered = at
+    late = setting_out(trial, steering, when)
+    slope = np.gradient(psi.y, psi.t)
+    turning = float(np.median(np.abs(np.interp(when, psi.t, slope))))
     if steering.reading == "moved":
         by_order = replace(steering, reading="order")
         ordered = np.array([_at(psi, leaves(by_order, plate).time) for plate in held[:-1]])
@@ -177,9 +181,14 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             for swing, s, h, v, ok in zip(found, signs, at, later, known)
         )
     overshoots = tuple(swing[0] if ok else None for swing, ok in zip(found, known))
+    beside = _from_setting_out(late, psi, side, end, known)
     tops = tuple(swing[1] if ok else None for swing, ok in zip(found, known))
     first = start[0] if start is not None else None
     half = _WIDTH * half_period
+    stated = tuple(
+        None if beyond is None else overshoot_uncertainty(psi, logged, e, top, half)
+        for beyond, top, e in zip(overshoots, tops, executes)
+    )
     # In a long hole of the rudder on its first plate it may have gone to the other side and back.
     silent = None if first is None else steering.channel.hole(first.time, executes[0].time, 0.5 * half_period)
     beginning = _beginning(trial, psi, course, side, first, executes[0], faults, reasons, half, silent)
@@ -190,6 +199,10 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
     # The middle between the sides: a rudder that reads some degrees to one side was ordered alike to both.
     ordered_angle = 0.5 * sum(max(abs(plate.angle) for plate in held if plate.side == sign) for sign in (1, -1))
     switch = float(np.median(signs * (ordered - course)))
+    if late is not None and late.doubtful:
+        # Stamps that are early show headings that were not ordered.
+        there = float(np.median(signs * (np.interp(late.times, psi.t, psi.y) - course)))
+        switch = min(switch, there, key=lambda one: abs(np.degrees(one) - _nominal(one)))
     doubt = steered_by_hand(
         [
             None if f"execute_headings[{k}]" in reasons else float(v)
@@ -215,10 +228,8 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             float(v) if f"execute_headings[{k}]" not in reasons else None for k, v in enumerate(at - course, start=1)
         ),
         overshoots=overshoots,
-        overshoot_uncertainties=tuple(
-            None if beyond is None else overshoot_uncertainty(psi, logged, e, top, half)
-            for beyond, top, e in zip(overshoots, tops, executes)
-        ),
+        overshoot_uncertainties=stated if late is None or not late.doubtful else widened(stated, overshoots, beside),
+        overshoots_set_out=beside,
         overshoots_moved=beyond_moved,
         extreme_headings=tuple(
             None if beyond is None else float(swing[2] + s * beyond - course)
@@ -229,10 +240,10 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
         initial_turning_ratio=None if distance is None or length is None else distance / length,
         reasons=reasons,
         notes=(*notes, *([Notice(f"it may be no zig-zag: {doubt}", "no-zigzag", serious=True)] if doubt else []), *slowed,
-               *_late_rudder(late_by(trial, steering), steering, psi, when, side, end), *silent_in(steering, held, faults),
-               *propeller_doubts(trial, None if first is None else first.time, end), *_left_out(logged), *_left_out(steering.channel),
-               *_bridges(logged, psi, when, faults),
-               *faults.notes(("psi", steering.channel.name, "u", "U"))),
+               *late_notes(late, beside, unseen_by(trial, steering), turning), *silent_in(steering, held, faults),
+               *propeller_doubts(trial, None if first is None else first.time, end), *left_out(logged), *left_out(steering.channel),
+               *bridges(logged, psi, when, faults),
+               *not_told(faults.notes(("psi", steering.channel.name, "u", "U")), late, steering.channel.name)),
         **beginning,
     )  # fmt: skip
 
@@ -377,24 +388,11 @@ def _nominal(angle: float) -> int:
     return max(5 * round(degrees / 5), 5) if degrees >= 2.5 else round(degrees)
 
 
-def _late_rudder(
-    lag: float | None, steering: Steering, psi: Channel, when: Sequence[float], side: int, end: float
-) -> list[str]:
-    """The overshoots from where the rudder sets out, where that is long after the order."""
-    if lag is None:
-        return []
-    found = swings(psi.t, psi.y, setting_out(steering, when, lag), side=side, end=end)
-    said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond, _, _ in found)
-    return [f"{late_words(lag)}; counted from there the overshoots are {said} deg"]
-
-
-def _left_out(channel: Channel) -> list[str]:
-    if not channel.spikes:
-        return []
-    times = ", ".join(f"{when:.5g}" for when in channel.spikes[:3]) + (", ..." if len(channel.spikes) > 3 else "")
-    return [f"{len(channel.spikes)} single wild samples of {channel.name} are left out (at {times} s)"]
-
-
-def _bridges(logged: Channel, psi: Channel, executes: Sequence[float], faults: Faults) -> list[str]:
-    inside = [h for h in logged.holes if h not in psi.holes and h[1] > executes[0]]
-    return [f"{faults.hole('psi', hole)} is bridged by a cubic through its neighbours" for hole in inside]
+def _from_setting_out(
+    late: SettingOut | None, psi: Channel, side: int, end: float, known: Sequence[bool]
+) -> tuple[float | None, ...] | None:
+    """The overshoots from where the rudder sets out, where that is after the order."""
+    if late is None:
+        return None
+    found = swings(psi.t, psi.y, late.times, side=side, end=end)
+    return tuple(one[0] if ok else None for one, ok in zip(found, known))

@@ -8,8 +8,12 @@ import numpy as np
 _STEP, _UNDER_WAY = 0.3, 0.005
 #: Share of the orders that the rudder has to have begun to carry out before they were given.
 _MOST = 0.6
+#: A copy is off by less than this share of the scatter of what it copies; so many shifts are tried at most.
+_COPY, _SHIFTS = 0.1, 200
 #: A rudder that sets out later than this after its order, and than so many samples, has a dead time, or the order is stamped early [s].
 LATE, LATE_SAMPLES = 1.5, 2.5
+#: A steering gear starts to move its rudder within this time of the order [s].
+GEAR = 1.0
 
 
 def order_against_feedback(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> str:
@@ -47,7 +51,8 @@ def order_against_feedback(t: np.ndarray, order: np.ndarray, feedback: np.ndarra
 def lag_behind_order(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> float | None:
     """Return how long after the order the rudder sets out [s], median of the orders; None where that cannot be told.
 
-    The ramp between 15 and 50 % of the way is extended back to where the rudder was when the order stepped.
+    The ramp between 15 and 50 % of the way is extended back to where the rudder was when the order stepped. An order that never
+    steps is one only where the rudder is its copy, some time later: that time.
 
     Parameters
     ----------
@@ -62,6 +67,8 @@ def lag_behind_order(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> 
     if order.size < 10 or reach == 0:
         return None
     steps = np.flatnonzero(np.abs(np.diff(order)) > _STEP * reach)
+    if not steps.size:
+        return _copied_after(t, order, feedback)
     lags = []
     for k, then in zip(steps, [*steps[1:], len(t) - 1]):
         way = order[k + 1] - feedback[k + 1]
@@ -79,6 +86,26 @@ def lag_behind_order(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> 
     if len(lags) < 2 or float(np.ptp(lags)) > max(0.5 * abs(float(np.median(lags))), 2 * float(np.median(np.diff(t)))):
         return None
     return float(np.median(lags))
+
+
+def _copied_after(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> float | None:
+    """By how much the rudder is a later copy of an order in ramps [s]; None where it is none."""
+    step = float(np.median(np.diff(t)))
+    size = float(np.std(feedback))
+    if step <= 0 or size == 0:
+        return None
+    # Up to half the time between two orders, or the copy may be of another swing.
+    over = np.flatnonzero(np.diff(np.sign(order - np.median(order))) != 0)
+    half = float(np.median(np.diff(t[over]))) if over.size > 1 else 0.25 * float(t[-1] - t[0])
+    count = min(int(0.5 * half / step), _SHIFTS)
+    if count < 2:
+        return None
+    shifts = np.linspace(0.0, 0.5 * half, count)
+    late = np.interp(t[:, None] - shifts, t, order)
+    inside = t[:, None] - shifts >= t[0]
+    off = np.sqrt(np.sum(np.where(inside, late - feedback[:, None], 0.0) ** 2, axis=0) / np.maximum(inside.sum(axis=0), 1))
+    best = int(np.argmin(off))
+    return float(shifts[best]) if off[best] < _COPY * size else None
 
 
 def _opposite(order: np.ndarray, feedback: np.ndarray) -> bool:

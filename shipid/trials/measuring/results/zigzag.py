@@ -27,10 +27,11 @@ class ZigZag(Measures):
         See the meaning of each in `quantities`.
     executes : tuple of float or None
         One a reversal.
-    execute_headings, overshoots, overshoot_uncertainties, overshoots_moved, extreme_headings, times_to_check_yaw : \
-tuple of float or None
+    execute_headings, overshoots, overshoot_uncertainties, overshoots_moved, overshoots_set_out, extreme_headings, \
+times_to_check_yaw : tuple of float or None
         Entry k belongs to reversal k. Where the order was read back from the ramp of the rudder, `overshoots_moved` are those
-        after the rudder has left its plate by 15 %: the value of the other reading.
+        after the rudder has left its plate by 15 %: the value of the other reading. Where the order is logged and the rudder sets
+        out later, `overshoots_set_out` are those from there; where no steering gear starts so late, the uncertainties hold both.
     """
 
     kind: ClassVar[str] = "zig-zag"
@@ -48,6 +49,9 @@ tuple of float or None
     )
     overshoots_moved: tuple[float | None, ...] | None = quantity(
         "rad", "overshoot angle from where the rudder has left its plate by 15 %"
+    )
+    overshoots_set_out: tuple[float | None, ...] | None = quantity(
+        "rad", "overshoot angle from where the rudder sets out, where that is after the logged order"
     )
     extreme_headings: tuple[float | None, ...] | None = quantity(
         "rad", "extreme heading after each reversal, from the initial course"
@@ -77,12 +81,13 @@ tuple of float or None
     def _lines(self, without: Collection[str] = ()) -> list[str]:
         """The quantities of the whole zig-zag, and a table with a row a reversal."""
         lines = super()._lines({*without, *(name for name, _ in _TABLE)})
-        head = "".join(f"{title:>{len(title) + 3}s}" for _, title in _TABLE)
-        lines.append(f"  {'reversal':<9s}{head}")
         shown = {name: value for name, value, _, _ in self.quantities()}
+        table = [(name, title) for name, title in _TABLE if name not in _BESIDE[1:] or shown[name]]
+        head = "".join(f"{title:>{len(title) + 3}s}" for _, title in table)
+        lines.append(f"  {'reversal':<9s}{head}")
         for k in range(len(self.executes or ())):
             cells = ""
-            for name, title in _TABLE:
+            for name, title in table:
                 column = shown[name] or ()
                 value = column[k] if k < len(column) else None
                 missing = "not known" if f"{name}[{k + 1}]" in self.reasons else "not reached"
@@ -102,10 +107,11 @@ _TABLE = (
     ("overshoots", "overshoot deg"),
     ("overshoot_uncertainties", "+- deg"),
     ("overshoots_moved", "rudder moved deg"),
+    ("overshoots_set_out", "set out deg"),
     ("extreme_headings", "extreme deg"),
     ("times_to_check_yaw", "check yaw s"),
 )
-_BESIDE = ("overshoot_uncertainties", "overshoots_moved")
+_BESIDE = ("overshoot_uncertainties", "overshoots_moved", "overshoots_set_out")
 
 
 def _leading(values: tuple[float | None, ...] | None) -> tuple[float, ...]:

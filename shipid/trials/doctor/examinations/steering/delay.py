@@ -15,6 +15,7 @@ from shipid.trials.doctor.examinations.steering.filtered import (
     squares,
     squares_of_each,
 )
+from shipid.trials.doctor.examinations.steering.order_alone import examine_order_alone
 from shipid.trials.doctor.examinations.steering.rudder import executes
 from shipid.trials.doctor.working_copy import WorkingCopy
 
@@ -119,7 +120,7 @@ def examine_delay(p: WorkingCopy) -> None:
         The record, signs put right.
     """
     name = p.rudder
-    if name is None or p.found("no-rudder-movement"):
+    if name is None or p.found("no-rudder-movement") or examine_order_alone(p):
         return
     answer = answer_to(p, name)
     if answer is None:

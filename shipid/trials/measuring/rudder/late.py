@@ -1,0 +1,176 @@
+"""A rudder that sets out later than its order is stamped: by its ramp, or, where it is not logged, by the ship's answer."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shipid.declaration.vocabulary import angle
+from shipid.foundation.notices import Notice
+from shipid.trials.doctor.early_rudder import order_answered
+from shipid.trials.measuring.rudder.executes import leaves
+from shipid.trials.measuring.rudder.steering import Steering
+from shipid.trials.signals.order import GEAR, lag_behind_order
+from shipid.trials.trial import Trial
+
+_SEEN = 0.3
+"""A rudder that sets out this much later than the order is seen to do so [s]."""
+
+_UNSEEN = np.radians(0.3)
+"""Heading that is turned in a time that does not show, from which on it is said."""
+
+
+@dataclass(frozen=True)
+class SettingOut:
+    """When the rudder sets out after the orders, where that is later than the stamps of the orders allow.
+
+    Attributes
+    ----------
+    times : tuple of float
+        When it sets out after each order [s].
+    doubtful : bool
+        Whether no steering gear starts so late: then the stamps are early, or the gear has a dead time, and which is not known.
+    words : str
+        What to say of it.
+    """
+
+    times: tuple[float, ...]
+    doubtful: bool
+    words: str
+
+
+def setting_out(trial: Trial, steering: Steering, orders: Sequence[float]) -> SettingOut | None:
+    """Return when the rudder sets out after the orders; None where it does so at once, or where that is not known.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    steering : Steering
+        The record of the rudder.
+    orders : sequence of float
+        When the orders were given [s].
+    """
+    if steering.reading != "order" or not len(orders):
+        return None
+    if steering.feedback is None:
+        return None if steering.rate is not None else _by_answer(trial, steering, orders)
+    lag = lag_behind_order(trial["t"], trial["delta_order"], trial["delta"])
+    slack = 0.5 * steering.channel.interval
+    if lag is None or lag - slack < _SEEN:
+        return None
+    return SettingOut(
+        _seen(steering, orders, lag), lag - slack > GEAR,
+        f"the rudder sets out {lag:.3g} s after the order: {_either(lag - slack > GEAR)}",
+    )  # fmt: skip
+
+
+def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> SettingOut | None:
+    """When a rudder sets out that is not logged, by the ship's answer to its order."""
+    answer = order_answered(trial, steering.channel.name)
+    if answer is None or answer.earliest <= 0 or answer.delay < _SEEN:
+        return None
+    return SettingOut(
+        tuple(when + answer.delay for when in orders), answer.late,
+        f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
+        f"({answer.earliest:.2g} to {answer.latest:.2g} s): {_either(answer.late)}",
+    )  # fmt: skip
+
+
+def _either(doubtful: bool) -> str:
+    if doubtful:
+        return "the gear has a dead time, or the order is stamped early, and which is not known"
+    return "as a steering gear may, or the order is stamped early"
+
+
+def _seen(steering: Steering, orders: Sequence[float], lag: float) -> tuple[float, ...]:
+    """When the rudder leaves its plate after each order, by its ramp; `lag` later where that does not show."""
+    rudder = steering.feedback
+    usual = np.asarray(orders) + lag
+    if rudder is None or len(steering.answers) < 2:
+        return tuple(float(when) for when in usual)
+    seen = np.array([leaves(rudder, plate).time for plate in steering.answers[:-1]])
+    nearest = seen[np.abs(usual[:, None] - seen).argmin(axis=1)]
+    return tuple(float(a) for a in np.where(np.abs(nearest - usual) < 0.5 * lag, nearest, usual))
+
+
+def unseen_by(trial: Trial, steering: Steering) -> float | None:
+    """Return by how much the stamps of an order with no rudder angle beside it may be early without a word [s].
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    steering : Steering
+        The record of the rudder.
+    """
+    if not steering.logged or steering.feedback is not None or steering.reading != "order":
+        return None
+    answer = order_answered(trial, steering.channel.name)
+    return np.inf if answer is None else max(answer.latest, 0.0)
+
+
+def widened(
+    uncertainties: Sequence[float | None], overshoots: Sequence[float | None], beside: Sequence[float | None]
+) -> tuple[float | None, ...]:
+    """Return uncertainties that hold both readings of the execute, where it is not known which is right [rad].
+
+    Parameters
+    ----------
+    uncertainties, overshoots, beside : sequence of float or None
+        Of the overshoots, the overshoots from the order, and those from where the rudder sets out [rad].
+    """
+    return tuple(
+        u if u is None or one is None or other is None else u + abs(one - other)
+        for u, one, other in zip(uncertainties, overshoots, beside)
+    )
+
+
+def late_notes(
+    late: SettingOut | None, beside: Sequence[float | None] | None, unseen: float | None, turning: float
+) -> list[Notice]:
+    """Return what to say of a rudder that sets out after its order, or that is not logged.
+
+    Parameters
+    ----------
+    late : SettingOut or None
+        When it sets out.
+    beside : sequence of float or None, or None
+        The overshoots counted from there [rad].
+    unseen : float or None
+        By how much the stamps of an order alone may be early without a word [s].
+    turning : float
+        Usual rate of turn at the orders [rad/s].
+    """
+    if late is not None:
+        said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond in beside or ())
+        words = f"{late.words}; counted from there the overshoots are {said} deg"
+        return [Notice(words, "order-early", serious=late.doubtful, channel="delta_order")]
+    if unseen is None or min(unseen, GEAR) * turning < _UNSEEN:
+        return []
+    seconds = "stamps that are early" if np.isinf(unseen) else f"stamps that are up to {unseen:.2g} s early"
+    return [
+        Notice(
+            f"the order is logged and no rudder angle beside it: {seconds} would not show, and every second makes the overshoots "
+            f"{angle(turning, 2)} too large",
+            "order-alone",
+        )
+    ]
+
+
+def not_told(notes: Sequence[Notice], late: SettingOut | None, channel: str) -> list[Notice]:
+    """Return what the doctor says without what is told of the order already.
+
+    Parameters
+    ----------
+    notes : sequence of Notice
+        What the doctor says.
+    late : SettingOut or None
+        When the rudder sets out.
+    channel : str
+        The column of the order.
+    """
+    told = ("order-early", "latency")
+    return [n for n in notes if late is None or n.kind not in told or n.known.get("channel") != channel]
