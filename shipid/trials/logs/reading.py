@@ -160,6 +160,7 @@ def read_record(
         names = [file.name, file.stem, *([wanted] if isinstance(wanted, str) else []), title]
         stated = [fmt.of_one[name] for name in dict.fromkeys(names) if name in fmt.of_one]
         source = replace(source, conditions=functools.reduce(Conditions.with_those, stated, fmt.conditions))
+        record = replace(record, notes=(*record.notes, *_of_no_log(fmt, names, file)))
     ship = fmt.ship if fmt else None
     return replace(record, source=source, format=fmt, ship=ship, window=span, title=title)
 
@@ -217,6 +218,29 @@ def _span(window: str | Span | None, fmt: TrialFormat | None, file: Path) -> Spa
             f"'{window}' is not a window of '{file}'. Write start:end in seconds, as in '{file.name}@100:250'. "
             f"{names}".strip()
         ) from None
+
+
+def _of_no_log(fmt: TrialFormat, names: Sequence[str], file: Path) -> tuple[str, ...]:
+    """Say which names under ``[trials]`` are those of no log, a warning where this log has no entry of its own."""
+    others = [name for name in fmt.of_one if name not in names]
+    if not others:
+        return ()
+    logs = {name for path in file.parent.iterdir() if path.is_file() for name in (path.name, path.stem)}
+
+    def is_there(name: str) -> bool:
+        log, _, tail = name.rpartition("@")
+        return name in logs or name in fmt.windows or (log in logs and (tail in fmt.windows or ":" in tail))
+
+    lost = [name for name in others if not is_there(name)]
+    if not lost:
+        return ()
+    close = nearest(lost[0], {file.stem, file.name, *fmt.windows, *logs}).strip()
+    told = (
+        f"{'' if len(others) < len(fmt.of_one) else 'WARNING: '}the format file '{fmt.name}' states conditions of "
+        f"{', '.join(map(repr, lost[:5]))}{', ...' if len(lost) > 5 else ''}, and neither this log nor one beside it nor a window is "
+        f"called that: they count for nothing here."
+    )
+    return (f"{told} {close}" if close.startswith("Did") else told,)
 
 
 def _check_file(file: Path) -> None:
