@@ -66,7 +66,10 @@ def test_conditions_of_a_name_that_no_log_has_are_told(tmp_path):
     for name in ("ballast.csv", "laden.csv"):
         rows = "".join(f"{k},{k % 5}\n" for k in range(30))
         (tmp_path / name).write_text(f"time,heading\n{rows}", encoding="utf-8")
-    said = {n: shipid.read_trial(tmp_path / n, format=tmp_path / "logger.toml").source.notes for n in ("ballast.csv", "laden.csv")}
+    said = {
+        n: shipid.read_trial(tmp_path / n, format=tmp_path / "logger.toml").source.notes
+        for n in ("ballast.csv", "laden.csv")
+    }
     warned = next(str(note) for note in said["ballast.csv"] if "'balast'" in str(note))
     assert warned.startswith("WARNING")
     assert "Did you mean ballast" in warned

@@ -39,7 +39,7 @@ def read_trial(
     path : str or Path
         A text file (CSV and relatives), an Excel workbook, a MATLAB, HDF5 or Parquet file; ``FILE@A:B`` reads a window of it in
         seconds of its own clock, ``FILE@name`` a window the format file names, ``FILE#SHEET`` one of several sheets, structs or
-        groups.
+        groups, ``FILE.zip#LOG`` one of several files of an archive.
     format : str, Path or TrialFormat, optional
         A trial format file (`shipid.trials.logs.format`), for records whose headers do not speak for themselves;
         ``"nmea"`` for an NMEA 0183 log, or a format file with ``[nmea]`` (`shipid.trials.logs.nmea.settings`).
@@ -131,15 +131,15 @@ def read_record(
     wanted = window if tail is None else tail
     span = _span(wanted, fmt, file)
     _check_file(file)
-    if fmt is None and is_nmea(file):
+    if fmt is None and is_nmea(file, part):
         fmt = NmeaFormat("nmea", {})
     if isinstance(fmt, NmeaFormat):
-        record, comments = read_nmea(file, fmt)
+        record, comments = read_nmea(file, fmt, part)
     else:
         try:
             table = read_table(file, fmt, part)
         except TrialError:
-            fault = why_no_nmea(file) if fmt is None else None
+            fault = why_no_nmea(file, part) if fmt is None else None
             if fault is not None:
                 raise fault from None
             raise
@@ -189,9 +189,11 @@ def split_window(path: str | Path) -> tuple[Path, str | None, str | None]:
     if at and Path(stem).exists():
         return Path(stem), None, tail
     for text, window in ((stem, tail), (str(path), None)):
-        file, sharp, part = text.rpartition("#")
-        if sharp and Path(file).exists():
-            return Path(file), part, window
+        file, sharp, _ = text.rpartition("#")
+        while sharp and not Path(file).exists():  # a file of an archive may name its sheet in turn
+            file, sharp, _ = file.rpartition("#")
+        if sharp:
+            return Path(file), text[len(file) + 1 :], window
     # None is there: a name like a@b.csv is more likely a file that is missing than a window of one.
     return (Path(stem), None, tail) if at and "@" in whole.name and ":" in tail else (whole, None, None)
 
