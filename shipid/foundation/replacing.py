@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
-from shipid.foundation.errors import MissingFileError, OverwriteError
+from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
 from shipid.foundation.processes.stopping import undisturbed
 from shipid.foundation.scratch import alone_in, scratch_file
 
@@ -29,6 +29,8 @@ def check_place(path: Path, overwrite: bool) -> None:
         If the file exists and `overwrite` is not set, or is something else than a file: a device, a pipe.
     MissingFileError
         If it is a folder, or its folder does not exist.
+    UsageError
+        If the name is ``-``.
     """
     check_kind(path)
     if path.exists() and not overwrite:
@@ -49,9 +51,13 @@ def check_kind(path: Path) -> None:
     ------
     OverwriteError
         If there is a device, a pipe, a socket, or a link.
+    UsageError
+        If the name is ``-``.
     MissingFileError
         If there is a folder.
     """
+    if str(path) == "-":
+        raise UsageError("'-' is standard output for most programs, and a file is written here: give it another name.")
     if path.is_dir():
         raise MissingFileError(f"'{path}' is a folder. Name the file to write.")
     if os.path.lexists(path) and (path.is_symlink() or not path.is_file()):

@@ -211,6 +211,8 @@ class ParameterSet(Result):
 
 #: A message that asks for values shows so many of them.
 _EXAMPLES = 3
+#: Stands for a number that only the user knows: one that is printed would be taken for a fact of the ship.
+_STATED_BY_USER = "VALUE"
 
 
 class _Lookup(dict[str, float]):
@@ -331,9 +333,8 @@ def missing_values(model: Model, values: Mapping[str, float], ship: str) -> Para
         return None
     named = ", ".join(f"{n} [{pretty(model[n].unit)}]" for n in lacking)
     examples = [_example(model, n, values) for n in lacking[:_EXAMPLES]]
-    remark = (
-        " (where a search begins: an order of size, not a value of this ship)" if "=1.0 " not in examples[0] else ""
-    )
+    begins = any(f"={_STATED_BY_USER}" not in example for example in examples)
+    remark = " (where a search begins: an order of size, not a value of this ship)" if begins else ""
     it = "it" if len(lacking) == 1 else "them"
     return ParameterSetError(
         f"model {model.name} needs {named}, which {ship} does not hold. State {it}, as in {' '.join(examples)}{remark}, or take a ship "
@@ -345,6 +346,6 @@ def _example(model: Model, name: str, values: Mapping[str, float]) -> str:
     """How a value is stated, with its unit: where a search for it begins, where that is known."""
     # With two speeds: a coefficient that is scaled by the length alone comes out the same.
     start, other = (Scale(values.get("L"), speed).start_of(model[name]) for speed in (1.0, 2.0))
-    value = "1.0" if start is None or start != other else f"{start:.3g}"
+    value = _STATED_BY_USER if start is None or start != other else f"{start:.3g}"
     unit = model[name].unit
     return f"--set '{name}={value}{'' if unit == '1' else f' {pretty(unit)}'}'"

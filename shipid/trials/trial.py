@@ -101,6 +101,9 @@ class Trial(DrawnResult):
             raise UnknownColumnError(f"trial '{self.name}' has no column '{name}'. {nearest(name, self.table.columns)}")
         return np.asarray(self.table[name].to_numpy())
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.table
+
     def __len__(self) -> int:
         return len(self.table)
 

@@ -108,6 +108,6 @@ def test_parameter_set_that_is_not_there(refused, zigzag, tmp_path):
 
 def test_what_the_ship_does_not_hold(refused, zigzag, own_ship):
     arguments = ["identify", zigzag, "--model", "de-keizer"]
-    refused(3, arguments, "L [m]", "--set 'L=1.0 m'")
+    refused(3, arguments, "L [m]", "--set 'L=VALUE m'")
     refused(3, [*arguments, "--ship", own_ship((LENGTH, ""))], "L [m]", "own-ship")
     refused(3, ["simulate", "norrbin", "--ship", own_ship(), "--manoeuvre", "turn:20"], "own-ship", "[norrbin]")

@@ -25,6 +25,22 @@ def test_results_are_not_overwritten_without_being_asked(call, refused, zigzag, 
     assert {p.name for p in out.iterdir()} == FILES
 
 
+def test_a_dash_is_standard_output_or_refused(call, refused, zigzag, fitted, tmp_path, monkeypatch):
+    """As for other programs; never a file of that name."""
+    monkeypatch.chdir(tmp_path)
+    for arguments in (
+        ["format", zigzag],
+        ["ship", "--new", "tender", "--length", "24 m"],
+        ["simulate", "nomoto", "--ship", "zeefakkel", "--manoeuvre", "zigzag:20/20", "--duration", "60 s"],
+    ):
+        written, plain = call(*arguments, "-o", "-"), call(*arguments)
+        assert (written.code, written.out) == (0, plain.out)
+        assert len(plain.out) > 100
+    refused(2, ["check", zigzag, "--fix", "-o", "-"], "'-' is standard output")
+    refused(2, ["check", zigzag, "--out", "-"], "--out names a folder")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_other_files_in_the_folder_are_left_alone(call, zigzag, fitted, tmp_path):
     (tmp_path / "notes.txt").write_text("mine")
     assert call("identify", zigzag, *fitted, "--out", tmp_path).code == 0

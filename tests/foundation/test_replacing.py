@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from shipid.foundation.errors import MissingFileError, OverwriteError
+from shipid.foundation.errors import MissingFileError, OverwriteError, UsageError
 from shipid.foundation.replacing import check_place, replacing, write_text
 
 
@@ -46,6 +46,8 @@ def test_places_that_cannot_be_written(tmp_path: Path) -> None:
     check_place(tmp_path / "there", overwrite=True)
     with pytest.raises(MissingFileError, match="is a folder"):
         check_place(tmp_path, overwrite=True)
+    with pytest.raises(UsageError, match="'-' is standard output"):
+        check_place(Path("-"), overwrite=True)
     with pytest.raises(MissingFileError, match="there is no folder"):
         check_place(tmp_path / "no" / "file", overwrite=False)
     with pytest.raises(MissingFileError, match="cannot be written"), replacing(tmp_path / "no" / "file"):

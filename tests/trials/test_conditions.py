@@ -60,6 +60,23 @@ def test_one_format_file_describes_logs_at_several_loadings(tmp_path, name, drau
     assert trial.source.conditions.shown("who") == "Trial party"
 
 
+def test_conditions_of_a_name_that_no_log_has_are_told(tmp_path):
+    """A name that is misspelt would be silent otherwise, and the trial as light as all the others."""
+    stated(tmp_path, 'draught_aft = "6 m"\n[trials.balast]\ndraught_aft = "5 m"\n[trials.laden]\ndraught_aft = "7 m"\n')
+    for name in ("ballast.csv", "laden.csv"):
+        rows = "".join(f"{k},{k % 5}\n" for k in range(30))
+        (tmp_path / name).write_text(f"time,heading\n{rows}", encoding="utf-8")
+    said = {
+        n: shipid.read_trial(tmp_path / n, format=tmp_path / "logger.toml").source.notes
+        for n in ("ballast.csv", "laden.csv")
+    }
+    warned = next(str(note) for note in said["ballast.csv"] if "'balast'" in str(note))
+    assert warned.startswith("WARNING")
+    assert "Did you mean ballast" in warned
+    assert "'laden'" not in warned  # the log is there
+    assert not any("WARNING" in str(note) for note in said["laden.csv"])  # it has an entry of its own
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [

@@ -333,6 +333,24 @@ def output_file(path: str, overwrite: bool) -> Path:
     return Path(path)
 
 
+def output_or_stdout(path: str | None, overwrite: bool) -> Path | None:
+    """Return the file of an ``--output`` that may be left out; None for standard output, which ``-`` names too.
+
+    Parameters
+    ----------
+    path : str or None
+        The option.
+    overwrite : bool
+        Whether it may exist.
+
+    Raises
+    ------
+    UsageError, MissingFileError, OverwriteError
+        As `output_file`.
+    """
+    return None if path in (None, "-") else output_file(str(path), overwrite)
+
+
 def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Path | None:
     from shipid.foundation.errors import UsageError
     from shipid.foundation.replacing import check_kind
@@ -340,6 +358,8 @@ def _result_folder(out: str | None, files: Sequence[str], overwrite: bool) -> Pa
     if out is None:
         return None
     folder = Path(out)
+    if out == "-":
+        raise UsageError(f"--out names a folder, and - is none: it will hold {', '.join(files)}. Give it a name.")
     if folder.suffix.lower() in _OF_FILES and not folder.is_dir():
         raise UsageError(
             f"--out names a folder, and {out} looks like a file. Write --out {folder.with_suffix('')}: it will hold "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import click
 
 from shipid.cli.frame.completing import complete_ship
-from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
+from shipid.cli.frame.delivery import Delivery, json_option, output_or_stdout, overwrite_option
 from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
 from shipid.foundation.numbers import uncertain_text
@@ -90,7 +90,7 @@ def ship(
         return delivery.hand_over_parts(ship_data(found), ship_text(found))
     if source is not None and not source.strip():
         raise UsageError("--source is empty. Say where the values come from; 'assumed' is a source.")
-    path = output_file(output, overwrite) if output is not None else None
+    path = output_or_stdout(output, overwrite)
     values = {_OPTIONS[name][0]: Typed(value) for name, value in stated.items() if value is not None}
     known = find_model(model) if model else None
     text = draft_parameter_set(str(new), values, source=source or "", title=title, model=known)

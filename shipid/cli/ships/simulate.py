@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from shipid.cli.frame.completing import complete_manoeuvre
-from shipid.cli.frame.delivery import output_file, overwrite_option
+from shipid.cli.frame.delivery import output_or_stdout, overwrite_option
 from shipid.cli.frame.flows import current_option, wind_option
 from shipid.cli.frame.messages import say, warn
 from shipid.cli.frame.options import (
@@ -109,7 +109,7 @@ def simulate(
     from shipid.trials.logs.writing import write_trial
 
     _check(manoeuvre, autopilot, courses, route)
-    place = None if output is None else output_file(output, overwrite)
+    place = output_or_stdout(output, overwrite)
     settings = {
         "speed": speed, "noise": noise, "seed": seed, "duration": duration, "sampling": sampling, "heading": heading,
         "current": current, "wind": wind, "waves": waves, "values": values,

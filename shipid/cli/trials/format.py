@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from shipid.cli.frame.delivery import Delivery, json_option, output_file, overwrite_option
+from shipid.cli.frame.delivery import Delivery, json_option, output_or_stdout, overwrite_option
 from shipid.cli.frame.messages import say
 from shipid.foundation.exit_codes import ExitCode
 
@@ -28,7 +28,7 @@ def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> 
     from shipid.trials.logs.drafting.draft import draft_format
 
     delivery = Delivery(as_json)
-    path = output_file(output, overwrite) if output is not None else None
+    path = output_or_stdout(output, overwrite)
     draft = draft_format(log)
     if path is not None:
         write_text(path, draft.text)

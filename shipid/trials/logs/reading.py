@@ -39,7 +39,7 @@ def read_trial(
     path : str or Path
         A text file (CSV and relatives), an Excel workbook, a MATLAB, HDF5 or Parquet file; ``FILE@A:B`` reads a window of it in
         seconds of its own clock, ``FILE@name`` a window the format file names, ``FILE#SHEET`` one of several sheets, structs or
-        groups.
+        groups, ``FILE.zip#LOG`` one of several files of an archive.
     format : str, Path or TrialFormat, optional
         A trial format file (`shipid.trials.logs.format`), for records whose headers do not speak for themselves;
         ``"nmea"`` for an NMEA 0183 log, or a format file with ``[nmea]`` (`shipid.trials.logs.nmea.settings`).
@@ -131,15 +131,15 @@ def read_record(
     wanted = window if tail is None else tail
     span = _span(wanted, fmt, file)
     _check_file(file)
-    if fmt is None and is_nmea(file):
+    if fmt is None and is_nmea(file, part):
         fmt = NmeaFormat("nmea", {})
     if isinstance(fmt, NmeaFormat):
-        record, comments = read_nmea(file, fmt)
+        record, comments = read_nmea(file, fmt, part)
     else:
         try:
             table = read_table(file, fmt, part)
         except TrialError:
-            fault = why_no_nmea(file) if fmt is None else None
+            fault = why_no_nmea(file, part) if fmt is None else None
             if fault is not None:
                 raise fault from None
             raise
@@ -160,6 +160,7 @@ def read_record(
         names = [file.name, file.stem, *([wanted] if isinstance(wanted, str) else []), title]
         stated = [fmt.of_one[name] for name in dict.fromkeys(names) if name in fmt.of_one]
         source = replace(source, conditions=functools.reduce(Conditions.with_those, stated, fmt.conditions))
+        record = replace(record, notes=(*record.notes, *_of_no_log(fmt, names, file)))
     ship = fmt.ship if fmt else None
     return replace(record, source=source, format=fmt, ship=ship, window=span, title=title)
 
@@ -188,9 +189,11 @@ def split_window(path: str | Path) -> tuple[Path, str | None, str | None]:
     if at and Path(stem).exists():
         return Path(stem), None, tail
     for text, window in ((stem, tail), (str(path), None)):
-        file, sharp, part = text.rpartition("#")
-        if sharp and Path(file).exists():
-            return Path(file), part, window
+        file, sharp, _ = text.rpartition("#")
+        while sharp and not Path(file).exists():  # a file of an archive may name its sheet in turn
+            file, sharp, _ = file.rpartition("#")
+        if sharp:
+            return Path(file), text[len(file) + 1 :], window
     # None is there: a name like a@b.csv is more likely a file that is missing than a window of one.
     return (Path(stem), None, tail) if at and "@" in whole.name and ":" in tail else (whole, None, None)
 
@@ -217,6 +220,29 @@ def _span(window: str | Span | None, fmt: TrialFormat | None, file: Path) -> Spa
             f"'{window}' is not a window of '{file}'. Write start:end in seconds, as in '{file.name}@100:250'. "
             f"{names}".strip()
         ) from None
+
+
+def _of_no_log(fmt: TrialFormat, names: Sequence[str], file: Path) -> tuple[str, ...]:
+    """Say which names under ``[trials]`` are those of no log, a warning where this log has no entry of its own."""
+    others = [name for name in fmt.of_one if name not in names]
+    if not others:
+        return ()
+    logs = {name for path in file.parent.iterdir() if path.is_file() for name in (path.name, path.stem)}
+
+    def is_there(name: str) -> bool:
+        log, _, tail = name.rpartition("@")
+        return name in logs or name in fmt.windows or (log in logs and (tail in fmt.windows or ":" in tail))
+
+    lost = [name for name in others if not is_there(name)]
+    if not lost:
+        return ()
+    close = nearest(lost[0], {file.stem, file.name, *fmt.windows, *logs}).strip()
+    told = (
+        f"{'' if len(others) < len(fmt.of_one) else 'WARNING: '}the format file '{fmt.name}' states conditions of "
+        f"{', '.join(map(repr, lost[:5]))}{', ...' if len(lost) > 5 else ''}, and neither this log nor one beside it nor a window is "
+        f"called that: they count for nothing here."
+    )
+    return (f"{told} {close}" if close.startswith("Did") else told,)
 
 
 def _check_file(file: Path) -> None:

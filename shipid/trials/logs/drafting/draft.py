@@ -84,7 +84,7 @@ def draft_format(path: str | Path, part: str | None = None) -> DraftedFormat:
     part = part or sheet
     if not file.is_file():
         raise MissingFileError(f"there is no file '{file}'. Check the path.")
-    if is_nmea(file):
+    if is_nmea(file, part):
         raise NoTableError(
             f"'{file}' is an NMEA log, which needs no format file: leave --format out, or write one with [nmea] for what the "
             "sentences leave open."
@@ -99,7 +99,7 @@ def _table(file: Path, part: str | None) -> RawTable:
     except (HeaderError, RaggedRowError) as error:
         for skip, separator in itertools.product(range(_MOST_HEADER_LINES), SEPARATORS.values()):
             try:
-                raw = read_table(file, TrialFormat("draft", {}, header_lines=skip, separator=separator))
+                raw = read_table(file, TrialFormat("draft", {}, header_lines=skip, separator=separator), part)
             except TrialError:
                 continue
             if all(column.dtype.kind in "fiu" for column in raw.columns):

@@ -14,6 +14,7 @@ from shipid.trials.logs.nmea.messages.canboat import is_message, read_messages
 from shipid.trials.logs.nmea.sentences.collecting import is_sentence, read_sentences
 from shipid.trials.logs.nmea.sentences.lines import sentences_of
 from shipid.trials.logs.nmea.settings import NmeaFormat
+from shipid.trials.logs.tables.archive import in_archive
 from shipid.trials.logs.tables.opening import opened
 
 LONGEST_LINE = 65536
@@ -29,7 +30,7 @@ _FEWEST = 3
 """Fewer sentences or messages do not make a log that is recognised by itself."""
 
 
-def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
+def read_log(file: Path, fmt: NmeaFormat, part: str | None = None) -> NmeaLog:
     """Read a log of NMEA 0183 sentences, or of NMEA 2000 messages in canboat's form.
 
     Parameters
@@ -38,6 +39,8 @@ def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
         The file; text with one sentence or message a line.
     fmt : NmeaFormat
         How the logger wrote it.
+    part : str, optional
+        The file in a zip archive.
 
     Returns
     -------
@@ -50,11 +53,11 @@ def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
     FileSizeError, ForeignFileError
         If it is compressed, and expands to too much or is damaged.
     """
-    encoding = fmt.encoding or encoding_of(file)
-    sentences, messages, _ = _counted(file, encoding)
+    encoding = fmt.encoding or encoding_of(file, part)
+    sentences, messages, _ = _counted(file, encoding, part)
     read = read_messages if messages > sentences else read_sentences
     try:
-        log = read(_lines(file, encoding), f"'{file}'", fmt)
+        log = read(_lines(file, encoding, part), f"'{file}'", fmt)
     except UnicodeError as error:
         raise NotNmeaError(f"'{file}' cannot be read as {encoding}: {error}. Correct the encoding.") from None
     if encoding.startswith("utf-16") and fmt.encoding is None:
@@ -62,28 +65,32 @@ def read_log(file: Path, fmt: NmeaFormat) -> NmeaLog:
     return log
 
 
-def is_nmea(file: Path) -> bool:
+def is_nmea(file: Path, part: str | None = None) -> bool:
     """Return whether a file is unmistakably an NMEA log: most lines of its head are sentences or messages.
 
     Parameters
     ----------
     file : Path
         The file.
+    part : str, optional
+        The file in a zip archive.
     """
-    sentences, messages, contents = _counted(file, encoding_of(file))
+    sentences, messages, contents = _counted(file, encoding_of(file, part), part)
     most = max(sentences, messages)
     return most >= _FEWEST and most > contents / 2
 
 
-def encoding_of(file: Path) -> str:
+def encoding_of(file: Path, part: str | None = None) -> str:
     """Return the encoding of a log: UTF-16 where every other byte of its head is zero, as some terminals write, else UTF-8.
 
     Parameters
     ----------
     file : Path
         The file.
+    part : str, optional
+        The file in a zip archive.
     """
-    with _stream(file) as stream:
+    with _stream(file, part) as stream:
         head = stream.read(4096)
     if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return "utf-16"
@@ -93,17 +100,17 @@ def encoding_of(file: Path) -> str:
     return "utf-8-sig"
 
 
-def _stream(file: Path) -> BinaryIO:
+def _stream(file: Path, part: str | None) -> BinaryIO:
     """The bytes of a file, expanded where it is compressed: then within bounds, and otherwise as they are read."""
     with file.open("rb") as stream:
         compressed = stream.read(8).startswith(_COMPRESSED)
-    return io.BytesIO(opened(file)[0]) if compressed else file.open("rb")
+    return io.BytesIO(opened(file, in_archive(file, part)[0])[0]) if compressed else file.open("rb")
 
 
-def _lines(file: Path, encoding: str) -> Iterator[tuple[int, str]]:
+def _lines(file: Path, encoding: str, part: str | None) -> Iterator[tuple[int, str]]:
     """Number and text of each line."""
     number, whole, rest = 0, True, ""
-    with io.TextIOWrapper(_stream(file), encoding, "replace") as text:
+    with io.TextIOWrapper(_stream(file, part), encoding, "replace") as text:
         for line in iter(lambda: text.readline(LONGEST_LINE), ""):
             number += whole
             whole = line.endswith("\n")
@@ -116,9 +123,9 @@ def _lines(file: Path, encoding: str) -> Iterator[tuple[int, str]]:
         yield number, rest
 
 
-def _counted(file: Path, encoding: str) -> tuple[int, int, int]:
+def _counted(file: Path, encoding: str, part: str | None) -> tuple[int, int, int]:
     """Sentences, messages and lines with anything but a comment in the head of a file."""
-    with _stream(file) as stream:
+    with _stream(file, part) as stream:
         head = stream.read(_HEAD)
     lines = [
         piece for line in head.decode(encoding, "replace").splitlines() for piece in sentences_of(line.strip(" \t\x00"))
@@ -129,16 +136,18 @@ def _counted(file: Path, encoding: str) -> tuple[int, int, int]:
     return sum(map(is_sentence, lines)), sum(map(is_message, lines)), len(lines)
 
 
-def why_no_nmea(file: Path) -> NotNmeaError | None:
+def why_no_nmea(file: Path, part: str | None = None) -> NotNmeaError | None:
     """Return what is wrong with a log whose lines look like NMEA 0183 sentences and are none; None for any other file.
 
     Parameters
     ----------
     file : Path
         A file that could not be read as a table.
+    part : str, optional
+        The file in a zip archive.
     """
-    encoding = encoding_of(file)
-    with _stream(file) as stream:
+    encoding = encoding_of(file, part)
+    with _stream(file, part) as stream:
         lines = stream.read(_HEAD).decode(encoding, "replace").splitlines()
     like = [match for line in lines if (match := _LIKE_A_SENTENCE.search(line)) is not None]
     if len(like) < _FEWEST or len(like) * 2 < len(lines):

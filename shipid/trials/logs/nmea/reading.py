@@ -30,7 +30,7 @@ _UNITS = {
 }  # fmt: skip
 
 
-def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ...]]:
+def read_nmea(file: Path, fmt: NmeaFormat, part: str | None = None) -> tuple[LenientRecord, tuple[str, ...]]:
     """Read an NMEA 0183 log as raw columns with their units.
 
     Parameters
@@ -39,6 +39,8 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
         The log: one sentence a line, with or without the logger's stamp before it.
     fmt : NmeaFormat
         What the sentences leave open.
+    part : str, optional
+        The file in a zip archive.
 
     Returns
     -------
@@ -56,7 +58,7 @@ def read_nmea(file: Path, fmt: NmeaFormat) -> tuple[LenientRecord, tuple[str, ..
     EmptyFileError, ClockError
         If there are no sentences, or the clock jumps back.
     """
-    log = read_log(file, fmt)
+    log = read_log(file, fmt, part)
     if not log.records:
         raise nothing_read(log)
     clock = read_clock(log, fmt)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import bz2
-import io
 import lzma
-import zipfile
 import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
 from shipid.trials.errors import FileSizeError, ForeignFileError
+from shipid.trials.logs.tables.archive import ZIP, member_of
 
 #: Bytes of a file, expanded: an hour of twenty channels at 10 Hz is a fiftieth of it.
 LARGEST = 256_000_000
@@ -36,20 +35,17 @@ _COMPRESSED: dict[bytes, tuple[str, Callable[[], _Decompressor]]] = {
     b"BZh": ("bzip2", bz2.BZ2Decompressor),
     b"\xfd7zXZ\x00": ("xz", lambda: lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_MEMORY)),
 }
-_ZIP = b"PK\x03\x04"
-#: What macOS packs beside the files.
-_ASIDE = ("__MACOSX/", ".DS_Store")
-#: Members by which an archive is a document of its own.
-_DOCUMENTS = ("[Content_Types].xml", "mimetype")
 
 
-def opened(file: Path) -> tuple[bytes, tuple[str, ...]]:
+def opened(file: Path, member: str | None = None) -> tuple[bytes, tuple[str, ...]]:
     """Return what a file holds, expanded where it is compressed.
 
     Parameters
     ----------
     file : Path
-        The file: as it is, or compressed by gzip, bzip2, xz, or zip with a single member.
+        The file: as it is, or compressed by gzip, bzip2, xz or zip.
+    member : str, optional
+        The file in a zip archive that is wanted (`shipid.trials.logs.tables.archive.in_archive`); by default the only log in it.
 
     Returns
     -------
@@ -63,7 +59,7 @@ def opened(file: Path) -> tuple[bytes, tuple[str, ...]]:
     FileSizeError
         If it is larger, or expands to more.
     ForeignFileError
-        If a compressed file is damaged, or an archive holds several files.
+        If a compressed file is damaged, or an archive holds several logs and none is named.
     """
     with file.open("rb") as stream:
         data = stream.read(LARGEST + 1)
@@ -75,11 +71,13 @@ def opened(file: Path) -> tuple[bytes, tuple[str, ...]]:
         if name is not None:
             kind, make = _COMPRESSED[name]
             data = _expanded(data, name, kind, make, file)
-        elif data.startswith(_ZIP):
-            member = _single_member(data, file)
-            if member is None:
+        elif data.startswith(ZIP):
+            found = member_of(data, file, member, LARGEST)
+            if found is None:
                 break
-            kind, data = "zip", member
+            if len(found.content) > LARGEST:
+                raise _too_large(file, "expands to something")
+            kind, data, member = found.kind, found.content, None
         else:
             break
         notes.append(f"The file was expanded ({kind}).")
@@ -116,26 +114,3 @@ def _expanded(data: bytes, magic: bytes, kind: str, make: Callable[[], _Decompre
 
 def _damaged(file: Path, kind: str) -> ForeignFileError:
     return ForeignFileError(f"'{file}' is a damaged {kind} file. Check that it was copied completely.")
-
-
-def _single_member(data: bytes, file: Path) -> bytes | None:
-    """The only file in a zip archive; None for a document that is packed as one."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = [m for m in archive.infolist() if not m.is_dir() and not m.filename.startswith(_ASIDE)]
-            if any(m.filename in _DOCUMENTS for m in members):
-                return None
-            if len(members) != 1:
-                names = ", ".join(m.filename for m in members[:5]) + (", ..." if len(members) > 5 else "")
-                raise ForeignFileError(
-                    f"'{file}' is a zip archive of {len(members)} files: {names}. Unpack it and name one of them."
-                )
-            with archive.open(members[0]) as stream:
-                inside = stream.read(LARGEST + 1)
-    except ForeignFileError:
-        raise
-    except Exception:  # a damaged archive fails in many ways, and one with a password in another
-        raise ForeignFileError(f"'{file}' is a zip archive that cannot be opened. Unpack it first.") from None
-    if len(inside) > LARGEST:
-        raise _too_large(file, "expands to something")
-    return inside

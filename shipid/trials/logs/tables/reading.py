@@ -7,6 +7,7 @@ from pathlib import Path
 
 from shipid.trials.errors import ChoiceError
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.tables.archive import in_archive
 from shipid.trials.logs.tables.files.arrays import read_arrays
 from shipid.trials.logs.tables.files.excel import read_excel
 from shipid.trials.logs.tables.files.hdf5 import hdf5_arrays
@@ -28,7 +29,8 @@ def read_table(file: Path, fmt: TrialFormat | None = None, part: str | None = No
     fmt : TrialFormat, optional
         What is known about it.
     part : str, optional
-        The sheet, struct or group that is wanted; by default that of the format file, or the only one that looks like a trial.
+        The sheet, struct or group that is wanted; by default that of the format file, or the only one that looks like a trial. Of a
+        zip archive the file in it, and behind a '#' the table in that.
 
     Returns
     -------
@@ -43,9 +45,10 @@ def read_table(file: Path, fmt: TrialFormat | None = None, part: str | None = No
     TrialError
         If it is damaged, too large, or holds no table.
     """
-    data, notes = opened(file)
+    member, wanted = in_archive(file, part if part is not None else fmt.table if fmt else None)
+    data, notes = opened(file, member)
+    file = file if member is None else Path(f"{file}#{member}")
     kind = kind_of(data, file)
-    wanted = part if part is not None else fmt.table if fmt else None
     columns = {column.column for column in fmt.columns.values() if column.column} if fmt else set()
     if wanted is not None and kind in (Kind.TEXT, Kind.PARQUET):
         raise ChoiceError(

@@ -55,7 +55,7 @@ def test_what_follows_a_compressed_stream_is_not_dropped_without_a_word(log, tab
 
 
 def test_an_archive_of_several_files_is_listed(log, table):
-    with pytest.raises(ForeignFileError, match=r"zip archive of 2 files: a\.csv, b\.csv\. Unpack it"):
+    with pytest.raises(ForeignFileError, match=r"zip archive of 2 files: a\.csv, b\.csv\. Name one"):
         opened(log(zipped(a=table, b=table)))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import json
 from pathlib import Path
 
 import pandas as pd
@@ -62,7 +63,7 @@ def read_parquet(data: bytes, file: Path) -> RawTable:
         long = [name for name in texts if _longest(arrow.column(name)) > _LONGEST]
         arrow = arrow.drop_columns(long)
         frame = arrow.to_pandas()
-        units = _units(arrow.schema, frame)
+        units = _units(arrow.schema)
         comment = (arrow.schema.metadata or {}).get(b"comment", b"").decode("utf-8", "replace")
     except TrialError:
         raise
@@ -159,10 +160,13 @@ def _clock_of(index: pd.Index, names: list[str]) -> pd.Series | None:
     return pd.Series(index.to_numpy() if not timed else index, name=header).reset_index(drop=True)
 
 
-def _units(schema: Plain, frame: pd.DataFrame) -> dict[str, str]:
+def _units(schema: Plain) -> dict[str, str]:
     """Units that a Parquet file states beside its headers: in the fields' metadata, or in pandas' attrs."""
     units = {}
-    attrs = frame.attrs.get("units", {})
+    # Out of the file itself: not every version of pandas and Arrow brings the attrs back.
+    kept = json.loads((schema.metadata or {}).get(b"PANDAS_ATTRS", b"{}"))
+    attrs = kept.get("units") if isinstance(kept, dict) else None
+    attrs = attrs if isinstance(attrs, dict) else {}
     for arrow_field in schema:
         metadata = arrow_field.metadata or {}
         stated = metadata.get(b"unit") or metadata.get(b"units")
