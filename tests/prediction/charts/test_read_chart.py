@@ -159,7 +159,7 @@ def test_a_damaged_cell(tmp_path, end):
 def test_a_cell_that_only_gdal_finds_damaged(tmp_path):
     pytest.importorskip("pyogrio")
     (tmp_path / "a.000").write_bytes(CELL.read_bytes()[:2200].replace(b"DSID", b"DXID") + CELL.read_bytes()[2200:])
-    with pytest.raises(ChartFileError, match="damaged cell of S-57. Check"):
+    with pytest.raises(ChartFileError, match=r"damaged cell of S-57\. Check"):
         read(tmp_path / "a.000", ORIGIN)
 
 
