@@ -51,6 +51,10 @@ class LineQueue:
             self._lines.popleft()
             self.dropped += 1
 
+    def cut(self) -> None:
+        """Forget a line that was begun: the connection is gone, and what comes next begins a line."""
+        self._part, self._skips = b"", False
+
     def take(self) -> tuple[list[str], int]:
         """Return the lines that wait, and how many were left out."""
         lines, dropped = list(self._lines), self.dropped

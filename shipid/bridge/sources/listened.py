@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import socket
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import replace
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState, Target
+from shipid.bridge.sources.hosts import check_host
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.radar_targets import target_of
 from shipid.foundation.errors import UsageError
@@ -19,6 +19,8 @@ from shipid.trials.logs.nmea.settings import NmeaFormat
 
 #: Bytes that are read at once; and the seconds until a connection is tried again, from and to.
 _CHUNK, _AGAIN, _LATEST = 4096, 1.0, 10.0
+#: A connection on which nothing comes for so many seconds is made anew: where the other side lost its power, nothing says so.
+_SILENT = 60.0
 #: So many remarks on lines are kept between two readings.
 _REMARKS = 20
 
@@ -42,7 +44,7 @@ class ListenedSource:
     Raises
     ------
     UsageError
-        If the protocol is neither, or the port cannot be listened to.
+        If the protocol is neither, the name of the host cannot be one, or the port cannot be listened to.
     """
 
     kind: SourceKind = "nmea"
@@ -58,6 +60,7 @@ class ListenedSource:
     ) -> None:
         if protocol not in ("udp", "tcp"):
             raise UsageError(f"NMEA comes over udp or tcp, not '{protocol}'.")
+        check_host(host or "")
         self._host, self._port, self._protocol = host, port, protocol
         self._queue = LineQueue()
         self._told: list[str] = []
@@ -108,11 +111,16 @@ class ListenedSource:
         wait = _AGAIN
         while True:
             writer: asyncio.StreamWriter | None = None
-            with suppress(OSError):
+            try:
                 reader, writer = await asyncio.open_connection(self._host, self._port)
                 self._connected, wait = True, _AGAIN
-                while data := await reader.read(_CHUNK):
+                while data := await asyncio.wait_for(reader.read(_CHUNK), _SILENT):
                     self._queue.feed(data, whole=False)
+                self._say(f"{self._where}: the connection was closed by the other side; it is tried again.")
+            except OSError as error:  # that nothing came is one, too
+                said = f"nothing came for {_SILENT:g} s" if writer is not None else "no connection"
+                self._say(f"{self._where}: {error.strerror or said}; it is tried again.")
+            self._queue.cut()
             if writer is not None:
                 writer.close()
             self._connected = False

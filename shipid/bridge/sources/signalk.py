@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import json
 import math
-from contextlib import suppress
 from urllib.parse import urlsplit
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
+from shipid.bridge.sources.hosts import check_host
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.trials.logs.geodesy import to_local
@@ -18,7 +18,13 @@ _PATHS = {
     "navigation.headingTrue": "psi", "navigation.rateOfTurn": "r", "navigation.speedThroughWaterLongitudinal": "u",
     "navigation.speedThroughWaterTransverse": "v", "navigation.speedOverGround": "SOG",
     "navigation.courseOverGroundTrue": "COG", "steering.rudderAngle": "delta", "steering.rudderAngleTarget": "delta_order",
-    "environment.wind.speedTrue": "wind_speed",
+    "navigation.speedThroughWater": "u", "environment.wind.speedTrue": "wind_speed",
+    "environment.wind.directionTrue": "wind_direction",
+}  # fmt: skip
+#: What no ship shows, in SI: a server that sends more speaks another unit.
+_MOST = {
+    "psi": 2 * math.pi, "COG": 2 * math.pi, "wind_direction": 2 * math.pi, "r": 0.5, "delta": math.pi / 2, "delta_order": math.pi / 2,
+    "u": 60.0, "v": 60.0, "SOG": 60.0, "wind_speed": 120.0,
 }  # fmt: skip
 #: A message is no longer than this in bytes; a value no larger than this; seconds until a connection is tried again, from and to.
 _LONGEST, _LARGEST, _AGAIN, _LATEST = 1 << 18, 1e9, 1.0, 10.0
@@ -49,6 +55,7 @@ class SignalKSource:
         self._self = "vessels.self"
         self._values: dict[str, float] = {}
         self._ahead = False
+        self._foreign: set[str] = set()
         self._connected = False
         self._told: list[str] = []
         self._task: asyncio.Task[None] | None = None
@@ -74,11 +81,15 @@ class SignalKSource:
 
         wait = _AGAIN
         while True:
-            with suppress(OSError, WebSocketException, TimeoutError):
+            try:
                 async with connect(self._url, max_size=_LONGEST, max_queue=16, open_timeout=10) as socket:
                     self._connected, wait = True, _AGAIN
+                    self._foreign.clear()
                     async for message in socket:
                         self.feed(message if isinstance(message, str) else message.decode("utf-8", "replace"))
+            except (OSError, WebSocketException) as error:
+                said = getattr(error, "strerror", None) or " ".join(str(error).split())[:120]
+                self._told = [f"the Signal K server: {said or 'no connection'}; it is tried again."]
             self._connected = False
             await asyncio.sleep(wait)
             wait = min(2 * wait, _LATEST)
@@ -117,13 +128,18 @@ class SignalKSource:
         number = _finite(value)
         if not isinstance(path, str) or number is None:
             return
-        if path in _PATHS:
-            self._values[_PATHS[path]] = number
-            self._ahead |= _PATHS[path] == "u"
-        elif path == "navigation.speedThroughWater" and not self._ahead:
-            self._values["u"] = number
-        elif path == "environment.wind.directionTrue":
-            self._values["wind_direction"] = number + math.pi
+        name = _PATHS.get(path)
+        if name is None or path in self._foreign or (path == "navigation.speedThroughWater" and self._ahead):
+            return
+        if abs(number) > _MOST[name] + 1e-3:
+            # A heading in degrees is a wrong one also where it is small enough.
+            self._foreign.add(path)
+            self._told = [
+                f"{path} of {number:g} cannot be: Signal K has rad, rad/s and m/s. It is left out until the server is connected anew."
+            ]
+            return
+        self._ahead |= path == "navigation.speedThroughWaterLongitudinal"
+        self._values[name] = number + math.pi if name == "wind_direction" else number
 
     def _fix(self, value: Plain) -> None:
         if not isinstance(value, dict):
@@ -169,6 +185,7 @@ def stream_of(url: str) -> str:
         sound = False
     if not sound or parts.scheme not in ("ws", "wss", "http", "https"):
         raise UsageError(f"'{url}' is no Signal K server: write signalk:ws://HOST:PORT/signalk/v1/stream.")
+    check_host(parts.hostname or "")
     if parts.scheme in ("ws", "wss"):
         return url
     return f"{parts.scheme.replace('http', 'ws')}://{parts.netloc}/signalk/v1/stream?subscribe=self"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
@@ -13,6 +14,8 @@ from shipid.prediction.charts.errors import ChartFileError, ChartSizeError
 
 #: Most features, and most points of them together.
 MOST_FEATURES, MOST_POINTS = 200_000, 2_000_000
+#: Names of the reference system that GeoJSON has.
+_WGS84 = re.compile(r"CRS84\b|EPSG:(?:[\d.]*:)?4326\b")
 #: Collections of geometries in collections.
 _DEEPEST = 4
 #: How deep the lists of a geometry's points lie.
@@ -71,6 +74,7 @@ def features_of(data: bytes, where: str) -> Iterator[tuple[Mapping[str, Plain], 
         if not isinstance(feature, dict):
             raise ChartFileError(f"{where}: feature {number} is none.")
         properties, geometry = feature.get("properties"), feature.get("geometry")
+        _check_reference(feature, f"{where}, feature {number}")
         shapes = _shapes(geometry, f"{where}, feature {number}", budget) if isinstance(geometry, dict) else []
         yield (properties if isinstance(properties, dict) else {}), shapes
 
@@ -101,7 +105,7 @@ def _check_reference(whole: Mapping[str, Plain], where: str) -> None:
     stated = whole.get("crs")
     if stated is not None:
         said = json.dumps(stated)[:200]
-        if not any(name in said for name in ("CRS84", "EPSG::4326", "EPSG:4326")):
+        if not _WGS84.search(said):
             raise ChartFileError(
                 f"{where} states the reference system {said[:80]}. A chart has longitude and latitude in degrees (WGS84): convert it."
             )
@@ -164,9 +168,14 @@ def _points(lists: Plain, where: str, budget: _Budget) -> np.ndarray:
         raise ChartFileError(f"{where}: its positions are none.")
     budget.take(len(lists) + 1)
     try:
-        points = np.array([(p[0], p[1]) for p in lists], dtype=float).reshape(-1, 2)
+        pairs = np.array([(p[0], p[1]) for p in lists]).reshape(-1, 2)
+        # A text that looks like a number, true and null are no coordinates.
+        wrong_kind = len(pairs) > 0 and pairs.dtype.kind not in "iuf"
     except (TypeError, ValueError, IndexError, KeyError, OverflowError):
-        raise ChartFileError(f"{where}: one of its positions is no pair of numbers.") from None
+        wrong_kind = True
+    if wrong_kind:
+        raise ChartFileError(f"{where}: one of its positions is no pair of numbers.")
+    points = pairs.astype(float)
     wrong = ~(np.isfinite(points).all(axis=1) & (np.abs(points[:, 1]) <= 90.0) & (np.abs(points[:, 0]) <= 540.0))
     if wrong.any():
         lon, lat = points[int(np.argmax(wrong))]

@@ -17,6 +17,7 @@ from shipid.prediction.charts.errors import ChartFileError, ChartSizeError
 from shipid.prediction.charts.geojson import Shape, features_of
 from shipid.prediction.charts.meaning import CLASSES, class_stated, depth_of, mark_of, object_class, short_keys
 from shipid.prediction.charts.s57 import s57_as_geojson
+from shipid.prediction.charts.s57_records import is_s57
 from shipid.prediction.charts.window import ChartWindow, simplified
 
 #: Bytes of a file that are read.
@@ -83,8 +84,9 @@ def read_chart(path: str | Path, origin: tuple[float, float], *, reach: float = 
         raise MissingFileError(f"{where} cannot be read: {error.strerror}.") from None
     if len(data) > LARGEST:
         raise ChartSizeError(f"{where} is larger than {LARGEST // 1_000_000} MB. Cut out the area that is sailed.")
-    if _is_s57(data):
-        data = s57_as_geojson(file, where)
+    told: list[Notice] = []
+    if is_s57(data):
+        data, told = s57_as_geojson(file, data, where)
     elif not data[:200].removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"{"):
         raise ChartFileError(f"{where} is neither GeoJSON nor a cell of S-57 (.000). Convert it to GeoJSON.")
     drawn = _Drawn(ChartWindow(origin, reach), tolerance)
@@ -105,18 +107,13 @@ def read_chart(path: str | Path, origin: tuple[float, float], *, reach: float = 
         )
     found = drawn.chart(file.stem, others)
     if found.empty:
-        told = Notice(
+        elsewhere = Notice(
             f"nothing of chart {where} lies within {reach / 1000:.0f} km of latitude {np.rad2deg(lat):.4f}, longitude "
             f"{np.rad2deg(lon):.4f} deg.",
             "chart-elsewhere",
         )
-        found = replace(found, notes=(*found.notes, told))
-    return found
-
-
-def _is_s57(data: bytes) -> bool:
-    """Whether a file begins with the leader of ISO/IEC 8211: its length in five digits, and an interchange level."""
-    return data[:5].isdigit() and data[5:7] in (b"3L", b"2L", b"1L", b" L")
+        told.append(elsewhere)
+    return replace(found, notes=(*found.notes, *told)) if told else found
 
 
 @dataclass(eq=False)
@@ -166,10 +163,7 @@ class _Drawn:
                 self.coast += self._lines(shape)
 
     def _area(self, kind: str, stated: Mapping[str, Plain], shape: Shape) -> None:
-        outer = self.window.rings(shape.parts[0])
-        holes = [h for part in shape.parts[1:] for h in self.window.rings(part)] if outer else []
-        if outer:
-            rings = (outer[0], *holes)
+        for rings in self.window.polygons(shape.parts):
             if kind == "land":
                 self.land.append(rings)
             else:

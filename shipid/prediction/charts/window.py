@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from shipid.trials.logs.geodesy import SEMI_MAJOR, to_local
@@ -29,27 +31,35 @@ class ChartWindow:
         #: Half planes: the axis of a point (longitude from the origin, latitude), the side, and the bound.
         self._edges = ((0, 1.0, wide), (0, -1.0, wide), (1, 1.0, origin[0] + tall), (1, -1.0, tall - origin[0]))
 
-    def rings(self, points: np.ndarray) -> list[np.ndarray]:
-        """Return what of a ring lies in the window, in local metres.
+    def polygons(self, parts: Sequence[np.ndarray]) -> list[tuple[np.ndarray, ...]]:
+        """Return what of a polygon lies in the window, in local metres.
 
         Parameters
         ----------
-        points : ndarray, shape (N, 2)
-            Longitude and latitude in rad; closed or not.
+        parts : sequence of ndarray, shape (N, 2)
+            Longitude and latitude in rad of its outer ring and of its holes; closed or not.
 
         Returns
         -------
-        list of ndarray, shape (M, 2)
-            To the north and to the east in m, open.
+        list of tuples of ndarray, shape (M, 2)
+            To the north and to the east in m, open: two polygons where one that goes round the earth has its edge in the window.
         """
         found = []
-        for shifted in self._about(points):
-            ring = shifted[:-1] if len(shifted) > 1 and np.array_equal(shifted[0], shifted[-1]) else shifted
-            for edge in self._edges:
-                ring = cut_ring(ring, *edge)
+        for outer in self._about(parts[0]):
+            ring = self._cut(outer)
             if len(ring) > 2:
-                found.append(self._local(ring))
+                west, east = outer[:, 0].min(), outer[:, 0].max()
+                # A hole belongs to the polygon of the same turn about the earth.
+                holes = (h for part in parts[1:] for h in self._about(part) if west <= h[:, 0].mean() <= east)
+                found.append((self._local(ring), *(self._local(h) for h in map(self._cut, holes) if len(h) > 2)))
         return found
+
+    def _cut(self, shifted: np.ndarray) -> np.ndarray:
+        """A ring, open, cut to the window."""
+        ring = shifted[:-1] if len(shifted) > 1 and np.array_equal(shifted[0], shifted[-1]) else shifted
+        for edge in self._edges:
+            ring = cut_ring(ring, *edge)
+        return ring
 
     def lines(self, points: np.ndarray) -> list[np.ndarray]:
         """Return the stretches of a line that lie in the window, in local metres.

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import shipid
 from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.console import SteeringOrder
+from shipid.bridge.sources import listened
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.listened import ListenedSource
 from shipid.bridge.sources.radar_targets import target_of
@@ -224,6 +225,59 @@ def test_sentences_arrive_over_udp_and_tcp(make_core):
     asyncio.run(listen())
 
 
+def test_a_connection_on_which_nothing_comes_is_made_anew(monkeypatch):
+    monkeypatch.setattr(listened, "_SILENT", 0.1)
+    monkeypatch.setattr(listened, "_AGAIN", 0.01)
+    connections = []
+
+    async def speak(_, writer) -> None:
+        connections.append(writer)
+        # A line without an end, and never a word more: the other side has lost its power.
+        writer.write(b"x" * 5000 if len(connections) == 1 else b"".join(spoken(0.0)))
+
+    async def listen() -> None:
+        server = await asyncio.start_server(speak, "127.0.0.1", 0)
+        tcp = ListenedSource("127.0.0.1", server.sockets[0].getsockname()[1], "tcp")
+        await tcp.start()
+        values, told = {}, []
+
+        def heard() -> bool:
+            reading = tcp.take(0.4)
+            values.update(reading.values)
+            told.extend(reading.told)
+            return len(connections) > 1 and "wind_speed" in values
+
+        await until(heard)
+        await tcp.stop()
+        server.close()
+        assert any("nothing came for 0.1 s; it is tried again" in line for line in told)
+        assert "psi" in values  # the first line of a new connection counts
+
+    asyncio.run(listen())
+
+
+def test_why_there_is_no_connection_is_told():
+    async def listen() -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        told = []
+        for source in (ListenedSource("127.0.0.1", port, "tcp"), SignalKSource(f"ws://127.0.0.1:{port}/")):
+            await source.start()
+            await until(lambda source=source: told.extend(source.take(0.4).told) or told)
+            await source.stop()
+            assert "it is tried again" in told.pop() and source.state == "lost"
+
+    asyncio.run(listen())
+
+
+@pytest.mark.parametrize("host", ["a..b", "x" * 70, "a\0b"])
+def test_a_name_that_no_host_has_is_refused(host):
+    for make in (lambda: ListenedSource(host, 9, "tcp"), lambda: stream_of(f"ws://{host}:9/")):
+        with pytest.raises(UsageError, match="no name of a host"):
+            make()
+
+
 async def until(condition) -> None:
     for _ in range(500):
         if condition():
@@ -263,6 +317,22 @@ def test_signal_k_deltas_are_heard():
     }  # fmt: skip
     source.feed(json.dumps(DELTA | {"context": "vessels.urn:mrn:2"}))  # another ship
     assert source.take(0.8).values == {}
+
+
+def test_signal_k_in_other_units_is_left_out():
+    source = SignalKSource("ws://127.0.0.1:1/")
+
+    def heard(path, value):
+        source.feed(json.dumps({"updates": [{"values": [{"path": path, "value": value}]}]}))
+        return source.take(0.4)
+
+    assert heard("navigation.headingTrue", 6.2).values == {"psi": 6.2}
+    reading = heard("navigation.headingTrue", 123.4)
+    assert reading.values == {} and "headingTrue of 123.4 cannot be: Signal K has rad" in reading.told[0]
+    # Degrees that could be radians are no better.
+    assert heard("navigation.headingTrue", 3.0).values == {}
+    assert heard("steering.rudderAngle", -5.0).values == {} and heard("navigation.rateOfTurn", -2.0).values == {}
+    assert heard("navigation.speedThroughWater", 4.0).values == {"u": 4.0}
 
 
 @given(

@@ -24,6 +24,22 @@ SQUARE = [[8.10, 53.50], [8.12, 53.50], [8.12, 53.51], [8.10, 53.51], [8.10, 53.
 HOLE = [[8.105, 53.503], [8.115, 53.503], [8.115, 53.507], [8.105, 53.507], [8.105, 53.503]]
 
 
+def records_of(data: bytes) -> list[bytes]:
+    found, at = [], 0
+    while at < len(data):
+        found.append(data[at : at + int(data[at : at + 5])])
+        at += len(found[-1])
+    return found
+
+
+def deletion(number: bytes = b"1") -> bytes:
+    """An update that takes the last feature away, the beacon."""
+    head, stated, *_, beacon = records_of(CELL.read_bytes())
+    at = int(beacon[12:17]) + 3
+    beacon = beacon[: at + 9] + bytes([2, 0, 2]) + beacon[at + 12 :]
+    return head + stated.replace(b"\x1f2\x1f0\x1f", b"\x1f2\x1f" + number + b"\x1f") + beacon
+
+
 def feature(kind: str, points, **properties) -> dict:
     return {"type": "Feature", "geometry": {"type": kind, "coordinates": points}, "properties": properties}
 
@@ -132,11 +148,34 @@ def test_without_the_library_s57_says_what_to_install(monkeypatch):
         read(CELL, ORIGIN)
 
 
-@pytest.mark.parametrize(("begin", "end"), [(0, 2000), (0, 30)])
-def test_a_damaged_cell(tmp_path, begin, end):
+@pytest.mark.parametrize("end", [2000, 30])
+def test_a_damaged_cell(tmp_path, end):
     pytest.importorskip("pyogrio")
-    (tmp_path / "a.000").write_bytes(CELL.read_bytes()[begin:end])
-    with pytest.raises(ChartFileError, match="damaged cell of S-57"):
+    (tmp_path / "a.000").write_bytes(CELL.read_bytes()[:end])
+    with pytest.raises(ChartFileError, match="a cell of S-57, is damaged"):
+        read(tmp_path / "a.000", ORIGIN)
+
+
+def test_a_cell_that_only_gdal_finds_damaged(tmp_path):
+    pytest.importorskip("pyogrio")
+    (tmp_path / "a.000").write_bytes(CELL.read_bytes()[:2200].replace(b"DSID", b"DXID") + CELL.read_bytes()[2200:])
+    with pytest.raises(ChartFileError, match=r"damaged cell of S-57\. Check"):
+        read(tmp_path / "a.000", ORIGIN)
+
+
+def test_updates_beside_a_cell(tmp_path):
+    pytest.importorskip("pyogrio")
+    (tmp_path / "a.000").write_bytes(CELL.read_bytes())
+    (tmp_path / "a.001").write_bytes(deletion())
+    (tmp_path / "a.003").write_bytes(deletion())
+    chart = read(tmp_path / "a.000", ORIGIN)
+    assert [b.name for b in chart.buoys] == ["A 1"]
+    assert chart.notes[0].kind == "chart-not-updated" and "a.002 is missing" in chart.notes[0]
+    (tmp_path / "a.001").write_bytes(deletion()[:-20])
+    with pytest.raises(ChartFileError, match=r"a\.001', an update of the cell .* is damaged"):
+        read(tmp_path / "a.000", ORIGIN)
+    (tmp_path / "a.001").write_bytes(deletion(number=b"7"))
+    with pytest.raises(ChartFileError, match="or one of its 1 updates is damaged or not of this edition"):
         read(tmp_path / "a.000", ORIGIN)
 
 
@@ -152,6 +191,15 @@ def test_a_reader_that_does_not_start(monkeypatch):
     pytest.importorskip("pyogrio")
     with pytest.raises(ChartError, match=r"could not be started \(No such file or directory\)"):
         read(CELL, ORIGIN)
+
+
+def test_the_edge_of_the_world_in_the_window(tmp_path):
+    whole = [[-180, -90], [180, -90], [180, 90], [-180, 90], [-180, -90]]
+    lake = [[179.95, 9.99], [179.96, 9.99], [179.96, 10.01], [179.95, 10.01]]
+    path = written(tmp_path, [feature("Polygon", [whole, lake], layer="LNDARE")])
+    west, east = sorted(read(path, tuple(np.deg2rad([10.0, 179.99])), reach=10e3).land, key=lambda p: p[0][:, 1].min())
+    assert np.ptp(west[0][:, 1]) + np.ptp(east[0][:, 1]) == pytest.approx(20e3, rel=0.01)
+    assert len(west) == 2 and len(east) == 1
 
 
 def test_a_ring_is_cut_to_the_window_wherever_it_begins(tmp_path):
@@ -222,6 +270,11 @@ def collection(*features: dict) -> bytes:
         (b'{"type":"Feature","crs":{"name":"EPSG:25832"}}', ChartFileError, "reference system"),
         (collection(feature("Circle", [1, 2], OBJL=71)), ChartFileError, "feature 1: its geometry is none"),
         (collection(feature("Point", ["a", 2], OBJL=71)), ChartFileError, "no pair of numbers"),
+        (collection(feature("Point", ["8.1", "53.5"], OBJL=71)), ChartFileError, "no pair of numbers"),
+        (collection(feature("Point", [None, None], OBJL=71)), ChartFileError, "no pair of numbers"),
+        (collection(feature("Point", [True, False], OBJL=71)), ChartFileError, "no pair of numbers"),
+        (b'{"type":"Feature","crs":{"name":"EPSG::43260"}}', ChartFileError, "reference system"),
+        (collection({"crs": {"name": "EPSG:25832"}}), ChartFileError, "feature 1 states the reference system"),
         (collection(feature("LineString", [[1, 2], [3]], OBJL=71)), ChartFileError, "no pair of numbers"),
         (collection(feature("LineString", [1, 2], OBJL=71)), ChartFileError, "no pair of numbers"),
         (collection(feature("MultiLineString", [1], OBJL=71)), ChartFileError, "its positions are none"),
