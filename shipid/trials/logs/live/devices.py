@@ -19,6 +19,8 @@ Values: TypeAlias = tuple[float, ...]
 _WINDOW = 400
 #: Samples of a device that tell where it goes, and such that tell how far it is from another.
 _TRACK, _OFFSETS = 5, 3
+#: A device does not speak again before so much of its beat is over, where another one is due.
+_DUE = 0.4
 #: Metres of a degree of latitude.
 _DEGREE = 111_120.0
 
@@ -50,6 +52,7 @@ class LiveDevices:
         self._device = 0
         self._tracks: list[deque[tuple[float, Values]]] = []
         self._offsets: list[deque[Values]] = []
+        self._beats: list[float] = []
 
     def heard(self, time: float, fields: Mapping[str, float]) -> int:
         """Return which device a sentence is of, counted from 0.
@@ -92,6 +95,8 @@ class LiveDevices:
         told = np.column_stack([records.column(name) for name in self._names]).tolist()
         for label, time, values in zip(labels.tolist(), rows[:, 0].tolist(), map(tuple, told)):
             self._add(label, time, values, self._expected(time))
+        beats = [np.median(np.diff(rows[labels == k, 0])) for k in range(self.count)]
+        self._beats = [max(float(beat), 1e-3) for beat in beats]
         self._rows.clear()
         # What stands at the end of a record has a neighbour on one side only.
         *_, (time, values) = self._tracks[int(labels[-1])]
@@ -110,11 +115,10 @@ class LiveDevices:
             self._size(self._difference(values, tuple(e - b + o for e, b, o in zip(known, base, offset))), values[0])
             for offset in offsets
         ]
-        best = off.index(min(off))
+        due = [k for k in range(self.count) if self._silent(k, time) > _DUE] or [*range(self.count)]
+        best = min(due, key=lambda k: off[k])
         near = [
-            k
-            for k, offset in enumerate(offsets)
-            if self._size(self._difference(offset, offsets[best]), values[0]) < 0.5 * self._least
+            k for k in due if self._size(self._difference(offsets[k], offsets[best]), values[0]) < 0.5 * self._least
         ]
         device = max(near, key=lambda k: self._silent(k, time))
         self._add(device, time, values, known)
@@ -151,10 +155,7 @@ class LiveDevices:
 
     def _silent(self, device: int, time: float) -> float:
         """For how many beats of its own a device has been silent."""
-        times = [then for then, _ in self._tracks[device]]
-        if len(times) < 2:
-            return math.inf
-        return (time - times[-1]) / max(_middle(b - a for a, b in itertools.pairwise(times)), 1e-3)
+        return (time - self._tracks[device][-1][0]) / self._beats[device]
 
     def _difference(self, values: Values, base: Values) -> Values:
         """From one value to another; headings by the shorter way."""
