@@ -70,10 +70,9 @@ class LiveMessages(LiveNmea):
             return
         width, names, _ = CARRIED[message.pgn]
         data = np.frombuffer(message.data[:width], dtype=np.uint8)[None]
-        self._hear(str(message.pgn), message.stream, dict(zip(names, decoded(message.pgn, data)[0].tolist())))
-
-    def _origin_of(self, kind: str, talker: str) -> Origin:
-        return Origin(kind, "", talker)
+        self._hear(
+            Origin(str(message.pgn), "", message.stream), dict(zip(names, decoded(message.pgn, data)[0].tolist()))
+        )
 
     def _read(self, signal: str, kind: str, fields: dict[str, float]) -> dict[str, float]:
         """What a message says of a signal, SI, by the names that sentences have for it."""

@@ -12,14 +12,23 @@ from shipid.trials.logs.clocks.calendar import DAY
 from shipid.trials.logs.clocks.course import HOUR, begins_summer, ends_summer
 from shipid.trials.logs.clocks.settings import moment_text
 from shipid.trials.logs.geodesy import to_local
+from shipid.trials.logs.live.devices import LiveDevices
 from shipid.trials.logs.live.table import LiveSample
 from shipid.trials.logs.nmea.channels import KNOT
 from shipid.trials.logs.nmea.errors import NotNmeaError
 from shipid.trials.logs.nmea.log import Origin
 from shipid.trials.logs.nmea.sentences.fields import CARRIED
-from shipid.trials.logs.nmea.sentences.lines import checksum, sentences_of, split_line, stamp_reader, tag_time
+from shipid.trials.logs.nmea.sentences.lines import (
+    checksum,
+    sentences_of,
+    split_line,
+    stamp_reader,
+    tag_source,
+    tag_time,
+)
 from shipid.trials.logs.nmea.settings import SIGNALS, Calibration, NmeaFormat
 from shipid.trials.logs.nmea.sources import answers
+from shipid.trials.logs.nmea.streams import part_of
 
 _DEG = pi / 180
 #: So many lines without a sentence, and no log is sent.
@@ -65,7 +74,8 @@ class LiveNmea:
         self.names: tuple[str, ...] = ("t",)
         self._fmt, self._where, self._tell = fmt, where, tell
         self._stamp = stamp_reader(fmt.stamp)
-        self._source: dict[str, tuple[int, str]] = {}
+        self._source: dict[str, tuple[int, Origin]] = {}
+        self._devices: dict[Origin, LiveDevices] = {}
         self._now: float | None = None
         self._origin: float | None = None
         self._added = 0.0
@@ -131,7 +141,10 @@ class LiveNmea:
             dated = isfinite(day)
             yield from self._passes(number, utc + (day * DAY if dated else 0.0), dated)
         if self._now is not None and fields:
-            self._hear(sentence.address[-3:], sentence.address[:-3], fields)
+            stream = tag_source(sentence.front) if "\\" in sentence.front else ""
+            self._hear(
+                self._device(number, Origin(sentence.address[-3:], sentence.address[:-3], stream), fields), fields
+            )
 
     def end(self) -> Iterator[LiveSample]:
         """Yield the last sample.
@@ -202,8 +215,27 @@ class LiveNmea:
         yield LiveSample(self._line, {"t": round(self._now - self._origin, 6), **self._sample})
         self._sample = {}
 
-    def _hear(self, kind: str, talker: str, fields: dict[str, float]) -> None:
+    def _device(self, number: int, origin: Origin, fields: dict[str, float]) -> Origin:
+        """The device that a sentence comes from, where several share its talker."""
+        assert self._now is not None
+        devices = self._devices.setdefault(origin, LiveDevices(origin))
+        known = devices.count
+        device = devices.heard(self._now, fields)
+        if devices.count == 1:
+            return origin
+        first = part_of(origin, 0)
+        if known == 1:
+            self._source = {s: (rank, first if o == origin else o) for s, (rank, o) in self._source.items()}
+            self._tell(
+                f"{self._where}, line {number}: WARNING: {origin.name} comes from {devices.count} devices that share a talker, "
+                f"{devices.apart} apart. They are kept apart from here on, and {first.name} is taken; [nmea.sources] of a format file "
+                f"says which one, as in '{part_of(origin, 1).name}'."
+            )
+        return part_of(origin, device)
+
+    def _hear(self, origin: Origin, fields: dict[str, float]) -> None:
         """Put what a sentence says into the sample, where it is the source of the signal."""
+        kind = origin.kind
         if (
             kind in ("HDG", "RMC", "127250", "127258")
             and self._fmt.variation is None
@@ -214,28 +246,24 @@ class LiveNmea:
             if kind not in kinds or signal in self._fmt.leave_out:
                 continue
             found = self._read(signal, kind, fields)
-            if not found or not self._is_source(signal, kind, talker):
+            if not found or not self._is_source(signal, origin):
                 continue
             self._sample |= found
 
-    def _is_source(self, signal: str, kind: str, talker: str) -> bool:
-        wanted = self._fmt.sources.get(signal)
+    def _is_source(self, signal: str, origin: Origin) -> bool:
+        wanted, kind = self._fmt.sources.get(signal), origin.kind
         if wanted is not None:
-            return answers(self._origin_of(kind, talker), wanted)
+            return answers(origin, wanted)
         order = list(self.kinds[signal])
         if signal == "psi" and kind in CARRIED and self._fmt.reference == "magnetic":
             order = ["HDG", "HDM", "THS", "HDT", "VHW"]
-        source = (order.index(kind), talker)
+        source = (order.index(kind), origin)
         best = self._source.get(signal)
         if best is None or source[0] < best[0]:
             self._source[signal] = source
-            self._tell(f"{self._where}: {signal} is of {self._origin_of(kind, talker).name}.")
+            self._tell(f"{self._where}: {signal} is of {origin.name}.")
             return True
         return source == best
-
-    def _origin_of(self, kind: str, talker: str) -> Origin:
-        """The source as a log names it."""
-        return Origin(kind, talker)
 
     def _read(self, signal: str, kind: str, fields: dict[str, float]) -> dict[str, float]:
         """What a sentence says of a signal, SI; nothing where it is not valid."""

@@ -11,7 +11,7 @@ from shipid.foundation.numbers import counted
 from shipid.trials.logs.geodesy import to_local
 from shipid.trials.logs.nmea.log import NmeaLog, Origin, Records
 
-_FEWEST = 20
+FEWEST = 20
 """Fewer sentences do not show whether they come from one device."""
 _ALTERNATING = 0.8
 """So many steps have to lead from one device to the other."""
@@ -23,7 +23,7 @@ _APART = 4.0
 """Devices are told apart where they differ by this many times what the values of one of them scatter by."""
 
 #: Sentences by what tells two devices apart: the fields, and the least difference (m, deg, knots).
-_TELLING: dict[str, tuple[tuple[str, ...], float]] = {
+TELLING: dict[str, tuple[tuple[str, ...], float]] = {
     **dict.fromkeys(("GGA", "RMC", "GLL"), (("lat", "lon"), 1.0)),
     **dict.fromkeys(("HDT", "THS", "HDG", "HDM"), (("heading",), 0.3)),
     **dict.fromkeys(("VHW", "VBW"), (("u",), 0.3)),
@@ -54,11 +54,11 @@ def separated(log: NmeaLog, times: np.ndarray) -> NmeaLog:
             notes.append(
                 f"{counted(twice, f'sentence {origin.name} repeats', f'sentences {origin.name} repeat')} the one before with its UTC: they count once."
             )
-        labels, apart = _labels(origin, once, times) if origin.kind in _TELLING else (None, "")
+        labels, apart = devices_of(origin.kind, once, times)
         if labels is None:
             records[origin] = once
             continue
-        parts = [origin._replace(stream=f"{origin.stream}{k + 1}") for k in range(int(labels.max()) + 1)]
+        parts = [part_of(origin, k) for k in range(int(labels.max()) + 1)]
         for k, part in enumerate(parts):
             records[part] = once.keep(labels == k)
         names = ", ".join(part.name for part in parts)
@@ -81,13 +81,45 @@ def _once(records: Records) -> tuple[Records, int]:
     return records.keep(~repeats), int(repeats.sum())
 
 
-def _labels(origin: Origin, records: Records, times: np.ndarray) -> tuple[np.ndarray | None, str]:
-    """The device of each sentence, counted from 0, and how far they are apart; None where there is one device."""
-    fields, least = _TELLING[origin.kind]
+def part_of(origin: Origin, device: int) -> Origin:
+    """Return the origin of one of several devices that share a talker.
+
+    Parameters
+    ----------
+    origin : Origin
+        What they share.
+    device : int
+        Counted from 0.
+    """
+    return origin._replace(stream=f"{origin.stream}{device + 1}")
+
+
+def devices_of(kind: str, records: Records, times: np.ndarray) -> tuple[np.ndarray | None, str]:
+    """Tell apart the devices that send one kind of sentence under one talker.
+
+    Parameters
+    ----------
+    kind : str
+        The sentence, ``GGA``.
+    records : Records
+        All of them in the order they came.
+    times : ndarray, shape (n,)
+        Time of every sentence of the log [s], NaN where it is not known.
+
+    Returns
+    -------
+    labels : ndarray of int, shape (k,), or None
+        The device of each of the records, counted from 0; None where there is one, or they cannot be told apart.
+    apart : str
+        How far they are apart, in words.
+    """
+    if kind not in TELLING:
+        return None, ""
+    fields, least = TELLING[kind]
     values = np.column_stack([records.column(name) for name in fields])
     t = times[records.order]
     valid = np.isfinite(values).all(axis=1) & np.isfinite(t)
-    if valid.sum() < _FEWEST:
+    if valid.sum() < FEWEST:
         return None, ""
     t, values, unit = t[valid], values[valid], {"u": "knots", "heading": "deg", "starboard": "deg"}.get(fields[0], "m")
     if fields[0] == "lat":
@@ -152,7 +184,7 @@ def _beside(t: np.ndarray, step: np.ndarray, least: float) -> np.ndarray | None:
     along = jumps @ (jumps[0] / np.linalg.norm(jumps[0]))
     there = along > 0
     alike = np.linalg.norm(jumps - np.where(there, 1, -1)[:, None] * jumps[there].mean(axis=0), axis=1) < 0.5 * large
-    if len(jumps) < _FEWEST or np.mean(there[1:] != there[:-1]) < _STRICTLY or alike.mean() < _STRICTLY:
+    if len(jumps) < FEWEST or np.mean(there[1:] != there[:-1]) < _STRICTLY or alike.mean() < _STRICTLY:
         return None
     last = np.append(-1, np.maximum.accumulate(np.where(over, np.cumsum(over) - 1, -1)))
     labels = np.where(last >= 0, there[np.maximum(last, 0)], not there[0]).astype(int)
@@ -180,6 +212,6 @@ def _within_an_epoch(utc: np.ndarray) -> np.ndarray | None:
     rank = np.arange(len(utc)) - first[np.cumsum(fresh) - 1]
     count = np.diff(np.append(first, len(utc)))
     most = int(np.median(count))
-    if not 2 <= most <= _MOST or count.size < _FEWEST // 2 or (count >= 2).mean() < _ALTERNATING:
+    if not 2 <= most <= _MOST or count.size < FEWEST // 2 or (count >= 2).mean() < _ALTERNATING:
         return None
     return np.asarray(np.minimum(rank, most - 1))
