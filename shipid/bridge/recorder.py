@@ -76,7 +76,13 @@ class Recorder:
             cells.append(f"{to_display(value, name, FIELDS[name].unit):.9g}" if math.isfinite(value) else "")
         try:
             # One write a row: the system has it, whatever becomes of this process.
-            self._file.write((",".join(cells) + "\n").encode())
+            row = (",".join(cells) + "\n").encode()
+            written = self._file.write(row)
+            if written < len(row):
+                # A disk that becomes full takes a part of the row, without an error: no half row stays.
+                self._file.truncate(self._file.tell() - written)
+                self.message = "the recording has stopped: the disk is full"
+                return
         except OSError as error:
             self.message = f"the recording has stopped: {error.strerror}"
             return

@@ -93,3 +93,22 @@ def test_a_full_disk_ends_the_recording_and_not_the_voyage(make_core):
 def test_a_recording_that_cannot_be_written_is_refused(tmp_path):
     with pytest.raises(MissingFileError, match="cannot be recorded to"):
         Recorder(tmp_path / "none" / "x.csv", "x", "simulate", simulated=True)
+
+
+def test_a_row_that_the_disk_takes_half_of_does_not_stay(tmp_path):
+    """A disk that becomes full says how much of a row it took, and raises nothing."""
+    file = tmp_path / "half.csv"
+    script = (
+        "import resource; from pathlib import Path; from shipid.bridge.recorder import Recorder\n"
+        "import signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
+        f"r = Recorder(Path({str(file)!r}), 'x', 'simulate', simulated=True)\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (1013, 1013))\n"
+        "for k in range(100):\n"
+        "    r.add(0.4 * k, {'psi': 0.1, 'u': 5.0})\n"
+        "r.close()\n"
+        "print(r.samples, r.message)\n"
+    )
+    said = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    samples, message = said.split(maxsplit=1)
+    assert message.startswith("the recording has stopped")
+    assert file.read_bytes().endswith(b"\n") and len(shipid.read_trial(file)) == int(samples) > 10

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 import signal
 import socket
 from collections.abc import Callable, Iterator
@@ -49,7 +50,7 @@ def listening(host: str, port: int) -> socket.socket:
     except OSError as error:
         if made is not None:
             made.close()
-        why = "is in use already" if error.errno == 98 else f"cannot be used: {error.strerror or error}"
+        why = "is in use already" if error.errno == errno.EADDRINUSE else f"cannot be used: {error.strerror or error}"
         raise UsageError(f"port {port} of {host} {why}. Choose another --port or --host.") from None
     made.setblocking(False)
     return made

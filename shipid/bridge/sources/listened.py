@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState, Target
-from shipid.bridge.sources.hosts import check_host
+from shipid.bridge.sources.hosts import check_host, why_not_reached
 from shipid.bridge.sources.line_queue import LineQueue
 from shipid.bridge.sources.radar_targets import target_of
 from shipid.foundation.errors import UsageError
@@ -119,7 +119,7 @@ class ListenedSource:
                 self._say(f"{self._where}: the connection was closed by the other side; it is tried again.")
             except OSError as error:  # that nothing came is one, too
                 said = f"nothing came for {_SILENT:g} s" if writer is not None else "no connection"
-                self._say(f"{self._where}: {error.strerror or said}; it is tried again.")
+                self._say(f"{self._where}: {why_not_reached(error) or said}; it is tried again.")
             self._queue.cut()
             if writer is not None:
                 writer.close()

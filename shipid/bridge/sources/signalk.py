@@ -8,7 +8,7 @@ import math
 from urllib.parse import urlsplit
 
 from shipid.bridge.core.source import SourceKind, SourceReading, SourceState
-from shipid.bridge.sources.hosts import check_host
+from shipid.bridge.sources.hosts import check_host, why_not_reached
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
 from shipid.trials.logs.geodesy import to_local
@@ -88,8 +88,8 @@ class SignalKSource:
                     async for message in socket:
                         self.feed(message if isinstance(message, str) else message.decode("utf-8", "replace"))
             except (OSError, WebSocketException) as error:
-                said = getattr(error, "strerror", None) or " ".join(str(error).split())[:120]
-                self._told = [f"the Signal K server: {said or 'no connection'}; it is tried again."]
+                said = why_not_reached(error) or "no connection"
+                self._told = [f"the Signal K server: {said}; it is tried again."]
             self._connected = False
             await asyncio.sleep(wait)
             wait = min(2 * wait, _LATEST)

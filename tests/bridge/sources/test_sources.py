@@ -266,7 +266,7 @@ def test_why_there_is_no_connection_is_told():
             await source.start()
             await until(lambda source=source: told.extend(source.take(0.4).told) or told)
             await source.stop()
-            assert "it is tried again" in told.pop() and source.state == "lost"
+            assert "Connection refused; it is tried again" in told.pop() and source.state == "lost"
 
     asyncio.run(listen())
 
