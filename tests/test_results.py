@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import ast
+import dataclasses
 import importlib
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 import shipid
-from shipid.foundation.result import DrawnResult, Result
+from shipid.foundation.numbers import unit_of_name
+from shipid.foundation.result import LINES, WIDTH, DrawnResult, Result
 from shipid.report import write_report
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -106,13 +111,89 @@ def test_what_has_a_report_draws_its_figures():
     assert drawn == {n for n in views if n in HOMES}
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["Prediction", "PredictedTrack", "Tracking", "CampaignResult", "FleetResult", "Criteria", "TrialSheet", "MultipleModelRun",
-     "MultipleModelRuns", "FilterRun", "Smoothed", "CascadeRun", "RecursiveIdentification", "OnlineEstimate", "Fit", "Ranking",
-     "Comparison", "Posterior", "Profile", "Plan", "Autopilot", "Judgement", "TuningComparison", "OnBoardRuns", "Measures",
-     "Diagnosis", "Trial", "Route", "Voyage", "Situation", "ClosestApproach", "Avoidance", "TrackingScore", "WhichShip",
-     "Observability", "RecordLevels", "ParameterSet", "Linearisation"],
-)  # fmt: skip
-def test_a_result_has_a_table(name):
-    assert callable(loaded(name).to_frame)
+RESULTS = sorted(n for n in HOMES if issubclass(c := loaded(n), Result) and c not in (Result, DrawnResult))
+OF_FIELDS = [n for n in RESULTS if loaded(n).to_frame is Result.to_frame]
+
+
+def test_every_result_has_a_table_and_is_shown_in_one_way():
+    assert len(RESULTS) > 80
+    assert [
+        n for n in RESULTS if not callable(loaded(n).to_frame) or loaded(n)._repr_html_ is not Result._repr_html_
+    ] == []
+
+
+def stands_in(annotation: str) -> Any:
+    """A value of the kind that an annotation names."""
+    if "Mapping" in annotation or annotation.startswith("dict"):
+        return {"a": 0.5}
+    if "ndarray" in annotation:
+        return np.ones((3, 2)) if "bool" not in annotation else np.ones(3, dtype=bool)
+    if annotation.startswith("tuple[float"):
+        return (0.5, 0.5)
+    if "float" in annotation:
+        return 0.5
+    return {"int": 1, "bool": True}.get(annotation, () if annotation.startswith("tuple") else "a word")
+
+
+@pytest.mark.parametrize("name", OF_FIELDS)
+def test_a_table_of_fields_says_the_unit_of_every_number(name):
+    kind = loaded(name)
+    made = object.__new__(kind)
+    for field in dataclasses.fields(kind):
+        object.__setattr__(made, field.name, stands_in(str(field.type)))
+    numbers = [
+        f.name
+        for f in dataclasses.fields(kind)
+        if not f.name.startswith("_") and isinstance(getattr(made, f.name), float | tuple | np.ndarray)
+    ]
+    numbers = [n for n in numbers if (v := np.asarray(getattr(made, n))).size and v.dtype == float]
+    stated = {n for n in numbers if n in kind.UNITS or unit_of_name(n)}
+    assert hasattr(kind, "unit") or "unit" in {f.name for f in dataclasses.fields(kind)} or set(numbers) == stated
+    numbers = [n for n in numbers if kind.UNITS.get(n) != ""]
+    if not kind.TABLE and not any(isinstance(v, property) and n == "unit" for n, v in vars(kind).items()):
+        frame = made.to_frame()
+        assert [n for n in numbers if not frame.loc[n, "unit"]] == []
+        assert len(Result.text(made).splitlines()) == 1 + len(frame)
+
+
+@pytest.fixture(scope="module")
+def held():
+    """The results that a user holds after one short trial, and those that stand in them, by the name of their class."""
+    model, ship = shipid.find_model("de-keizer"), shipid.find_ship("soesterberg")
+    trial = shipid.simulate(model, ship, "zigzag:20/20", speed="9 kn", duration="400 s", noise="standard", seed=1)
+    fit = shipid.identify(shipid.find_model("nomoto"), [trial], ship="soesterberg").validate([trial])
+    pilot = shipid.design_autopilot(model, ship, speeds="4:8:2 m/s")
+    yaw = shipid.ExtendedKalmanFilter(shipid.find_model("nomoto"), fit.ship, measured={"psi": "0.2 deg"})
+    run = yaw.filter(trial)
+    wanted: list[Any] = [
+        trial, fit, shipid.assess(fit), shipid.check_trial(trial), shipid.trial_sheet([trial]), pilot, pilot.schedule, run,
+        *run.innovations.values(), shipid.measure(trial), shipid.predict_track(pilot, {"psi": 0.0, "u": 5.0}, heading="60 deg"),
+        ship,
+    ]  # fmt: skip
+    found: dict[str, Result] = {}
+    seen: set[int] = set()
+    while wanted:
+        value = wanted.pop()
+        if id(value) in seen:
+            continue
+        seen.add(id(value))
+        if isinstance(value, Result):
+            found[type(value).__name__] = value
+        if dataclasses.is_dataclass(value):
+            wanted += [getattr(value, f.name) for f in dataclasses.fields(value)]
+        elif isinstance(value, Mapping):
+            wanted += value.values()
+        elif isinstance(value, tuple | list):
+            wanted += value[:3]
+    return found
+
+
+def test_what_a_user_holds_prints_ten_lines_and_shows_a_table(held):
+    assert {"Trial", "Fit", "Identified", "Assessment", "PredictedManoeuvre", "Comparison", "Diagnosis", "TrialSheet", "FormEntry",
+            "SheetManoeuvre", "Autopilot", "Schedule", "FilterRun", "Innovations", "Prediction", "PredictedTrack"} <= set(held)  # fmt: skip
+    for name, value in held.items():
+        lines = repr(value).splitlines()
+        assert len(lines) <= LINES and max(map(len, lines)) <= WIDTH, name
+        shown = value._repr_html_()
+        assert not re.search(r"\bnan\b|object at 0x|<table[^>]*>\s*</table>", shown), name
+        assert not re.search(r"[0-9]\.[0-9]{8}", re.sub(r"<[^>]*>", " ", shown.partition("<details>")[0])), name

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import chdtri, stdtrit
@@ -192,6 +194,8 @@ class Statistic(Result):
         How often each text came.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {"expected_interval": "1"}
+
     name: str
     measure: Measure
     runs: int
@@ -206,6 +210,11 @@ class Statistic(Result):
     expected_interval: tuple[float, float] | None = None
     course: dict[str, Plain] | None = None
     texts: dict[str, int] | None = None
+
+    @property
+    def unit(self) -> str:
+        """Unit of the numbers."""
+        return self.measure.unit
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, free of NaN."""

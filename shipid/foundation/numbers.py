@@ -256,6 +256,17 @@ def columns_of(values: Mapping[str, Plain]) -> dict[str, Plain]:
     }
 
 
+def unit_of_name(name: str) -> str | None:
+    """Return the unit in which the name of an attribute ends, such as deg for ``error_deg``; None where it says none.
+
+    Parameters
+    ----------
+    name : str
+        Name of the attribute.
+    """
+    return _split(name)[1]
+
+
 def _split(name: str) -> tuple[str, str | None]:
     for ending, unit in _ENDINGS.items():
         if name.endswith(ending):

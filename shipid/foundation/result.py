@@ -9,13 +9,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import number, uncertain
+from shipid.foundation.numbers import number, uncertain, unit_of_name
 from shipid.foundation.printable import printable
 
 if TYPE_CHECKING:
@@ -26,14 +26,43 @@ if TYPE_CHECKING:
 LINES, WIDTH = 10, 160
 #: Most rows of a table in a notebook.
 _ROWS = 20
+#: What a person reads instead of a unit of SI, and how many of it are one.
+_READ = {"rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi)}
 
 
 class Result:
-    """A result of the toolbox. A class with more to say states `text`, one with a table ``to_frame``."""
+    """A result of the toolbox: every one has a text and a table.
+
+    Both are made of the fields of the dataclass. A class with more to say states `text`, one with another table `to_frame`.
+
+    Attributes
+    ----------
+    TABLE : str
+        The field along which the table runs: entries of a result (a row each), or an array beside which others stand. Where there
+        is none, the table has a row for each field.
+    UNITS : mapping of str to str
+        Units of the numbers, by field, where the name does not end in the unit; ``"1"`` for a pure number, ``"SI"`` where it
+        depends on what is looked at, empty for a count or a flag. Where a field ``unit`` says it, nothing is stated.
+    """
+
+    TABLE: ClassVar[str] = ""
+    UNITS: ClassVar[Mapping[str, str]] = {}
 
     def text(self) -> str:
         """Return everything the result says, in lines of text; what is printed are the first of them."""
         return "\n".join([type(self).__name__, *_field_lines(self)])
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the result as a pandas table, SI, units beside the numbers."""
+        if not self.TABLE:
+            rows = [{"name": n, "value": _cell(v), "unit": _unit(self, n, v)} for n, v in _fields(self)]
+            return table(rows, "name", ("value", "unit"))
+        along = getattr(self, self.TABLE)
+        if isinstance(along, tuple) and all(dataclasses.is_dataclass(e) for e in along):
+            return table(
+                [{_header(e, n, v): _cell(v) for n, v in _fields(e)} | {"": k} for k, e in enumerate(along)], ""
+            )
+        return _beside(self, len(along))
 
     def __repr__(self) -> str:
         return shortened(self.text(), _serious(self))
@@ -45,12 +74,14 @@ class Result:
         parts = [f"<p><strong>{escape(head)}</strong></p>"]
         if serious := _serious(self):
             parts.append(f"<ul>{''.join(f'<li>{escape(printable(str(w)))}</li>' for w in serious)}</ul>")
-        frame = getattr(self, "to_frame", None)
-        if frame is not None:
-            parts.append(_table(frame()))
-        if rest:
-            folded = f"<pre>{escape(rest)}</pre>"
-            parts.append(folded if frame is None else f"<details><summary>In words</summary>{folded}</details>")
+        frame, words = self.to_frame(), f"<pre>{escape(rest)}</pre>" if rest else ""
+        if frame.empty:
+            parts.append(words)
+        else:
+            parts.append(_table(frame))
+            # Where the text is made of the fields, as the table is, it says nothing more.
+            if words and (self.TABLE or type(self).text is not Result.text):
+                parts.append(f"<details><summary>In words</summary>{words}</details>")
         return f"<div>{''.join(parts)}</div>"
 
 
@@ -131,12 +162,72 @@ def _serious(result: Result) -> tuple[Notice, ...]:
 
 
 def _field_lines(result: Result) -> Iterator[str]:
-    """A line for each field of a dataclass."""
-    if not dataclasses.is_dataclass(result):
-        return
-    for field in dataclasses.fields(result):
-        if not field.name.startswith("_"):
-            yield f"  {field.name:<16s} {described(getattr(result, field.name))}"
+    """A line for each field of a dataclass, in the units that a person reads."""
+    for name, value in _fields(result):
+        unit, times = _READ.get(unit := _unit(result, name, value), (unit, 1.0))
+        shown = f" {unit}" if unit not in ("", "1", "SI") else ""
+        yield f"  {name:<16s} {described(value if times == 1.0 else _scaled(value, times))}{shown}"
+
+
+def _fields(entry: Plain) -> Iterator[tuple[str, Plain]]:
+    """The public fields of a dataclass, by name."""
+    if dataclasses.is_dataclass(entry):
+        yield from ((f.name, getattr(entry, f.name)) for f in dataclasses.fields(entry) if not f.name.startswith("_"))
+
+
+def _scaled(value: Plain, times: float) -> Plain:
+    if isinstance(value, tuple):
+        return tuple(_scaled(v, times) for v in value)
+    return None if value is None else times * value
+
+
+def _first(value: Plain) -> Plain:
+    """The first number of a field, or what stands there instead."""
+    if isinstance(value, np.ndarray):
+        return value.flat[0] if value.size else None
+    if isinstance(value, tuple):
+        return next((f for v in value if (f := _first(v)) is not None), None)
+    return value
+
+
+def _unit(entry: Plain, name: str, value: Plain) -> str:
+    """The unit of the numbers of a field; empty where there are none, or none is known."""
+    first = _first(value)
+    if isinstance(first, bool | np.bool_) or not isinstance(first, float | np.floating | complex):
+        return ""
+    return str(getattr(entry, "UNITS", {}).get(name) or unit_of_name(name) or getattr(entry, "unit", ""))
+
+
+def _header(entry: Plain, name: str, value: Plain, place: str = "") -> str:
+    """The head of a column: its name, and its unit where the name does not say it."""
+    unit = "" if unit_of_name(name) else _unit(entry, name, value)
+    return f"{name}{place} [{unit}]" if unit else f"{name}{place}"
+
+
+def _cell(value: Plain) -> Plain:
+    """A number or a word as it is, anything larger in words."""
+    return value if value is None or isinstance(value, bool | str | float | int) else described(value)
+
+
+def _beside(result: Result, rows: int) -> pd.DataFrame:
+    """The arrays of a result that are as long as the one along which its table runs; a column for each of their columns."""
+    import pandas as pd
+
+    columns: dict[str, Plain] = {}
+    for name, value in _fields(result):
+        if not isinstance(value, np.ndarray | tuple) or len(value) != rows:
+            continue
+        if isinstance(value, tuple) or value.ndim == 1:
+            parts = [("", value)]
+        else:
+            parts = [(f"[{', '.join(map(str, k))}]", value[(slice(None), *k)]) for k in np.ndindex(value.shape[1:])]
+        for place, part in parts:
+            head = _header(result, name, value, place)
+            if isinstance(part, np.ndarray) and np.iscomplexobj(part):
+                columns |= {f"real part of {head}": part.real, f"imaginary part of {head}": part.imag}
+            else:
+                columns[head] = part if isinstance(part, np.ndarray) else [_cell(p) for p in part]
+    return pd.DataFrame(columns)
 
 
 def described(value: Plain) -> str:
@@ -161,8 +252,9 @@ def described(value: Plain) -> str:
         parts = [f"{k} {described(v)}" for k, v in value.items()]
         return _listed(parts)
     if isinstance(value, tuple | list):
-        return _listed([described(v) for v in value])
-    return type(value).__name__
+        return _listed([f"({described(v)})" if isinstance(v, tuple | list) else described(v) for v in value])
+    told = any("__str__" in vars(kind) for kind in type(value).__mro__[:-1])
+    return str(value).partition("\n")[0] if told else type(value).__name__
 
 
 def _listed(parts: list[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from shipid.foundation.result import Result
 from shipid.identification.uncertainty.directions import NullDirection
@@ -30,6 +31,8 @@ class Assessment(Result):
     structure : StructureError or None
         What the structure of the model is wrong by, which is in the bands; None where they were not requested.
     """
+
+    TABLE: ClassVar[str] = "directions"
 
     directions: tuple[NullDirection, ...]
     residuals: Mapping[str, Residuals]

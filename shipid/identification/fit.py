@@ -57,6 +57,8 @@ from shipid.trials.logs.reading import Trials, trials_of
 if TYPE_CHECKING:
     import pandas as pd
 
+    pass
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Fit(DrawnResult):
@@ -257,11 +259,7 @@ class Fit(DrawnResult):
 
     def to_frame(self) -> pd.DataFrame:
         """Return the coefficients as a pandas table."""
-        import pandas as pd
-
-        rows = [{"name": e.name, **e.to_dict()} for e in self.parameters.values()]
-        frame = pd.DataFrame(rows).set_index("name")
-        return frame[["value", "std", "unit", "interval_95", "identifiable", "follows", "meaning"]]
+        return self.identified.to_frame()
 
     def to_dict(self) -> dict[str, Plain]:
         """Return the result as plain values for JSON: SI, angles in radians, no NaN.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from shipid.identification.problem.setting import box_around
 from shipid.identification.search.solution import Solution
 from shipid.identification.uncertainty.covariance import Covariance
 from shipid.parameters.parameter_set import ParameterSet
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -60,6 +64,14 @@ class Identified(Result):
     noise: np.ndarray
     spreads: Mapping[str, float] = field(default_factory=dict)
     load_part: LoadPart | None = None
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the coefficients as a pandas table."""
+        import pandas as pd
+
+        rows = [{"name": e.name, **e.to_dict()} for e in self.parameters.values()]
+        frame = pd.DataFrame(rows).set_index("name")
+        return frame[["value", "std", "unit", "interval_95", "identifiable", "follows", "meaning"]]
 
     @property
     def problem(self) -> Problem:

@@ -6,8 +6,9 @@ met, not by the clock: the trials are sailed to find out how the ship turns.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -41,6 +42,8 @@ class TimetableOrder(Result):
         The rudder angle ordered in rad, positive to starboard; None where none is ordered.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {"time": "s", "rudder": "rad"}
+
     time: float
     leg: int
     action: str
@@ -67,6 +70,8 @@ class SeaRoom(Result):
     ahead, astern, port, starboard : float
         Each zero or more.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"ahead": "m", "astern": "m", "port": "m", "starboard": "m"}
 
     ahead: float
     astern: float
@@ -100,6 +105,8 @@ class Timetable(Result):
     weather : str
         The current and the wind they are sailed in, in words.
     """
+
+    TABLE: ClassVar[str] = "orders"
 
     orders: tuple[TimetableOrder, ...]
     rooms: tuple[SeaRoom, ...]

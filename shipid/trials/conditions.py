@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from shipid.declaration.tables import Table
 from shipid.declaration.units import factor, pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import given
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -94,6 +98,14 @@ class Conditions(Result):
     """
 
     values: Mapping[str, str | float] = field(default_factory=dict, hash=False)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return what is stated as a pandas table, SI."""
+        rows = [
+            {"name": n, "value": v, "unit": pretty(ENTRIES[n].unit), "label": ENTRIES[n].label}
+            for n, v in self.values.items()
+        ]
+        return table(rows, "name", ("value", "unit", "label"))
 
     def number(self, name: str) -> float | None:
         """Return a stated number, SI, or None.

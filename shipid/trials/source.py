@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
@@ -36,6 +38,8 @@ class Source(Result):
     conditions : Conditions
         What is stated of the trial beside its log: loading, place, weather, who.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"origin": "rad"}
 
     path: str | None = None
     sha256: str | None = None

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -88,13 +89,70 @@ def test_a_notebook_shows_warnings_the_table_and_the_rest_folded():
     # The value with the digits that its standard deviation allows; the deviation stands beside it.
     assert "<td>1.235 ± 0.012</td>" in found and "<th>std</th>" not in found and "1.21046, 1.25868" in found
     assert "<details><summary>In words</summary><pre>  line 1" in found
+    # Where the table is made of the fields as the text is, the text is not repeated.
     plain = Made()._repr_html_()
-    assert "<pre>  t " in plain and "<details>" not in plain
+    assert "<th>few</th>" in plain and "<pre>" not in plain and "<details>" not in plain
 
 
 def test_a_table_without_rows_keeps_its_columns():
     empty = table([], "name", ("value",))
     assert list(empty.columns) == ["value"] and empty.index.name == "name" and empty.empty
+
+
+@dataclass(frozen=True)
+class Entry:
+    """An entry of a result that is no result itself."""
+
+    change_deg: float
+    told: str = "a word"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Along(Result):
+    """A result with a table along an array."""
+
+    TABLE = "t"
+    UNITS = MappingProxyType({"t": "s", "x": "m", "heading": "rad", "ends": "rad", "response": "1"})
+
+    t: np.ndarray = field(default_factory=lambda: np.arange(3.0))
+    x: np.ndarray = field(default_factory=lambda: np.ones((3, 2)))
+    response: np.ndarray = field(default_factory=lambda: np.full(3, 1 + 2j))
+    heading: float = np.pi / 2
+    ends: tuple[tuple[float, float], ...] = ((0.0, np.pi),)
+    entries: tuple[Entry, ...] = (Entry(20.0), Entry(-20.0))
+    _inner: float = 1.0
+
+
+class Listed(Along):
+    """A result with a row for each entry."""
+
+    TABLE = "entries"
+
+
+class InFields(Along):
+    """A result whose table has a row for each field."""
+
+    TABLE = ""
+
+
+def test_a_table_runs_along_an_array_along_entries_or_over_the_fields():
+    along = Along().to_frame()
+    assert list(along.columns) == [
+        "t [s]", "x[0] [m]", "x[1] [m]", "real part of response [1]", "imaginary part of response [1]"
+    ]  # fmt: skip
+    assert along["imaginary part of response [1]"].tolist() == [2.0, 2.0, 2.0]
+    listed = Listed().to_frame()
+    assert listed["change_deg"].tolist() == [20.0, -20.0] and listed["told"].tolist() == ["a word"] * 2
+    fields = InFields().to_frame()
+    assert fields.loc["heading", "value"] == np.pi / 2 and fields.loc["heading", "unit"] == "rad"
+    assert "_inner" not in fields.index
+    # Nothing to list: the notebook shows the words instead of an empty table.
+    assert Listed(entries=()).to_frame().empty and "<pre>  t " in Listed(entries=())._repr_html_()
+
+
+def test_a_person_reads_angles_in_degrees_with_their_unit():
+    lines = [" ".join(line.split()) for line in InFields().text().splitlines()]
+    assert "heading 90 deg" in lines and "ends (0, 180) deg" in lines and "t 0, 1, 2 s" in lines
 
 
 def test_what_is_no_result_is_shown_as_it_prints():

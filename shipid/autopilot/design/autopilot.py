@@ -178,10 +178,7 @@ class Autopilot(DrawnResult):
         condition : int
             Which load condition.
         """
-        import pandas as pd
-
-        table = {f"{n} [{GAINS[n][0]}]": g[condition] for n, g in self.schedule.gains.items()}
-        frame = pd.DataFrame(table, index=pd.Index(self.speeds, name="u [m/s]"))
+        frame = self.schedule.to_frame(condition)
         frame["poles [rad/s]"] = list(self.poles[condition])
         return frame
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from shipid.declaration.component import Component
 from shipid.declaration.quantity import Equation, Quantity, constant, derived, given
 from shipid.foundation.aliases import Expression
 from shipid.foundation.result import Result
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Gain: its unit, and its meaning.
 GAINS = {
@@ -39,6 +43,8 @@ class Schedule(Result):
     gains : mapping of str to ndarray, shape (conditions, n)
         ``Kp`` [1], ``Kd`` [s] and, with an integral, ``Ki`` [1/s].
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"speeds": "m/s"}
 
     speeds: np.ndarray
     gains: Mapping[str, np.ndarray]
@@ -76,6 +82,19 @@ class Schedule(Result):
             Which load condition.
         """
         return Gains(**{n: float(v) for n, v in self.at(speed, condition).items()})
+
+    def to_frame(self, condition: int = 0) -> pd.DataFrame:
+        """Return the gains against speed as a pandas table.
+
+        Parameters
+        ----------
+        condition : int
+            Which load condition.
+        """
+        import pandas as pd
+
+        columns = {f"{n} [{GAINS[n][0]}]": g[condition] for n, g in self.gains.items()}
+        return pd.DataFrame(columns, index=pd.Index(self.speeds, name="u [m/s]"))
 
     @property
     def component(self) -> type[Component]:

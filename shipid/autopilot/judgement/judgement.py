@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -78,6 +78,9 @@ class LoopResponse(Result):
     response : ndarray of complex, shape (n,)
         Of the loop.
     """
+
+    TABLE: ClassVar[str] = "omega"
+    UNITS: ClassVar[Mapping[str, str]] = {"speed": "m/s", "omega": "rad/s", "response": "1"}
 
     speed: float
     omega: np.ndarray

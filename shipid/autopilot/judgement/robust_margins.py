@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity, with_units
@@ -37,6 +38,13 @@ class Robustness(Result):
     variants : mapping of str to mapping
         The disk margin and the overshoot under a slow rudder, and with the log off by 10 % either way.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "speed_worst": "m/s",
+        "disk_worst": "1",
+        "disk_low": "1",
+        "disk_by_speed": "1",
+    }
 
     samples: int
     source: str

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
@@ -42,6 +42,8 @@ class OnBoardRun(Result):
     departure : str or None
         Where the run leaves the range in which the model is valid, and why; nothing is measured from there on.
     """
+
+    TABLE: ClassVar[str] = "changes"
 
     feedback: Feedback
     weather: str

@@ -43,6 +43,10 @@ class SheetManoeuvre(Result):
     measures: Measures
     record: Trial
 
+    def to_frame(self) -> pd.DataFrame:
+        """Return its numbers as a pandas table."""
+        return self.measures.to_frame()
+
     @property
     def title(self) -> str:
         """What it is called, with its number: ``1. zig-zag 20/20, first to port``."""

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from shipid.encounter.closest_approach import ClosestApproach
 from shipid.foundation.result import Result
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Columns of a track and their units.
+COLUMNS: Mapping[str, str] = {
+    "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
+    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1", "widening": "1",
+}  # fmt: skip
 #: How a track stands: held, told to be lost, or given up before the log ended.
 Status = Literal["held", "lost", "ended"]
 #: A speed of so many standard deviations is not that of something that lies still.
@@ -57,6 +66,19 @@ class TargetTrack(Result):
     held: np.ndarray
     status: Status
     approach: ClosestApproach | None = None
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the track as a pandas table, one row a scan, SI; ``attrs["units"]`` holds the units."""
+        import pandas as pd
+
+        spread = np.sqrt(np.maximum(np.diagonal(self.P, axis1=1, axis2=2), 0.0))
+        columns = (
+            np.full(self.t.size, self.number), self.t, *self.x.T, self.speed, self.course, self.turn_rate, *spread.T,
+            self.existence, self.held.astype(int), self.widening,
+        )  # fmt: skip
+        frame = pd.DataFrame(dict(zip(COLUMNS, columns)))
+        frame.attrs["units"] = dict(COLUMNS)
+        return frame
 
     @property
     def speed(self) -> np.ndarray:

@@ -12,7 +12,7 @@ from shipid.encounter.closest_approach import ClosestApproach
 from shipid.encounter.plots.plots import Plots
 from shipid.encounter.plots.ship_path import ShipPath
 from shipid.encounter.tracking.scoring import TrackingScore
-from shipid.encounter.tracking.target_track import TargetTrack
+from shipid.encounter.tracking.target_track import COLUMNS, TargetTrack
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
 from shipid.foundation.numbers import fixed
@@ -21,12 +21,6 @@ from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
     import pandas as pd
-
-#: Columns of the tracks and their units.
-UNITS: Mapping[str, str] = {
-    "track": "1", "t": "s", "x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "SOG": "m/s", "COG": "rad", "turn_rate": "rad/s",
-    "x_std": "m", "y_std": "m", "vx_std": "m/s", "vy_std": "m/s", "existence": "1", "held": "1", "widening": "1",
-}  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,19 +69,13 @@ class Tracking(DrawnResult):
         """Return the tracks as a pandas table, one row a track and scan, SI; ``attrs["units"]`` holds the units."""
         import pandas as pd
 
-        parts = []
-        for one in self.tracks:
-            spread = np.sqrt(np.maximum(np.diagonal(one.P, axis1=1, axis2=2), 0.0))
-            columns = (
-                np.full(one.t.size, one.number), one.t, *one.x.T, one.speed, one.course, one.turn_rate, *spread.T,
-                one.existence, one.held.astype(int), one.widening,
-            )  # fmt: skip
-            part = dict(zip(UNITS, columns))
-            part |= {f"mode_{label}": one.mu[:, k] for k, label in enumerate(self.modes)}
-            parts.append(pd.DataFrame(part))
-        empty = pd.DataFrame({name: np.zeros(0) for name in [*UNITS, *(f"mode_{m}" for m in self.modes)]})
+        parts = [
+            one.to_frame().assign(**{f"mode_{label}": one.mu[:, k] for k, label in enumerate(self.modes)})
+            for one in self.tracks
+        ]
+        empty = pd.DataFrame({name: np.zeros(0) for name in [*COLUMNS, *(f"mode_{m}" for m in self.modes)]})
         frame = pd.concat(parts, ignore_index=True) if parts else empty
-        frame.attrs["units"] = {**UNITS, **{f"mode_{m}": "1" for m in self.modes}}
+        frame.attrs["units"] = {**COLUMNS, **{f"mode_{m}": "1" for m in self.modes}}
         return frame
 
     def to_dict(self) -> dict[str, Plain]:
@@ -112,7 +100,7 @@ class Tracking(DrawnResult):
         spread = np.sqrt(np.maximum(np.diagonal(one.P[-1]), 0.0))
         values = (*one.x[-1], one.speed[-1], one.course[-1], one.turn_rate[-1])
         names = ("x", "y", "vx", "vy", "SOG", "COG", "turn_rate")
-        known: dict[str, Plain] = {n: {"value": float(v), "unit": UNITS[n]} for n, v in zip(names, values)}
+        known: dict[str, Plain] = {n: {"value": float(v), "unit": COLUMNS[n]} for n, v in zip(names, values)}
         for name, std in zip(names, (*spread, one.speed_std[-1], one.course_std[-1])):
             known[name]["std"] = float(std)
         return {

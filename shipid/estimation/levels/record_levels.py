@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from shipid.declaration.units import factor, pretty
 from shipid.estimation.standing import DETERMINED, Standing
@@ -78,6 +78,8 @@ class BiasStanding(Result):
     standing, why : str
         See `shipid.estimation.standing`.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"std": "SI"}
 
     std: float
     standing: Standing

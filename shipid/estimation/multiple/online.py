@@ -6,6 +6,7 @@ import copy
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -110,6 +111,8 @@ class MultipleModelPrediction(Result):
     spread : ndarray, shape (modes, sensors, sensors)
         Covariance of that, without the errors of the sensors.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"t": "s", "probabilities": "1", "shown": "SI", "spread": "SI"}
 
     t: float
     probabilities: np.ndarray

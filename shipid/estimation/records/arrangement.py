@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 
@@ -86,6 +87,20 @@ class Arrangement(Result):
     turned : bool
         Whether the rate of turn that drives the model is the slope of the heading.
     """
+
+    TABLE: ClassVar[str] = "t"
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "t": "s",
+        "intervals": "s",
+        "inputs": "SI",
+        "z": "SI",
+        "there": "",
+        "lost": "",
+        "shown": "",
+        "limited": "",
+        "forward": "",
+        "unknown": "",
+    }
 
     t: np.ndarray
     intervals: np.ndarray

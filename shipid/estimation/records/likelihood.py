@@ -6,9 +6,9 @@ One pass over the record gives the value, the gradient and Fisher's expected inf
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -38,6 +38,9 @@ class Likelihood(Result):
     start : ndarray, shape (unknowns,)
         Their values in the filter.
     """
+
+    TABLE: ClassVar[str] = "unknowns"
+    UNITS: ClassVar[Mapping[str, str]] = {"start": "SI"}
 
     unknowns: tuple[str, ...]
     start: np.ndarray

@@ -58,6 +58,17 @@ class Innovations(Result):
         Probability of correlations as large as these if the normalised innovations were white (Ljung-Box).
     """
 
+    TABLE: ClassVar[str] = "t"
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "t": "s",
+        "values": "SI",
+        "variances": "SI",
+        "nis_mean": "1",
+        "nis_band": "1",
+        "white_p": "1",
+        "taken": "",
+    }
+
     t: np.ndarray
     values: np.ndarray
     variances: np.ndarray

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
+from typing import ClassVar
 
 import numpy as np
 
@@ -67,6 +68,8 @@ class Rank(Result):
     predictions : tuple of Comparison
         The left-out trials beside what it predicts of them; not part of `to_dict`.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"score": "1", "std": "1", "shares": "1", "spread": "1", "unexplained": "1"}
 
     model: str
     coefficients: int

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
@@ -59,6 +60,14 @@ class NoiseLevels(Result):
     apart : tuple of CoefficientApart
         Coefficients that output error finds elsewhere: the model is not exact.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "parameters": "SI",
+        "biases": "SI",
+        "covariance": "SI",
+        "log_likelihood": "1",
+        "degrees": "1",
+    }
 
     parameters: np.ndarray
     biases: np.ndarray

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.result import Result
@@ -29,6 +31,8 @@ class Rung(Result):
     evaluations : int
         Runs of all trials it took.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"cost": "1"}
 
     method: Method
     cost: float | None

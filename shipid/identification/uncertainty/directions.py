@@ -10,8 +10,9 @@ narrows the direction most is named.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,6 +44,8 @@ class NullDirection(Result):
     words : str
         The same in words, and what would help.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"relative_std": "1"}
 
     parameters: dict[str, float]
     relative_std: float | None

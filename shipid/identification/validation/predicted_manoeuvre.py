@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, table
 from shipid.foundation.statistics import plain
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Quantities of a turning circle by their names in `TurningCircle`: the unit they are handed over in, and the factor to it from SI.
 TURN = {
@@ -34,6 +38,8 @@ class PredictedQuantity(Result):
     band95 : tuple of float or None
         95 % band of the prediction.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"measured": "SI", "predicted": "SI", "band95": "SI"}
 
     measured: float | None
     predicted: float | None
@@ -68,6 +74,15 @@ class PredictedManoeuvre(Result):
         the structure is so many times as wide.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "overshoots": "rad",
+        "open_loop": "rad",
+        "closed_loop": "rad",
+        "band95": "rad",
+        "closed_loop_band95": "rad",
+        "growth": "1",
+    }
+
     trial: str
     overshoots: tuple[float, ...] = ()
     open_loop: tuple[float | None, ...] = ()
@@ -76,6 +91,22 @@ class PredictedManoeuvre(Result):
     closed_loop_band95: tuple[Band, ...] = ()
     turn: Mapping[str, PredictedQuantity] = field(default_factory=dict)
     growth: float = 1.0
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return overshoots and quantities of a turn as a pandas table: measured, predicted, 95 % band; angles in degrees."""
+        rows = [
+            _row(f"overshoot {k}, {kind}", "deg", self.overshoots[k - 1 : k], predicted[k - 1 : k], bands[k - 1 : k])
+            for kind, predicted, bands in (
+                ("recorded rudder", self.open_loop, self.band95),
+                ("rudder reversed at the headings", self.closed_loop, self.closed_loop_band95),
+            )
+            for k in range(1, len(predicted) + 1)
+        ]
+        rows += [
+            {"quantity": n, "measured": q.measured, "predicted": q.predicted, **_ends(q.band95), "unit": TURN[n][0]}
+            for n, q in self.turn.items()
+        ]
+        return table(rows, "quantity", ("measured", "predicted", "low_95", "high_95", "unit"))
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values: angles in degrees, None where something was not reached."""
@@ -86,6 +117,20 @@ class PredictedManoeuvre(Result):
             **{key: value.to_dict() | {"unit": TURN[key][0]} for key, value in self.turn.items()},
             "times_beyond_fitted": None if self.growth == 1 else round(self.growth, 3),
         }
+
+
+def _row(
+    name: str, unit: str, measured: Sequence[float | None], predicted: Sequence[float | None], bands: Sequence[Band]
+) -> dict[str, Plain]:
+    """A row of angles, each given as a sequence of one, or of none where it was not reached."""
+    found = {n: next(iter(in_degrees(tuple(v))), None) for n, v in (("measured", measured), ("predicted", predicted))}
+    band = next(iter(bands), None)
+    return {"quantity": name, **found, **_ends(None if band is None else in_degrees(band)), "unit": unit}
+
+
+def _ends(band: Sequence[float | None] | None) -> dict[str, Plain]:
+    low, high = band or (None, None)
+    return {"low_95": low, "high_95": high}
 
 
 def _with_bands(angles: tuple[float | None, ...], bands: tuple[Band, ...]) -> dict[str, Plain]:

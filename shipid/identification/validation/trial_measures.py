@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -17,6 +17,9 @@ from shipid.trials.measuring.measure import detect, measure
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.results.zigzag import ZigZag
 from shipid.trials.trial import Trial
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, repr=False)
@@ -36,6 +39,11 @@ class TrialMeasures(Result):
     kind: Literal["zig-zag", "turning circle", ""]
     zigzag: ZigZag | None
     circle: TurningCircle | None
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the table of what the trial was found to be; that of the fields where it is neither."""
+        found = self.zigzag if self.kind == "zig-zag" else self.circle
+        return super().to_frame() if found is None else found.to_frame()
 
     @property
     def words(self) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
@@ -106,6 +107,8 @@ class Chart(Result):
     notes : tuple of str or Notice
         What was left out, and how much was simplified.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"origin": "rad"}
 
     name: str
     origin: tuple[float, float]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -36,6 +37,9 @@ class PlannedTrack(Result):
     arcs : ndarray or None, shape (legs, 2)
         First and last point, in `line`, of the turn onto each leg.
     """
+
+    TABLE: ClassVar[str] = "legs"
+    UNITS: ClassVar[Mapping[str, str]] = {"line": "m", "radii": "m", "limits": "m", "arcs": ""}
 
     legs: tuple[TrackLeg, ...]
     line: np.ndarray

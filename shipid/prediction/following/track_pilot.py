@@ -6,8 +6,9 @@ lasts, to move the rudder limit so that what is left of it stays nearest to the 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
@@ -61,6 +62,8 @@ class TrackOrder(Result):
         The turn as it is predicted now.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {"heading": "rad", "rudder_limit": "rad", "to_wheel_over": "s"}
+
     heading: float
     rudder_limit: float
     phase: Phase
@@ -84,6 +87,8 @@ class TurnAhead(Result):
     track : PredictedTrack
         The turn, as if it began where the ship is.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"heading": "rad", "rudder_limit": "rad", "ahead": "m"}
 
     leg: int
     heading: float

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -82,6 +84,8 @@ class WheelOver(Result):
         The turn as it is predicted from the point.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {"heading": "rad", "distance": "m", "time": "s", "x": "m", "y": "m"}
+
     heading: float
     distance: float
     time: float
@@ -101,8 +105,7 @@ class WheelOver(Result):
 
     def to_dict(self) -> dict[str, Plain]:
         """Return plain values, SI."""
-        units = {"heading": "rad", "distance": "m", "time": "s", "x": "m", "y": "m"}
-        return {n: {"value": float(getattr(self, n)), "unit": unit} for n, unit in units.items()}
+        return {n: {"value": float(getattr(self, n)), "unit": unit} for n, unit in self.UNITS.items()}
 
     def text(self) -> str:
         """Return the result in lines of text."""

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import ClassVar
 
 import numpy as np
 
@@ -67,6 +69,19 @@ class RouteTurn(Result):
     beyond_band : float or None
         The same for the edge of the 95 % band; None where no band is known.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "now": "m",
+        "off_track": "m",
+        "left": "m",
+        "change": "rad",
+        "rudder_limit": "rad",
+        "place": "rad",
+        "overshoot": "m",
+        "inside": "m",
+        "beyond": "m",
+        "beyond_band": "m",
+    }
 
     route: Route
     plan: PlannedTrack

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import itertools
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -58,6 +59,8 @@ class Motion(Result):
     structure : {"fixed", "variable", "grid"}
         Whether the turns of the modes stay as they are, follow their own estimates, or follow the mode probabilities.
     """
+
+    TABLE: ClassVar[str] = "modes"
 
     model: Model
     modes: tuple[TargetMode, ...]
