@@ -103,7 +103,9 @@ def _copied_after(t: np.ndarray, order: np.ndarray, feedback: np.ndarray) -> flo
     shifts = np.linspace(0.0, 0.5 * half, count)
     late = np.interp(t[:, None] - shifts, t, order)
     inside = t[:, None] - shifts >= t[0]
-    off = np.sqrt(np.sum(np.where(inside, late - feedback[:, None], 0.0) ** 2, axis=0) / np.maximum(inside.sum(axis=0), 1))
+    off = np.sqrt(
+        np.sum(np.where(inside, late - feedback[:, None], 0.0) ** 2, axis=0) / np.maximum(inside.sum(axis=0), 1)
+    )
     best = int(np.argmin(off))
     return float(shifts[best]) if off[best] < _COPY * size else None
 
