@@ -7,8 +7,13 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
 
+from shipid.trials.measuring.faults import Faults
+from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.trial import Trial
+
+_JUMP = 0.05
+"""Positions that jump by this share of a distance leave it unknown."""
 
 
 def speed(trial: Trial) -> np.ndarray | None:
@@ -166,3 +171,114 @@ def jumped(channel: Channel, start: float, end: float) -> float:
     if not 1 <= a < b < len(t) - 1:
         return 0.0
     return float(y[b] - y[a] - 0.5 * (b - a) * (y[a] - y[a - 1] + y[b + 1] - y[b]))
+
+
+class Way:
+    """The track along and across the initial course, from the execute on.
+
+    Parameters
+    ----------
+    x, y : Channel
+        Positions, north and east [m].
+    course : float
+        Initial course [rad].
+    side : int
+        1 for a turn to starboard, -1 for one to port.
+    when : float
+        Time of the execute [s].
+    calm : float
+        Half the time over which positions are averaged [s].
+    faults : Faults
+        What the doctor found.
+    """
+
+    def __init__(
+        self, x: Channel, y: Channel, course: float, side: int, when: float, calm: float, faults: Faults
+    ) -> None:
+        self.x, self.y, self.side, self.when, self.calm, self.faults = x, y, side, when, calm, faults
+        self.c, self.s = np.cos(course), np.sin(course)
+
+    def moved(self, at: float, drift: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float]:
+        """Return the distance along and across the course between the execute and a moment [m].
+
+        Parameters
+        ----------
+        at : float
+            The moment [s].
+        drift : tuple of float
+            Velocity north and east that is taken off [m/s].
+        """
+        shift = []
+        for channel in (self.x, self.y):
+            half = max(self.calm, 2.5 * channel.interval)
+            shift.append(
+                series.value_at(channel.t, channel.y, at, half) - series.value_at(channel.t, channel.y, self.when, half)
+            )
+        north, east = shift
+        north, east = north - drift[0] * (at - self.when), east - drift[1] * (at - self.when)
+        return self.c * north + self.s * east, self.side * (self.c * east - self.s * north)
+
+    def speed(self, quarters: list[float | None]) -> float:
+        """Return the mean speed over the ground of the first 90 deg, as the crow flies [m/s].
+
+        Parameters
+        ----------
+        quarters : list of float or None
+            When the heading has changed by 90, 180 deg and so on [s].
+        """
+        if quarters[0] is None:
+            return 0.0
+        return float(np.hypot(*self.moved(quarters[0]))) / (quarters[0] - self.when)
+
+    def missing(self, at: float) -> str | None:
+        """Return why the track is not known at a moment, or at the execute; None where it is.
+
+        Parameters
+        ----------
+        at : float
+            The moment [s].
+        """
+        for channel in (self.x, self.y):
+            for when in (self.when, at):
+                if (hole := channel.hole(when)) is not None:
+                    return self.faults.hole(channel.name, hole)
+        return self.faults.step(self.when, at) or self.jump(at)
+
+    def jump(self, at: float) -> str | None:
+        """Return that the positions have jumped on the way there, in words; None where they have not, or there and back.
+
+        Parameters
+        ----------
+        at : float
+            The moment at the end of the way [s].
+        """
+        spans = self.faults.jumps(self.when, at)
+        north, east = (sum(jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
+        size = float(np.hypot(north, east))
+        if size <= _JUMP * float(np.hypot(*self.moved(at))):
+            return None
+        return f"the positions jump by {size:.3g} m at {spans[0][0]:.5g} s"
+
+    def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
+        """Return advance, transfer and tactical diameter over the ground [m].
+
+        Parameters
+        ----------
+        quarters : list of float or None
+            When the heading has changed by 90, 180 deg and so on [s].
+        reasons : dict of str to str
+            Why one is not known; written to.
+        """
+        result: dict[str, float | None] = {"advance": None, "transfer": None, "tactical_diameter": None}
+        for k, names in ((0, ("advance", "transfer")), (1, ("tactical_diameter",))):
+            quarter = quarters[k]
+            why = reasons.get(f"times[{k + 1}]")
+            if quarter is not None:
+                why = self.missing(quarter)
+            for name in names:
+                if why is not None:
+                    reasons[name] = why
+                elif quarter is not None:
+                    along, across = self.moved(quarter)
+                    result[name] = along if name == "advance" else across
+        return result

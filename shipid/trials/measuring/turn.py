@@ -6,14 +6,14 @@ from math import pi
 
 import numpy as np
 
-from shipid.declaration.vocabulary import angle, shown
+from shipid.declaration.vocabulary import angle
 from shipid.trials.errors import NotAManoeuvreError
-from shipid.trials.measuring.current import CircleDrift, drift_of
+from shipid.trials.measuring.current import drift_of, still_water
 from shipid.trials.measuring.faults import Faults
 from shipid.trials.measuring.results.turning_circle import TurningCircle
 from shipid.trials.measuring.rudder.executes import LEFT, first_execute
 from shipid.trials.measuring.rudder.steering import Steering, rate_of, steering_of
-from shipid.trials.measuring.track import drift, jumped, over_ground_notes, speed_channel, track_channels
+from shipid.trials.measuring.track import Way, drift, over_ground_notes, speed_channel, track_channels
 from shipid.trials.signals import series
 from shipid.trials.signals.channel import Channel, channel_of
 from shipid.trials.signals.plates import Plate, held_angle, plates
@@ -25,14 +25,8 @@ MOVED = np.radians(3.0)
 _QUARTERS = (pi / 2, pi, 1.5 * pi, 2 * pi)
 _BRIDGED = 0.05
 """Holes up to this share of the turn's first 90 deg are bridged."""
-_DRIFTS = 2.0
-"""A drift below this many times the scatter of its readings is none."""
-_LEAST_DRIFT = 0.01
-"""So is one below this share of the ship's speed."""
 _LEFT_THERE = np.radians(1.0)
 """In a pull-out the rudder stays within this, or a twentieth of its plate if that is more, of where it was put."""
-#: Positions that jump by this share of a distance leave it unknown.
-_JUMP = 0.05
 _STEADY = 0.05
 """A ship that turns at the execute by more than this share of the steady rate was on no steady course."""
 
@@ -137,10 +131,14 @@ def measure_turn(trial: Trial, execute: str | None, length: float | None, faults
     track = track_channels(trial, faults.wrong)
     notes: list[str] = []
     if track is not None:
-        way = _Track(track[0], track[1], course, side, when, calm, faults)
+        way = Way(track[0], track[1], course, side, when, calm, faults)
         found |= way.distances(quarters, reasons)
-        drifting = drift_of(track[0], track[1], psi.t[running], turned[running]) if track[2] == "positions" else None
-        found |= _still_water(way, found, quarters, drifting, float(turned[running].max()), track[2], reasons, notes)
+        if track[2] == "positions":
+            why = faults.step(when, off) or way.jump(off)
+            at = psi.t[running], psi.y[running], turned[running]
+            drifting = None if why else drift_of(track[0], track[1], *at, way.speed(quarters))
+            values, unknown, said = still_water(way, found, quarters, drifting, float(turned[running].max()), why)
+            found, reasons, notes = found | values, reasons | unknown, [*notes, *said]
     found |= _steady(trial, psi, turned, quarters, running, moving, calm)
     approach = None if moving is None else series.value_at(moving.t, moving.y, when, calm, 1)
     if moving is not None and (hole := moving.hole(when)) is not None:
@@ -228,111 +226,6 @@ def _driven(trial: Trial, when: float) -> float:
     usual = float(np.median(before[-50:])) if before.size else 0.0
     stopped = np.flatnonzero((t > when) & (n * np.sign(usual) < _DRIVES * abs(usual)))
     return float(t[stopped[0]]) if stopped.size else float("inf")
-
-
-class _Track:
-    """The track along and across the initial course, from the execute on."""
-
-    def __init__(
-        self, x: Channel, y: Channel, course: float, side: int, when: float, calm: float, faults: Faults
-    ) -> None:
-        self.x, self.y, self.side, self.when, self.calm, self.faults = x, y, side, when, calm, faults
-        self.c, self.s = np.cos(course), np.sin(course)
-
-    def moved(self, at: float, drift: CircleDrift | None = None) -> tuple[float, float]:
-        """Distance along and across the course between the execute and a moment [m]."""
-        shift = []
-        for channel in (self.x, self.y):
-            half = max(self.calm, 2.5 * channel.interval)
-            shift.append(
-                series.value_at(channel.t, channel.y, at, half) - series.value_at(channel.t, channel.y, self.when, half)
-            )
-        north, east = shift
-        if drift is not None:
-            north, east = north - drift.north * (at - self.when), east - drift.east * (at - self.when)
-        return self.c * north + self.s * east, self.side * (self.c * east - self.s * north)
-
-    def speed(self, quarters: list[float | None]) -> float:
-        """Mean speed over the ground of the first 90 deg, as the crow flies [m/s]."""
-        if quarters[0] is None:
-            return 0.0
-        return float(np.hypot(*self.moved(quarters[0]))) / (quarters[0] - self.when)
-
-    def missing(self, at: float) -> str | None:
-        """Why the track is not known at a moment, or at the execute."""
-        for channel in (self.x, self.y):
-            for when in (self.when, at):
-                if (hole := channel.hole(when)) is not None:
-                    return self.faults.hole(channel.name, hole)
-        return self.faults.step(self.when, at) or self._jump(at)
-
-    def _jump(self, at: float) -> str | None:
-        """Whether the positions have jumped on the way there, by a share of the distance that matters; there and back cancels."""
-        spans = self.faults.jumps(self.when, at)
-        north, east = (sum(jumped(channel, *span) for span in spans) for channel in (self.x, self.y))
-        size = float(np.hypot(north, east))
-        if size <= _JUMP * float(np.hypot(*self.moved(at))):
-            return None
-        return f"the positions jump by {size:.3g} m at {spans[0][0]:.5g} s"
-
-    def distances(self, quarters: list[float | None], reasons: dict[str, str]) -> dict[str, float | None]:
-        """Advance, transfer and tactical diameter over the ground; writes why one is not known."""
-        result: dict[str, float | None] = {"advance": None, "transfer": None, "tactical_diameter": None}
-        for k, names in ((0, ("advance", "transfer")), (1, ("tactical_diameter",))):
-            quarter = quarters[k]
-            why = reasons.get(f"times[{k + 1}]")
-            if quarter is not None:
-                why = self.missing(quarter)
-            for name in names:
-                if why is not None:
-                    reasons[name] = why
-                elif quarter is not None:
-                    along, across = self.moved(quarter)
-                    result[name] = along if name == "advance" else across
-        return result
-
-
-def _still_water(
-    way: _Track,
-    found: dict[str, float | None],
-    quarters: list[float | None],
-    drifting: CircleDrift | None,
-    turned: float,
-    source: str,
-    reasons: dict[str, str],
-    notes: list[str],
-) -> dict[str, float | None]:
-    """Advance, transfer and tactical diameter with the drift of the circle taken off, and that drift."""
-    names = ("advance", "transfer", "tactical_diameter")
-    if source != "positions":
-        return {}
-    if drifting is None:
-        for name in names:
-            if found.get(name) is not None:
-                reasons[f"{name}_still_water"] = (
-                    f"the circle turns through {angle(turned, 3)} only, and its drift shows from 465 deg on"
-                    if turned < 2.5 * pi + np.radians(15)
-                    else "positions are missing where the drift is read"
-                )
-        return {}
-    result: dict[str, float | None] = {"drift_speed": drifting.speed}
-    if drifting.speed < max(_DRIFTS * drifting.scatter, _LEAST_DRIFT * way.speed(quarters)):
-        reasons["drift_direction"] = "the drift of the circle is not beyond its scatter"
-        for name in names:
-            if found.get(name) is not None:
-                reasons[f"{name}_still_water"] = "the drift of the circle is not beyond its scatter"
-        return result
-    result["drift_direction"] = drifting.direction
-    for name, quarter in zip(names, (quarters[0], quarters[0], quarters[1])):
-        if quarter is not None and found.get(name) is not None:
-            along, across = way.moved(quarter, drifting)
-            result[f"{name}_still_water"] = along if name == "advance" else across
-    notes.append(
-        f"over the ground the circle drifts at {shown(drifting.speed, 'U', digits=3)} to "
-        f"{angle(drifting.direction, 3)} (scatter {shown(drifting.scatter, 'U', digits=2)}): current, and what wind and waves "
-        "add; the still-water values have it taken off"
-    )
-    return result
 
 
 def _steady(

@@ -228,7 +228,7 @@ def measure_zigzag(trial: Trial, execute: str | None, length: float | None, faul
             float(v) if f"execute_headings[{k}]" not in reasons else None for k, v in enumerate(at - course, start=1)
         ),
         overshoots=overshoots,
-        overshoot_uncertainties=stated if late is None or not late.doubtful else widened(stated, overshoots, beside),
+        overshoot_uncertainties=stated if late is None or not late.doubtful else widened(stated, overshoots, beside or ()),
         overshoots_set_out=beside,
         overshoots_moved=beyond_moved,
         extreme_headings=tuple(

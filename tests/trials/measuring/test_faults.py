@@ -180,12 +180,38 @@ def test_turning_circle_in_a_current_gives_both(circle_log):
     assert any("drifts at" in note for note in found.notes)
 
 
+def _slowing(current, speed_settles, rate_settles, until=365.0):
+    """A circle in which speed and rate of turn settle to 60 %, each in a time of its own."""
+    t = np.arange(0.0, 1200.0, 0.5)
+    over = np.clip(t - 50.0, 0.0, None)
+    speed = 5.0 * (0.6 + 0.4 * np.exp(-over / speed_settles))
+    psi = np.cumsum(np.where(t > 50, 5.0 / 300.0 * (0.6 + 0.4 * np.exp(-over / rate_settles)), 0.0)) * 0.5
+    frame = pd.DataFrame({
+        "t [s]": t, "psi [deg]": np.degrees(psi), "u [m/s]": speed, "delta [deg]": np.clip(2.5 * over, 0, 35),
+        "x [m]": np.cumsum(speed * np.cos(psi) + current[0]) * 0.5, "y [m]": np.cumsum(speed * np.sin(psi) + current[1]) * 0.5,
+    })  # fmt: skip
+    return Trial.from_frame(frame[psi < np.radians(until)], name="slowing")
+
+
+@pytest.mark.parametrize("settles", [(60.0, 60.0), (120.0, 60.0), (60.0, 20.0), (100.0, 1e-3), (200.0, 100.0)])
+def test_a_circle_just_over_360_degrees_in_a_current_gives_both(settles):
+    """However the ship slows down, the drift lies within its uncertainty, and the distances within what that makes of them."""
+    current = (0.3, -0.8)
+    found, still = measure(_slowing(current, *settles)), measure(_slowing((0.0, 0.0), *settles))
+    seen = found.drift_speed * np.exp(1j * found.drift_direction)
+    assert abs(seen - complex(*current)) < found.drift_uncertainty < 0.6
+    for name in ("advance", "transfer", "tactical_diameter"):
+        away = abs(getattr(found, f"{name}_still_water") - getattr(still, name))
+        assert away < found.drift_uncertainty * found.times[0 if name != "tactical_diameter" else 1]
+    assert any("advance within" in note for note in found.notes)
+
+
 def test_still_water_values_are_not_made_up(circle_log):
-    short = measure(circle_log(current=(0.3, -0.8), turns=1.1))
+    short = measure(circle_log(current=(0.3, -0.8), turns=0.95))
     assert short.drift_speed is None and short.advance_still_water is None
-    assert "its drift shows from 465 deg on" in short.reasons["advance_still_water"]
+    assert "its drift shows from 360 deg on" in short.reasons["advance_still_water"]
     still = measure(circle_log())
-    assert still.advance_still_water is None and "not beyond its scatter" in still.reasons["advance_still_water"]
+    assert still.advance_still_water is None and "not beyond its uncertainty" in still.reasons["advance_still_water"]
 
 
 def test_a_propeller_that_is_stopped_in_a_zigzag_is_told(logged):

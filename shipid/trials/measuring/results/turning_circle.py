@@ -26,7 +26,7 @@ class TurningCircle(Measures):
         The same with the drift of the circle taken off, where it turns far enough to show it.
     advance_still_water_ratio, transfer_still_water_ratio, tactical_diameter_still_water_ratio : float or None
         In ship lengths.
-    drift_speed, drift_direction : float or None
+    drift_speed, drift_uncertainty, drift_direction : float or None
         Of the whole circle over the ground: current, and what wind and waves add to it; the direction it drifts to.
     times, speeds : tuple of float or None
         One a quarter of the circle.
@@ -46,6 +46,7 @@ class TurningCircle(Measures):
     transfer_ratio: float | None = quantity("1", "transfer in ship lengths")
     tactical_diameter_ratio: float | None = quantity("1", "tactical diameter in ship lengths")
     drift_speed: float | None = quantity("m/s", "drift of the circle over the ground, in turning through 360 deg")
+    drift_uncertainty: float | None = quantity("m/s", "95 % uncertainty of that drift, in any direction")
     drift_direction: float | None = quantity("rad", "direction the circle drifts to, clockwise from north")
     advance_still_water: float | None = quantity("m", "advance with that drift taken off")
     transfer_still_water: float | None = quantity("m", "transfer with that drift taken off")

@@ -146,7 +146,8 @@ def late_notes(
     """
     if late is not None:
         said = ", ".join("not known" if beyond is None else f"{np.degrees(beyond):.1f}" for beyond in beside or ())
-        words = f"{late.words}; counted from there the overshoots are {said} deg"
+        sign = "order-early (delta_order): " if late.doubtful else ""
+        words = f"{sign}{late.words}; counted from there the overshoots are {said} deg"
         return [Notice(words, "order-early", serious=late.doubtful, channel="delta_order")]
     if unseen is None or min(unseen, GEAR) * turning < _UNSEEN:
         return []

@@ -118,7 +118,7 @@ def _followed(t: np.ndarray, order: np.ndarray, rate: float) -> np.ndarray:
         there = min(begin + abs(wanted - now) / rate, end)
         times += [begin, there]
         angles += [now, now + float(np.clip(wanted - now, -rate * (there - begin), rate * (there - begin)))]
-    return np.interp(t, times, angles)
+    return np.asarray(np.interp(t, times, angles))
 
 
 def examine_order_alone(p: WorkingCopy) -> bool:
