@@ -57,14 +57,14 @@ class RunningClock:
         main = list(first.values())[-1]
         unit = unit or unit_of_time(self._place.names[-1])
         self._layout = stated.layout
-        if self._layout is None and isplain_number(main):
+        if self._layout is None and is_number(main):
             values = pd.to_numeric(main, errors="coerce").to_numpy(dtype=float, na_value=np.nan)
             self._layout = layout_of(
                 headers.header(headers.split_header(self._place.names[-1])[0], unit) if unit else self._place.names[-1],
                 values,
             )
         self._factor = None
-        if self._layout is None and isplain_number(main) and len(first) == 1:
+        if self._layout is None and is_number(main) and len(first) == 1:
             if unit is None:
                 raise headers.no_unit(self._place.names[-1], f"{where}, header: ", "t")
             self._factor = headers.to_inside("t", unit, f"{where}, header: ")

@@ -60,7 +60,7 @@ def test_a_sheet_of_a_workbook_in_an_archive(log, tmp_path):
     book.save(tmp_path / "book.xlsx")
     path = log(zipped(**{"book.xlsx": (tmp_path / "book.xlsx").read_bytes(), "b.csv": "x"}), "all.zip")
     assert read_trial(f"{path}#book.xlsx#Second")["psi"][-1] == pytest.approx(np.radians(38))
-    with pytest.raises(ChoiceError, match=r"all.zip#book.xlsx#"):
+    with pytest.raises(ChoiceError, match=r"all\.zip#book\.xlsx#"):
         read_trial(f"{path}#book.xlsx")
 
 
