@@ -38,7 +38,7 @@ def test_a_log_of_several_is_named_behind_the_archive(log, table):
         match=r"archive of 3 files: .* Name one of them behind the file, as in .*all.zip#trials/one.csv",
     ):
         read_trial(path)
-    with pytest.raises(ChoiceError, match="holds no file 'tow.csv'. Did you mean"):
+    with pytest.raises(ChoiceError, match=r"holds no file 'tow\.csv'\. Did you mean"):
         read_trial(f"{path}#tow.csv")
 
 
