@@ -334,7 +334,7 @@ def output_file(path: str, overwrite: bool) -> Path:
 
 
 def output_or_stdout(path: str | None, overwrite: bool) -> Path | None:
-    """Return the file of an ``--output`` that may be left out; None for standard output, which ``-`` names too.
+    """Return the file of an ``--output`` that may be left out, as `output_file`; None for standard output, which ``-`` names too.
 
     Parameters
     ----------
@@ -342,11 +342,6 @@ def output_or_stdout(path: str | None, overwrite: bool) -> Path | None:
         The option.
     overwrite : bool
         Whether it may exist.
-
-    Raises
-    ------
-    UsageError, MissingFileError, OverwriteError
-        As `output_file`.
     """
     return None if path in (None, "-") else output_file(str(path), overwrite)
 

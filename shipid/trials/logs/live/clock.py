@@ -18,6 +18,7 @@ from shipid.trials.logs.clocks.numbers import ALL_DIGITS
 from shipid.trials.logs.clocks.reading import layout_of, same_row
 from shipid.trials.logs.clocks.settings import DATE_ORDERS, TIMES, ClockFormat
 from shipid.trials.logs.clocks.stamps import read_stamps
+from shipid.trials.logs.live.cells import plain_number
 
 #: A clock that falls from within this of midnight to within this of it passes midnight [s].
 _NEAR = 60.0
@@ -89,7 +90,7 @@ class RunningClock:
             Those of the clock, as the first rows were given.
         """
         if self._factor is not None:
-            return self._over_midnight(_number(cells[-1]) * self._factor)
+            return self._over_midnight(plain_number(cells[-1]) * self._factor)
         reading = self._read(cells)
         stamp = float(reading.seconds[0]) if len(reading.seconds) else float("nan")
         if not np.isfinite(stamp):
@@ -127,7 +128,7 @@ class RunningClock:
         if layout is not None and "%" in layout:
             return by_pattern(text, self._stated, self._place)
         if layout is not None and layout not in (*DATE_ORDERS, *TIMES, ALL_DIGITS):
-            return of_numbers(np.array([_number(cells[-1])]), layout, beside, self._stated, self._place)
+            return of_numbers(np.array([plain_number(cells[-1])]), layout, beside, self._stated, self._place)
         try:
             reading = of_text(text, self._stated, self._place)
         except TrialError:
@@ -164,10 +165,3 @@ class RunningClock:
             self._usual, self._group, self._count = stamp - self._stamp, self._count + 1, 0
         self._stamp = stamp
         return stamp
-
-
-def _number(cell: str) -> float:
-    try:
-        return float(cell)
-    except ValueError:
-        return float("nan")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,16 +14,17 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.trials import columns as headers
 from shipid.trials.errors import EmptyFileError, TrialError
 from shipid.trials.logs.clocks.formatted import clock_columns
-from shipid.trials.logs.clocks.headers import find_clock
 from shipid.trials.logs.clocks.settings import ClockFormat
 from shipid.trials.logs.format import SEPARATORS, TrialFormat
 from shipid.trials.logs.geodesy import to_local
+from shipid.trials.logs.live.cells import LetteredCells, clock_columns_of, plain_number
 from shipid.trials.logs.live.clock import RunningClock
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.positions import pair_of, with_degrees
 from shipid.trials.logs.tables.files.text_fields import fields
 from shipid.trials.logs.tables.files.text_layout import TextLayout, lay_out
 from shipid.trials.logs.tables.header_rows import is_sample_row
+from shipid.trials.logs.tables.lettered import may_be_lettered, read_lettered
 from shipid.trials.logs.tables.numerals import Decimal, certain_sign, is_missing, read_numbers
 from shipid.trials.missing_marks import LARGEST
 
@@ -80,6 +81,8 @@ class LiveTable:
         self._layout: TextLayout | None = None
         self._clock: RunningClock | None = None
         self._clock_at: tuple[int, ...] = ()
+        self._join: Callable[[Sequence[str]], list[str]] = list
+        self._letters: dict[int, LetteredCells] = {}
         self._headers: tuple[str, ...] = ()
         self._sign: Decimal | None = None
         sign = re.escape(self._comment)
@@ -205,13 +208,17 @@ class LiveTable:
         assert self._layout is not None
         layout, fmt = self._layout, self._fmt
         rows = [cells for _, cells in self._waiting]
+        if self._sign is None:  # a cell behind the clock may tell what the clock leaves open
+            self._sign = next((sign for row in rows for cell in row if (sign := certain_sign(cell)) is not None), None)
         columns = [pd.Series([self._plain(row[k]) for row in rows], dtype=object) for k in range(layout.width)]
         if fmt is None:
             table = {header: columns[k] for k, header in enumerate(self._headers) if header}
-            clock, others = find_clock(table)
+            at_clock = clock_columns_of(table)
+            clock = at_clock.headers
             if not clock and not last:
                 return
-            numbers = {h: column.map(self._number) for h, column in table.items() if h not in clock + others}
+            others = (h for h in table if h not in clock + at_clock.others)
+            numbers = {h: self._numbers(self._headers.index(h), table[h]) for h in others}
             kept = {h: column for h, column in numbers.items() if column.notna().any() or _says_what_it_is(h)}
             full, notes = with_degrees(kept)
             for note in notes:
@@ -225,7 +232,8 @@ class LiveTable:
             if not clock:  # a unit of its own, as in t [cs]
                 clock, unit = (self._headers[found["t"]],), stated["t"]
             self._clock_at = tuple(self._headers.index(header) for header in clock)
-            written = {header: table[header] for header in clock}
+            self._join = at_clock.cells
+            written = at_clock.written or {header: table[header] for header in clock}
             self._clock = RunningClock(written, self._where, ClockFormat(), unit)
         else:
             found, stated = by_format(fmt, self._headers, layout.width, self._where, {})
@@ -272,7 +280,7 @@ class LiveTable:
             assert self._fmt is not None and self._fmt.interval is not None
             t = self._count * self._fmt.interval
         else:
-            t = self._clock.seconds([self._plain(cells[k]) for k in self._clock_at])
+            t = self._clock.seconds(self._join([self._plain(cells[k]) for k in self._clock_at]))
             for note in self._clock.notes:
                 self._tell(f"{self._where}, line {number}: {note}")
             self._clock.notes.clear()
@@ -282,15 +290,36 @@ class LiveTable:
         self._count += 1
         values = {"t": t}
         for name, (k, factor) in self._channels.items():
-            values[name] = self._value(number, name, cells[k]) * factor
+            values[name] = self._value(number, name, k, cells[k]) * factor
         yield LiveSample(number, self._put_right(values))
 
-    def _value(self, number: int, name: str, cell: str) -> float:
+    def _numbers(self, k: int, column: pd.Series) -> pd.Series:
+        """The first cells of a column as numbers, NaN where one is none."""
+        found = column.map(plain_number).astype(float)
+        if found.isna().all() and self._may_be_lettered(k):
+            lettered = read_lettered(column)
+            return found if lettered is None else pd.Series(lettered[0])
+        return found
+
+    def _may_be_lettered(self, k: int) -> bool:
+        return may_be_lettered(headers.split_header(self._headers[k])[1] if k < len(self._headers) else None)
+
+    def _value(self, number: int, name: str, k: int, cell: str) -> float:
         if is_missing(cell):
             return np.nan
         value = self._number(cell)
-        if abs(value) <= LARGEST:
+        letters = self._letters.get(k)
+        if abs(value) <= LARGEST and (letters is None or letters.fits(value)):
             return value
+        if not np.isfinite(value) and self._may_be_lettered(k):
+            letters = self._letters.setdefault(k, LetteredCells())
+            before, value = letters.said, letters.read(cell)
+            if letters.said and letters.said != before:
+                self._tell(
+                    f"{self._where}, line {number}: column '{self._headers[k] if self._headers else k}': {letters.said}."
+                )
+            if abs(value) <= LARGEST:
+                return value
         self._tell(f"{self._where}, line {number}: {name} is no number there; it counts as missing.")
         return np.nan
 

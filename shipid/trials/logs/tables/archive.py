@@ -56,6 +56,11 @@ def in_archive(file: Path, part: str | None) -> tuple[str | None, str | None]:
         The member; None where the file is no archive that has it.
     table : str or None
         What is left of `part`.
+
+    Raises
+    ------
+    ChoiceError
+        If the archive holds several files, and none of that name.
     """
     if part is None:
         return None, None

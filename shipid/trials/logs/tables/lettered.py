@@ -17,11 +17,24 @@ _PAIRS = (
 #: Letters that say one thing also alone. ``S`` is south or starboard, ``T`` also true, ``O`` east or west.
 _ALONE = {"N": 1, "E": 1, "W": -1, "P": -1, "PORT": -1, "PS": -1, "BB": -1, "SB": 1, "STB": 1, "STBD": 1}
 _WORDS = "|".join(sorted({word for pair in _PAIRS for word in pair}, key=len, reverse=True))
+#: Units in lower case.
+_DEGREES = ("", "deg", "degs", "degree", "degrees", "°", "º", "grad", "graden", "grados", "degré", "degrés")
 _NUMBER = r"[0-9]+(?:[.,][0-9]*)?"
 _CELL = (
     rf"(?i)^(?P<before>{_WORDS})?\s*(?P<sign>[-+])?(?P<whole>{_NUMBER})\s*(?P<mark>[°º])?"
     rf"\s*(?:(?P<minutes>{_NUMBER})\s*['′’]\s*(?:(?P<seconds>{_NUMBER})\s*(?:[\"″”]|'')\s*)?)?(?P<behind>{_WORDS})?$"
 )
+
+
+def may_be_lettered(*units: str | None) -> bool:
+    """Return whether a column can hold angles with letters: the marks are of degrees, and beside another unit nothing is certain.
+
+    Parameters
+    ----------
+    *units : str or None
+        What its header and a row of units say.
+    """
+    return all((unit or "").strip(". ").lower() in _DEGREES for unit in units)
 
 
 def read_lettered(column: pd.Series) -> tuple[np.ndarray, str] | None:

@@ -20,14 +20,12 @@ from shipid.trials.logs.format import TrialFormat
 from shipid.trials.logs.naming import by_format, by_header
 from shipid.trials.logs.positions import with_degrees
 from shipid.trials.logs.record import LenientRecord, same_row
-from shipid.trials.logs.tables.lettered import read_lettered
+from shipid.trials.logs.tables.lettered import may_be_lettered, read_lettered
 from shipid.trials.logs.tables.numerals import MISSING, Decimal, read_numbers, shows_decimals, sign_of_file
 from shipid.trials.source import Source
 
 #: No log has as many columns.
 MOST_COLUMNS = 10_000
-#: Units, in lower case, beside which an angle may have letters for its sides or a mark of degrees.
-_DEGREES = ("", "deg", "degs", "degree", "degrees", "°", "º", "grad", "graden", "grados", "degré", "degrés")
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,9 +233,7 @@ class _Cells:
         for k in list(written):
             name = self.raw.headers[k] if k < len(self.raw.headers) else f"number {k}"
             units = (self.raw.units[k] if k < len(self.raw.units) else None, spelling.split_header(name)[1])
-            # The marks are of degrees: beside a header that says another unit nothing is certain.
-            degrees = all((unit or "").strip(". ").lower() in _DEGREES for unit in units)
-            lettered = read_lettered(written[k]) if degrees and _is_text(texts[k]) else None
+            lettered = read_lettered(written[k]) if may_be_lettered(*units) and _is_text(texts[k]) else None
             if lettered is not None:
                 values, said = lettered
                 self._read[k], self._strange[k] = pd.Series(values, name=texts[k].name), np.zeros(len(values), bool)

@@ -70,6 +70,53 @@ def test_tables(tmp_path, columns, separator):
     same_as_the_record("# head\n\n" + text, tmp_path / "log.csv", atol=2e-5)
 
 
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_a_clock_in_several_columns(tmp_path, decimal):
+    parts = {
+        name: getattr(STAMPS.dt, name.lower()).astype(int) for name in ("Year", "Month", "Day", "Hour", "Minute")
+    } | {"Second": STAMPS.dt.second + STAMPS.dt.microsecond / 1e6}
+    text = frame(**parts).to_csv(index=False, sep=";", decimal=decimal)
+    trial, told = same_as_the_record(text, tmp_path / "log.csv")
+    assert trial.source.start is not None
+    assert any("t = 0" in line or "midnight" in line for line in told) or trial["t"][-1] == SECONDS[-1]
+
+
+def test_milliseconds_beside_a_time(tmp_path):
+    columns = {"time": STAMPS.dt.strftime("%H:%M:%S"), "ms": (STAMPS.dt.microsecond // 1000).astype(int)}
+    trial, _ = same_as_the_record(frame(**columns).to_csv(index=False), tmp_path / "log.csv")
+    assert trial["t"][1] == 0.5
+
+
+@pytest.mark.parametrize("letters", ["SP", ("STBD", "PORT")])
+def test_angles_with_letters_for_their_sides(tmp_path, letters):
+    cells = [f"{abs(k - 20) / 2:.1f} {letters[k < 20]}".strip() if k != 20 else "0.0" for k in range(N)]
+    made = frame(**{"t [s]": SECONDS}).assign(**{"delta [deg]": cells})
+    if letters == "SP":  # S alone is south as well: the first P tells
+        made.loc[0, "delta [deg]"] = "3.0 P"
+    trial, told = same_as_the_record(made.to_csv(index=False), tmp_path / "log.csv")
+    assert trial["delta"][-1] == pytest.approx(np.radians(19.5))
+    assert trial["delta"][5] == pytest.approx(np.radians(-7.5))
+    assert any("sign" in line for line in told)
+
+
+def test_degrees_and_minutes(tmp_path):
+    lat, lon = 48 + SECONDS * 2e-5, 9 + SECONDS * 3e-5
+    made = frame(**{"t [s]": SECONDS}).assign(
+        lat=[f"{int(v)}°{v % 1 * 60:.5f}'N" for v in lat], lon=[f"{int(v):03d}°{v % 1 * 60:.5f}'W" for v in lon]
+    )
+    trial, _ = same_as_the_record(made.to_csv(index=False), tmp_path / "log.csv", atol=1e-4)
+    assert trial["x"][-1] > 50
+    assert trial["y"][-1] < -50
+
+
+def test_a_letter_that_leaves_the_side_open_is_told():
+    samples, told = live("t [s],delta [deg]\n0,1.0 S\n1,2.0 S\n2,3.0 P\n3,4.0 S\n4,5.0\n5,0.0\n")
+    np.testing.assert_allclose(
+        np.degrees([s["delta"] for s in samples]), [np.nan, np.nan, -3, 4, np.nan, 0], atol=1e-12
+    )
+    assert sum("delta is no number there" in line for line in told) == 3
+
+
 def test_a_clock_that_counts_from_midnight_and_names_that_end_in_a_unit(tmp_path):
     table = frame(t_s=(86390 + SECONDS) % 86400).rename(columns={"psi [deg]": "psi_deg", "delta [deg]": "delta_deg"})
     _, told = same_as_the_record(table.to_csv(index=False), tmp_path / "log.csv", atol=1e-6)
