@@ -13,7 +13,7 @@ from pathlib import Path
 from shipid.autopilot.course_changes.turn_order import RADIUS
 from shipid.autopilot.design.autopilot import Autopilot
 from shipid.autopilot.design.design_autopilot import design_autopilot
-from shipid.autopilot.design.read_schedule import read_schedule
+from shipid.autopilot.design.read_schedule import check_same_ship, read_schedule
 from shipid.bridge.bridge_settings import SHIP, BridgeSettings
 from shipid.bridge.core.core import RUDDER_LIMIT, BridgeCore
 from shipid.bridge.core.route_watch import BridgeRoute, bridge_route
@@ -116,14 +116,23 @@ def pilot_of(settings: BridgeSettings) -> Autopilot:
     UsageError
         If the model has no position and heading.
     """
-    ship = find_ship(settings.ship or SHIP)
-    model = hold_inputs(find_model(settings.model or preferred_model(ship)), dict(settings.inputs))
+    # A schedule holds its ship and names its model.
+    given = None if settings.model is None else hold_inputs(find_model(settings.model), dict(settings.inputs))
+    designed = None if settings.schedule is None else read_schedule(settings.schedule, given)
+    ship = designed.ship if designed is not None and settings.ship is None else find_ship(settings.ship or SHIP)
+    if given is not None:
+        model = given
+    else:
+        model = hold_inputs(
+            find_model(preferred_model(ship)) if designed is None else designed.model, dict(settings.inputs)
+        )
     ship = with_values(ship, dict(settings.values), [model])
     if not {"x", "y", "psi"} <= set(model.states):
         raise UsageError(f"model {model.name} has no position and heading: choose another, such as de-keizer.")
-    if settings.schedule is None:
+    if designed is None:
         return design_autopilot(model, ship)
-    return replace(read_schedule(settings.schedule, model), model=model, ships=(ship,))
+    check_same_ship(settings.schedule or "", designed, ship)
+    return replace(designed, model=model, ships=(ship,))
 
 
 def preferred_model(ship: ParameterSet) -> str:

@@ -36,6 +36,13 @@ def test_one_course_and_a_value(call, schedule):
     assert usual.out != slow.out and usual.out.splitlines()[0].startswith("# Simulated, not measured")
 
 
+def test_a_schedule_of_another_ship_is_refused(refused, schedule):
+    says = "was designed for ship soesterberg of 226 m, and gunnerus has 33.9 m"
+    refused(3, ["simulate", "de-keizer", "--ship", "gunnerus", "--autopilot", schedule, "--course", "60 deg"], says)
+    refused(3, ["predict", "de-keizer", "--ship", "gunnerus", "--schedule", schedule, "--heading", "60 deg"], says)
+    refused(3, ["bridge", "--ship", "gunnerus", "--schedule", schedule], says)
+
+
 def test_refusals(refused, schedule):
     ship = ["simulate", "de-keizer", "--ship", "soesterberg"]
     refused(2, ship, "--manoeuvre, or an --autopilot")

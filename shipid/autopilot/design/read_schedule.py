@@ -27,6 +27,8 @@ from shipid.parameters.parameter_set import ParameterSet
 from shipid.parts.helm import DirectRudder
 from shipid.parts.rudder_delay import actuator_of
 
+#: Lengths that differ by a larger share are those of two ships: one is measured between perpendiculars, another over all.
+_SAME = 0.1
 _REQUIRED = ("model", "design", "service_speed", "rudder_limit", "schedule", "ship")
 _KEYS = (*_REQUIRED, "kind", "written_by", "actuator", "mode", "request", "limits", "condition", "warnings")
 
@@ -90,6 +92,31 @@ def read_schedule(path: str | Path, model: Model | type[Component] | str | None 
         poles=_stable_poles(path, found, ships, schedule),
         warnings=tuple(str(w) for w in table.value("warnings", list, [])),
     )
+
+
+def check_same_ship(path: str | Path, pilot: Autopilot, ship: ParameterSet) -> None:
+    """Check that a schedule was designed for the ship that is sailed under it: its gains and its limits of the rudder are hers.
+
+    Parameters
+    ----------
+    path : str or Path
+        The schedule's file, for the message.
+    pilot : Autopilot
+        The schedule.
+    ship : ParameterSet
+        The ship that is sailed.
+
+    Raises
+    ------
+    ScheduleError
+        If their lengths differ: it is another ship.
+    """
+    length, designed = ship.particular("L", "m"), pilot.ship.particular("L", "m")
+    if length and designed and abs(length - designed) > _SAME * designed:
+        raise ScheduleError(
+            f"{path} was designed for ship {pilot.ship.name} of {designed:.5g} m, and {ship.name} has {length:.5g} m. Design one for her: "
+            f"shipid tune {pilot.model.name} --ship {ship.name}."
+        )
 
 
 def _model(table: Table, given: Model | type[Component] | str | None) -> Model:

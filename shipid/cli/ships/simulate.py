@@ -180,7 +180,7 @@ def _voyage(
     courses: tuple[str, ...],
     settings: dict[str, Any],
 ) -> Trial:
-    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.autopilot.design.read_schedule import check_same_ship, read_schedule
     from shipid.parameters.catalogue import find_ship
     from shipid.prediction.sailing.sail import sail
 
@@ -188,11 +188,13 @@ def _voyage(
         [_order_of(c) for c in courses] if len(courses) > 1 or ":" in courses[0] else courses[0]
     )
     sailing = model_given(model, settings.pop("inputs"))
+    pilot, known = read_schedule(autopilot, sailing), find_ship(ship)
+    check_same_ship(autopilot, pilot, known)
     return sail(
-        read_schedule(autopilot, sailing),
+        pilot,
         orders,
         model=sailing,
-        ship=find_ship(ship),
+        ship=known,
         **settings,
     )
 
@@ -205,14 +207,18 @@ def _route(
     settings: dict[str, Any],
 ) -> Voyage:
     from shipid.autopilot.design.design_autopilot import design_autopilot
-    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.autopilot.design.read_schedule import check_same_ship, read_schedule
     from shipid.parameters.catalogue import find_ship
     from shipid.prediction.routes.read_route import read_route
     from shipid.prediction.sailing.sail_route import sail_route
 
     plan = read_route(route)
     sailing, known = model_given(model, settings.pop("inputs")), find_ship(ship)
-    pilot = design_autopilot(sailing, known) if autopilot is None else read_schedule(autopilot, sailing)
+    if autopilot is None:
+        pilot = design_autopilot(sailing, known)
+    else:
+        pilot = read_schedule(autopilot, sailing)
+        check_same_ship(autopilot, pilot, known)
     return sail_route(
         pilot,
         plan,

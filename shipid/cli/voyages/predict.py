@@ -172,13 +172,15 @@ def _pilot(model: str, ship: str, schedule: str | None, values: dict[str, str], 
     from dataclasses import replace
 
     from shipid.autopilot.design.design_autopilot import design_autopilot
-    from shipid.autopilot.design.read_schedule import read_schedule
+    from shipid.autopilot.design.read_schedule import check_same_ship, read_schedule
 
     found = model_given(model, inputs)
     known = ship_given(ship, values, found)
     if schedule is None:
         return design_autopilot(found, known)
-    return replace(read_schedule(schedule, found), model=found, ships=(known,))
+    designed = read_schedule(schedule, found)
+    check_same_ship(schedule, designed, known)
+    return replace(designed, model=found, ships=(known,))
 
 
 def _situation(

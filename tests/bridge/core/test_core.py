@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+import shipid
+from shipid.bridge.bridge_settings import BridgeSettings
 from shipid.bridge.core.route_watch import bridge_route
 from shipid.bridge.core.source import SourceReading, Target
+from shipid.bridge.open_bridge import pilot_of
 from shipid.bridge.sources.simulated import SimulatedSource
 from shipid.foundation.errors import UsageError
+from shipid.parameters.replaced import with_values
 from shipid.prediction.routes.route import route_through
 
 from ..conftest import sail, shown
@@ -457,3 +462,11 @@ def test_a_slow_record_is_not_stale(make_core):
     source.take = take
     sail(core, 100)
     assert texts(core) == []
+
+
+def test_a_schedule_brings_its_ship_and_its_model(tmp_path):
+    minimal = shipid.design_autopilot("de-keizer-minimal", "soesterberg")
+    short = replace(minimal, ships=(with_values(minimal.ship, {"L": "200 m"}, [minimal.model]),))
+    shipid.write_schedule(short, tmp_path / "schedule.toml")
+    found = pilot_of(BridgeSettings(schedule=str(tmp_path / "schedule.toml")))
+    assert found.model.name == "de-keizer-minimal" and found.length == 200.0

@@ -118,6 +118,19 @@ def test_a_palette_is_chosen_remembered_and_night_is_a_tenth_of_dusk_or_day(brid
     assert page.locator("html").get_attribute("data-palette") == "night"
 
 
+def test_no_control_of_the_drawer_is_bright_at_night_or_leaves_it(bridge, open_page):
+    """A browser draws what is not styled in its own colours: a white rail of a slider, in the dark."""
+    page = open_page(bridge.address, width=1080, height=810)
+    page.get_by_role("radio", name="Night").click()
+    page.get_by_role("button", name="Details").click()
+    drawer = page.locator("#drawer")
+    page.locator("#drawer .slider input").first.scroll_into_view_if_needed()
+    image = matplotlib.image.imread(io.BytesIO(drawer.screenshot()), format="png")[..., :3]
+    brightest = max(max(int(c[i : i + 2], 16) for i in (1, 3, 5)) for c in palettes()["night"].values()) / 255
+    assert image.max() <= brightest + 0.02
+    assert drawer.evaluate("e => e.scrollWidth <= e.clientWidth")
+
+
 def test_a_dark_system_begins_at_dusk(bridge, open_page):
     page = open_page(bridge.address, color_scheme="dark")
     assert page.locator("html").get_attribute("data-palette") == "dusk"
