@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 import shipid
+from shipid.autopilot.judgement.margins import Margins
 from shipid.foundation.numbers import unit_of_name
-from shipid.foundation.result import LINES, WIDTH, DrawnResult, Result
+from shipid.foundation.result import LINES, WIDTH, DrawnResult, Result, ResultEntry
 from shipid.report import write_report
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -26,11 +27,11 @@ TREES = {
 HOMES = {n.name: (module, n) for module, tree in TREES.items() for n in tree.body if isinstance(n, ast.ClassDef)}
 #: How a filter, a model or a search is laid out, and single entries of a result: no results.
 LAID_OUT = {
-    "BiasSpread", "BiasStanding", "Box", "Buoy", "Campaign", "Contour", "Covariance", "Criterion", "CriterionSide", "CycleLayout",
-    "CycleSettings", "DepthArea", "Entry", "Equation", "Equations", "Finding", "FirstEstimates", "Hole", "Instruments",
+    "BiasSpread", "BiasStanding", "Box", "Buoy", "Campaign", "Contour", "Covariance", "Criterion", "CycleLayout",
+    "CycleSettings", "DepthArea", "Entry", "Equation", "Equations", "FirstEstimates", "Hole", "Instruments",
     "Joint", "Judged", "Line", "LoadPart", "Loop", "Measure", "Mode", "ModeMap", "Prior", "Problem", "Quantity", "Record", "RecursionLayout", "Runs", "Solution",
-    "Standing", "StateRegression", "StepLayout", "StepSettings", "StructureError", "System", "TrialData", "Typeset", "UnseenDirection",
-    "Value", "Waypoint",
+    "Standing", "StateRegression", "StepLayout", "StepSettings", "System", "TrialData", "Typeset",
+
 }  # fmt: skip
 SCALAR = re.compile(
     r"(str|float|int|bool|None|Literal\[[^\]]*\]|tuple\[(float|int)( \| None)?, (float|int)( \| None)?\]|[| ])*"
@@ -65,10 +66,22 @@ def loaded(name: str) -> type:
     return getattr(importlib.import_module(HOMES[name][0]), name)
 
 
+def raw(name: str) -> bool:
+    """Whether a class prints its floats with all their digits."""
+    kind = loaded(name)
+    return kind.__dataclass_params__.repr and any("float" in str(f.type) for f in dataclasses.fields(kind) if f.repr)
+
+
+#: Settings that a user states, and what a search or a filter hands on: no entries of a result that a person reads.
+STATED = {"Gate", "Gust", "LastingSensors", "Leg", "NoiseSource", "Scale", "SolutionAtSpread", "TargetMode"}
+
+
 def printed_in_full(name: str) -> bool:
     """Whether a class prints every field, arrays and tables included."""
     node = HOMES[name][1]
-    if issubclass(loaded(name), Result) or not any("dataclass" in ast.unparse(d) for d in node.decorator_list):
+    if issubclass(loaded(name), Result | ResultEntry) or not any(
+        "dataclass" in ast.unparse(d) for d in node.decorator_list
+    ):
         return False
     shown = [f for f in node.body if isinstance(f, ast.AnnAssign) and "repr=False" not in ast.unparse(f)]
     own = {"__repr__", "__str__"} & {f.name for f in node.body if isinstance(f, ast.FunctionDef)}
@@ -83,6 +96,19 @@ def test_the_results_are_found():
 
 def test_no_result_prints_its_arrays():
     assert {n for n in reached() if printed_in_full(n)} - LAID_OUT == set()
+
+
+def test_entries_of_a_result_print_in_words():
+    """`fit.parameters["K"]` at the end of a cell is a line, and no list of floats of 17 digits."""
+    entries = [n for n in reached() if dataclasses.is_dataclass(loaded(n)) and not issubclass(loaded(n), Result)]
+    assert {n for n in entries if n not in LAID_OUT | STATED and raw(n)} == set()
+    shown = repr(Margins(speed=6.123456789, gain=None, gain_low=None, gain_high=2.0, phase_deg=50.0, delay_s=None, disk=0.123456789,
+                         bandwidth=0.2, sensitivity=1.5, complementary=1.2))  # fmt: skip
+    assert (
+        shown.startswith("Margins: speed 6.12346 m/s, gain None")
+        and "disk 0.123457" in shown
+        and "phase_deg 50 deg" in shown
+    )
 
 
 def test_no_dataclass_prints_instead_of_the_result():
@@ -188,6 +214,11 @@ def held():
     return found
 
 
+def test_an_estimate_is_a_line(held):
+    shown = repr(held["Fit"].parameters["K"])
+    assert shown == str(held["Fit"].parameters["K"]) and "±" in shown and "\n" not in shown
+
+
 def test_what_a_user_holds_prints_ten_lines_and_shows_a_table(held):
     assert {"Trial", "Fit", "Identified", "Assessment", "PredictedManoeuvre", "Comparison", "Diagnosis", "TrialSheet", "FormEntry",
             "SheetManoeuvre", "Autopilot", "Schedule", "FilterRun", "Innovations", "Prediction", "PredictedTrack"} <= set(held)  # fmt: skip
@@ -196,4 +227,4 @@ def test_what_a_user_holds_prints_ten_lines_and_shows_a_table(held):
         assert len(lines) <= LINES and max(map(len, lines)) <= WIDTH, name
         shown = value._repr_html_()
         assert not re.search(r"\bnan\b|object at 0x|<table[^>]*>\s*</table>", shown), name
-        assert not re.search(r"[0-9]\.[0-9]{8}", re.sub(r"<[^>]*>", " ", shown.partition("<details>")[0])), name
+        assert not re.search(r"[1-9][0-9.]{9,}", re.sub(r"<[^>]*>", " ", shown.partition("<details>")[0])), name

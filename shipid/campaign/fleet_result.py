@@ -15,7 +15,7 @@ from shipid.campaign.result import CampaignResult
 from shipid.campaign.table import read_runs
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.numbers import counted, uncertain_text
 from shipid.foundation.result import DrawnResult
 from shipid.foundation.statistics import interval_95, plain
 
@@ -179,10 +179,10 @@ class FleetResult(DrawnResult):
         widths = [max(len(line[i]) for line in lines) for i in range(len(heads))]
         told = ["  ".join(cell.ljust(w) for cell, w in zip(line, widths)).rstrip() for line in lines]
         units = ", ".join(f"{n} [{s.unit}]" for n, s in self.coefficients.items() if s.unit != "1")
-        head = f"{self.model} identified from {self.identified.sum()} of {len(self.rows['trial'])} trials"
+        head = f"{self.model} identified from {self.identified.sum()} of {counted(len(self.rows['trial']), 'trial')}"
         why = [f"  {t}: {m}" for t, m in zip(self.rows["trial"], self.rows["message"]) if m]
         spread = [
-            f"  {n.ljust(8)} {uncertain_text(s.mean, s.mean_std)} over {s.count} trials"
+            f"  {n.ljust(8)} {uncertain_text(s.mean, s.mean_std)} over {counted(s.count, 'trial')}"
             + ("" if s.scatter is None else f", scatter {s.scatter:.2g}")
             for n, s in self.coefficients.items() if s.mean is not None
         ]  # fmt: skip

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from shipid.campaign.moments import Statistic
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import number
+from shipid.foundation.numbers import counted, number
 from shipid.foundation.result import DrawnResult
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class CampaignResult(DrawnResult):
     def text(self) -> str:
         """Return the result in lines of text."""
         width = max(len(n) for n in self.statistics)
-        lines = [f"campaign {self.name}: {self.runs} runs, seed {self.seed}"]
+        lines = [f"campaign {self.name}: {counted(self.runs, 'run')}, seed {self.seed}"]
         lines += [f"  {n.ljust(width)}  {summary(s)}" for n, s in self.statistics.items()]
         return "\n".join([*lines, *(f"  warning: {w}" for w in self.warnings)])
 

@@ -12,7 +12,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import quantity
-from shipid.foundation.result import DrawnResult, Result
+from shipid.foundation.result import DrawnResult, Result, ResultEntry
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -62,8 +62,8 @@ def loop_width_limit(unit_time: float) -> float:
     return float(np.clip(unit_time / 3 - 3, 0.0, 12.0))
 
 
-@dataclass(frozen=True)
-class CriterionSide:
+@dataclass(frozen=True, repr=False)
+class CriterionSide(ResultEntry):
     """One quantity to one side.
 
     Attributes

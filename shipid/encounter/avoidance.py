@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from shipid.encounter.errors import TargetError
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.result import Result, table
+from shipid.foundation.result import Result, ResultEntry, table
 from shipid.foundation.statistics import plain
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 
@@ -48,8 +48,8 @@ class OtherShip:
             )
 
 
-@dataclass(frozen=True)
-class Passing:
+@dataclass(frozen=True, repr=False)
+class Passing(ResultEntry):
     """How near another ship comes to own ship's track.
 
     Attributes
@@ -65,6 +65,8 @@ class Passing:
     std : float or None
         Standard deviation of the distance by what is known of both ships, m; None where nothing says how sure they are.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"distance": "m", "t": "s", "std": "m", "share": "1"}
 
     name: str
     distance: float

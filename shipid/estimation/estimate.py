@@ -9,11 +9,12 @@ from shipid.declaration.units import pretty
 from shipid.estimation.standing import DETERMINED, Standing, standing_of
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import uncertain_text
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import interval_95, plain
 
 
-@dataclass(frozen=True)
-class Estimate:
+@dataclass(frozen=True, repr=False)
+class Estimate(ResultEntry):
     """One estimated coefficient.
 
     Attributes

@@ -145,6 +145,8 @@ def uncertain_text(value: float | None, std: float | None) -> str:
     place = last_place(std)
     # Past six decimals or six figures before the point, powers of ten read better.
     spread = float(f"{std:.1e}")
+    if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
+        return f"{value:.{_MOST_DIGITS}g} ± {std:.2g}"
     if place <= 6 and max(abs(value), spread) < 1e6:
         return f"{round(value, place):.{max(0, place)}f} ± {round(spread, place):.{max(0, place)}f}"
     figures = floor(log10(max(abs(value), spread))) + place + 1

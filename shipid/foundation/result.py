@@ -15,7 +15,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.numbers import number, uncertain, unit_of_name
+from shipid.foundation.numbers import interval, number, uncertain, unit_of_name
 from shipid.foundation.printable import printable
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 
 #: Most lines, and most characters of one, that a result prints.
 LINES, WIDTH = 10, 160
-#: Most rows of a table in a notebook.
-_ROWS = 20
+#: Rows of a table that a notebook shows in full, and how many it shows of a longer one.
+_ALL_ROWS, _ROWS = 60, 20
 #: What a person reads instead of a unit of SI, and how many of it are one.
 _READ = {"rad": ("deg", 180 / np.pi), "rad/s": ("deg/s", 180 / np.pi)}
 
@@ -90,6 +90,25 @@ class Printed:
 
     def _repr_html_(self) -> str:
         return f'<pre style="white-space: pre-wrap">{escape(printable(repr(self).strip("<>")))}</pre>'
+
+
+class ResultEntry:
+    """A single entry of a result, such as an estimate: it prints as a line of words, its numbers with their units.
+
+    A class with words of its own states ``__str__``; units are stated as those of a result (`Result.UNITS`).
+    """
+
+    UNITS: ClassVar[Mapping[str, str]] = {}
+
+    def __repr__(self) -> str:
+        own = type(self).__str__ is not object.__str__
+        words = (
+            str(self) if own else f"{type(self).__name__}: {', '.join(' '.join(f.split()) for f in _field_lines(self))}"
+        )
+        return shortened(words)
+
+    def _repr_html_(self) -> str:
+        return f'<pre style="white-space: pre-wrap">{escape(printable(repr(self)))}</pre>'
 
 
 class DrawnResult(Result):
@@ -161,7 +180,7 @@ def _serious(result: Result) -> tuple[Notice, ...]:
     return tuple(w for w in warnings if isinstance(w, Notice) and w.serious)
 
 
-def _field_lines(result: Result) -> Iterator[str]:
+def _field_lines(result: Result | ResultEntry) -> Iterator[str]:
     """A line for each field of a dataclass, in the units that a person reads."""
     for name, value in _fields(result):
         unit, times = _READ.get(unit := _unit(result, name, value), (unit, 1.0))
@@ -246,6 +265,8 @@ def described(value: Plain) -> str:
         return str(value)
     if isinstance(value, float | int):
         return f"{value:.6g}"
+    if isinstance(value, complex):
+        return f"{value:.4g}" if value.imag else f"{value.real:.4g}"
     if isinstance(value, Result):
         return value.text().partition("\n")[0]
     if isinstance(value, Mapping):
@@ -266,10 +287,15 @@ def _table(frame: pd.DataFrame) -> str:
     """A pandas table as HTML: values with the digits that their standard deviations allow, few of many rows."""
     shown = frame.copy()
     if {"value", "std"} <= set(shown.columns):
+        if "interval_95" in shown:
+            both = zip(shown["interval_95"], shown["std"])
+            shown["interval_95"] = [interval((e[0], e[1]), s) if isinstance(e, tuple | list) else "" for e, s in both]
         shown["value"] = [uncertain(v, s) for v, s in zip(shown["value"], shown["std"])]
         shown = shown.drop(columns="std")
     for column in shown.columns:
         if shown[column].dtype == object:
-            shown[column] = [described(v) for v in shown[column]]
-    found: str = shown.to_html(max_rows=_ROWS, float_format=number, border=0, na_rep="")
+            shown[column] = ["" if v is None else described(v) for v in shown[column]]
+    found: str = shown.to_html(
+        max_rows=None if len(shown) <= _ALL_ROWS else _ROWS, float_format=number, border=0, na_rep=""
+    )
     return found

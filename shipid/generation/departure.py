@@ -9,13 +9,14 @@ import numpy as np
 
 from shipid.declaration.guard import NOT_SAILED
 from shipid.declaration.model import Model
+from shipid.foundation.result import ResultEntry
 
 #: The reason where a run has no finite number any more.
 RUNS_AWAY = "the model runs away"
 
 
-@dataclass(frozen=True)
-class Departure:
+@dataclass(frozen=True, repr=False)
+class Departure(ResultEntry):
     """The moment from which a run is no statement about a ship.
 
     Attributes

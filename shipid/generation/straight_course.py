@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from shipid.declaration.model import Model
 from shipid.declaration.units import to_si
-from shipid.foundation.errors import UnknownNameError
+from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.generation.linearisation import Linearisation, NoSteadyStateError, find_steady_state, linearise
 from shipid.generation.simulator import initial_state, input_rows
 from shipid.parameters.parameter_set import ParameterSet
@@ -66,7 +67,8 @@ def linear_ship(
     given : mapping of str to str, optional
         Other inputs of the model, with their units, such as ``{"n": "80 rpm"}``.
     inputs, outputs : sequence of str, optional
-        Which to keep; by default all inputs, and the states as outputs.
+        Which to keep; by default all inputs, and the states as outputs. States that the outputs do not depend on are left
+        out: of a rate of turn, the position and the heading.
 
     Returns
     -------
@@ -74,6 +76,8 @@ def linear_ship(
 
     Raises
     ------
+    UsageError
+        If the speed is not greater than zero.
     UnknownNameError
         If the model has no such input, state or output.
     UnstatedInputError
@@ -85,6 +89,8 @@ def linear_ship(
     DeclarationError
         If the model is sampled.
     """
+    if not speed > 0:
+        raise UsageError(f"a ship at {speed:g} m/s is on no straight course: give a speed greater than zero.")
     known = {}
     for name, value in (given or {}).items():
         if name not in model.inputs:
@@ -101,4 +107,20 @@ def linear_ship(
             f"model {model.name} goes straight at {found:.4g} m/s with these inputs, and not at {speed:.4g} m/s. Ask for that speed, "
             "or give the inputs that hold the other one."
         )
-    return linearise(model, condition, inputs=inputs, outputs=outputs)
+    linear = linearise(model, condition, inputs=inputs, outputs=outputs)
+    return linear if outputs is None else _seen(linear)
+
+
+def _seen(linear: Linearisation) -> Linearisation:
+    """The same system without states that no output depends on, so that a gain or a margin is that of the outputs."""
+    seen = (linear.C != 0).any(axis=0)
+    for _ in linear.states:
+        seen = seen | (linear.A[seen] != 0).any(axis=0)
+    kept = np.flatnonzero(seen)
+    return replace(
+        linear,
+        A=linear.A[np.ix_(kept, kept)],
+        B=linear.B[kept],
+        C=linear.C[:, kept],
+        states=tuple(linear.states[k] for k in kept),
+    )

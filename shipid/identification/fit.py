@@ -229,7 +229,8 @@ class Fit(DrawnResult):
         speed : str, optional
             Forward speed with its unit, such as ``"9 kn"``; by default that of the trials.
         inputs, outputs : sequence of str, optional
-            Which to keep, such as ``["delta"]`` and ``["psi", "r"]``; by default all inputs, and the states as outputs.
+            Which to keep, such as ``["delta"]`` and ``["psi", "r"]``; by default all inputs, and the states as outputs. States
+            that the outputs do not depend on are left out.
         given : mapping of str to str, optional
             Other inputs of the model, with their units, such as ``{"n": "80 rpm"}``.
 
@@ -240,7 +241,7 @@ class Fit(DrawnResult):
         Raises
         ------
         UsageError
-            If neither the trials nor the ship say a speed, or a name does not exist.
+            If neither the trials nor the ship say a speed, it is not greater than zero, or a name does not exist.
         NoSteadyStateError
             If the ship does not go straight at this speed with these inputs.
         """

@@ -13,7 +13,7 @@ from shipid.declaration.scale import Scale
 from shipid.declaration.units import pretty, split, to_si
 from shipid.declaration.vocabulary import given_unit
 from shipid.foundation.errors import DeclarationError, ParameterSetError, UnitError
-from shipid.foundation.result import Result, table
+from shipid.foundation.result import Result, ResultEntry, table
 from shipid.parameters.correlation import Joint
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ PARTICULARS = "particulars"
 _SHORTEST, _LONGEST = 0.1, 2000.0
 
 
-@dataclass(frozen=True)
-class Value:
+@dataclass(frozen=True, repr=False)
+class Value(ResultEntry):
     """One number of a parameter set, or a table of it against speed.
 
     Attributes

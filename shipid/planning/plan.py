@@ -15,7 +15,7 @@ from shipid.declaration.vocabulary import FIELDS
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity, uncertain_text
-from shipid.foundation.result import DrawnResult
+from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.planning.leg import Leg
 from shipid.planning.selection import Criterion
 from shipid.planning.timetable import Timetable, clock
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
-class Forecast:
+@dataclass(frozen=True, repr=False)
+class Forecast(ResultEntry):
     """The standard deviation one coefficient will have.
 
     Attributes

@@ -15,6 +15,7 @@ from shipid.declaration.model import Model
 from shipid.estimation.standing import UNKNOWN, standing_of
 from shipid.foundation.errors import UnknownNameError
 from shipid.foundation.notices import Notice
+from shipid.foundation.numbers import counted
 from shipid.foundation.statistics import plain
 from shipid.identification.uncertainty.information import CandidateManoeuvre, candidate_of, covariance_from
 from shipid.parameters.catalogue import model_of, ship_of
@@ -179,7 +180,7 @@ def plan_trials(
                 f"every manoeuvre of the repertoire is {NOT_SAILED} ({problem.experiment.model.name} with ship {problem.ship.name}), or "
                 "it is too unstable to be followed through it. Check the coefficients, or ask for gentler manoeuvres (--repertoire zigzag:5/5)."
             )
-        tell(f"choosing among {len(rows.candidates)} candidates")
+        tell(f"choosing among {counted(len(rows.candidates), 'candidate')}")
         table = CandidateTable(
             np.array(rows.information),
             np.array(rows.durations),

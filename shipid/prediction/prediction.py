@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from shipid.declaration.vocabulary import shown, shown_estimate, to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.result import DrawnResult
+from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.prediction.charts.chart import Chart
 from shipid.prediction.following.wheel_over import WheelOver
 from shipid.prediction.routes.route_turn import RouteTurn
@@ -28,8 +28,8 @@ _STAGES, _LENGTHS = (10, 30, 60, 90, 120, 150, 180, 270, 360), (2, 5, 10, 15, 20
 _ON_HEADING = 1.0
 
 
-@dataclass(frozen=True)
-class Stage:
+@dataclass(frozen=True, repr=False)
+class Stage(ResultEntry):
     """Where the ship is when she has turned so far; SI.
 
     Attributes
@@ -45,6 +45,16 @@ class Stage:
     half_width : float or None
         Of the 95 % band across the track, in m.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "t": "s",
+        "s": "m",
+        "ahead": "m",
+        "aside": "m",
+        "heading": "rad",
+        "speed": "m/s",
+        "half_width": "m",
+    }
 
     what: str
     t: float

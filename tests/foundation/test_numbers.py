@@ -78,3 +78,10 @@ def test_digits_are_those_of_the_rounded_number(value, digits, text):
 
 def test_a_percentage_has_a_space():
     assert [percent(0.4321), percent(0.4321, 1), percent(4.33)] == ["43 %", "43.2 %", "433 %"]
+
+
+def test_a_terminal_shows_no_more_than_seven_figures():
+    """A record without noise has intervals of rounding errors: they allow no twelve figures, on no page and on no terminal."""
+    assert uncertain_text(0.45189912345678, 1e-14) == "0.4518991 ± 1e-14"
+    assert uncertain(0.45189912345678, 1e-14).startswith("0.4518991 ± ")
+    assert uncertain_text(1234567.89012, 0.00012) == "1234568 ± 0.00012"

@@ -74,6 +74,8 @@ def test_a_short_text_stays_and_a_long_line_is_cut():
         (1234567.0, "1.23457e+06"),
         ([1, 2], "1, 2"),
         (tuple(range(12)), "0, 1, 2, 3, 4, 5, 6, 7, 8, 9 and 2 more"),
+        (0.25 - 2j, "0.25-2j"),
+        (-0.25 + 0j, "-0.25"),
         (object(), "object"),
         ({"a": (0.5, "b")}, "a 0.5, b"),
     ],
@@ -87,11 +89,20 @@ def test_a_notebook_shows_warnings_the_table_and_the_rest_folded():
     found = Told(warnings=(serious,))._repr_html_()
     assert "<strong>a &lt;b&gt; &amp; c</strong>" in found and "<li>do not use &lt;it&gt;</li>" in found
     # The value with the digits that its standard deviation allows; the deviation stands beside it.
-    assert "<td>1.235 ± 0.012</td>" in found and "<th>std</th>" not in found and "1.21046, 1.25868" in found
+    assert "<td>1.235 ± 0.012</td>" in found and "<th>std</th>" not in found and "1.210 to 1.259" in found
     assert "<details><summary>In words</summary><pre>  line 1" in found
     # Where the table is made of the fields as the text is, the text is not repeated.
     plain = Made()._repr_html_()
     assert "<th>few</th>" in plain and "<pre>" not in plain and "<details>" not in plain
+
+
+@pytest.mark.parametrize(("rows", "shown"), [(49, 49), (500, 20)])
+def test_a_notebook_hides_the_middle_of_a_long_table_only(rows, shown):
+    class Rows(Made):
+        def to_frame(self):
+            return pd.DataFrame({"x": np.arange(float(rows))})
+
+    assert Rows()._repr_html_().count("<th>") - (rows > 60) == shown + 2
 
 
 def test_a_table_without_rows_keeps_its_columns():

@@ -94,6 +94,18 @@ def test_a_fit_is_a_system_of_python_control_at_the_speed_that_is_asked_for(fit)
     assert np.allclose(np.sort(slow.poles().real), np.sort(system.poles().real) / 2, rtol=1e-6)
     with pytest.raises(shipid.ShipidError, match="the speed"):
         fit.to_control("60 m")
+    for speed in ("0 kn", "-3 kn"):
+        with pytest.raises(UsageError, match="on no straight course: give a speed greater than zero"):
+            fit.to_control(speed)
+
+
+def test_the_gain_of_a_rate_of_turn_is_finite(fit):
+    """What a rate of turn does not depend on, the position and the heading, is no state of its system."""
+    system = fit.to_control(inputs=["delta"], outputs=["r"])
+    assert not {"x", "y", "psi"} & set(system.state_labels)
+    gain = float(system.dcgain())
+    sailed, length = fit.ship.joint[fit.model.name].belongs_to, fit.ship.particular("L", "m")
+    assert gain == pytest.approx(fit.parameters["K"].value * sailed / length, rel=1e-6)
 
 
 def test_without_a_speed_of_trials_or_ship_one_is_asked_for(fit):

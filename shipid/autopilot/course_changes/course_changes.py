@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import with_units
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import plain
 
 
-@dataclass(frozen=True)
-class CourseChange:
+@dataclass(frozen=True, repr=False)
+class CourseChange(ResultEntry):
     """One course change, or one course kept; angles in degrees.
 
     Attributes
@@ -39,6 +42,8 @@ class CourseChange:
     waves_met : float or None
         Waves the ship meets in a minute on the course it keeps; None in calm.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"speed": "m/s", "reversals": "1/min", "waves_met": "1/min"}
 
     speed: float
     change_deg: float

@@ -7,8 +7,9 @@ for, which is linear in the gains. For a ship of first order these are Passenier
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
@@ -16,13 +17,14 @@ from scipy.optimize import brentq, minimize
 
 from shipid.autopilot.design.plant import Plant
 from shipid.autopilot.errors import NotSteerableError, UnstableDesignError
+from shipid.foundation.result import ResultEntry
 
 #: A pole that grows more slowly than this, in units of its size or that of the poles requested, counts as on the axis.
 _AXIS = 1e-9
 
 
-@dataclass(frozen=True)
-class Gains:
+@dataclass(frozen=True, repr=False)
+class Gains(ResultEntry):
     """Gains of the law ``delta = Kp (psi_order - psi) - Kd r + Ki integral(psi_order - psi)``.
 
     Attributes
@@ -34,6 +36,8 @@ class Gains:
     Ki : float
         Rudder per heading error and second, in 1/s.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"Kp": "1", "Kd": "s", "Ki": "1/s"}
 
     Kp: float
     Kd: float

@@ -18,7 +18,7 @@ from shipid.autopilot.on_board.on_board_runs import OnBoardRuns
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
 from shipid.foundation.numbers import columns_of, quantity, with_units
-from shipid.foundation.result import DrawnResult, Result
+from shipid.foundation.result import DrawnResult, Result, ResultEntry
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,8 +30,8 @@ SAMPLE_CHANGE, SHOWN_CHANGES = 60.0, (10.0, 60.0, 120.0)
 _LEAST_OVERSHOOT = 1.0
 
 
-@dataclass(frozen=True)
-class Weakest:
+@dataclass(frozen=True, repr=False)
+class Weakest(ResultEntry):
     """The weakest point of a design.
 
     Attributes

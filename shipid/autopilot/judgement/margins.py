@@ -6,8 +6,9 @@ python-control gives gain and phase; disk margins are computed here for any numb
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from shipid.autopilot.design.placement import Gains
 from shipid.autopilot.design.plant import Plant
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import with_units
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import plain
 
 if TYPE_CHECKING:
@@ -26,8 +28,8 @@ _FREQUENCIES = np.geomspace(1e-3, 1e3, 481)
 _CLOSER = 41
 
 
-@dataclass(frozen=True)
-class Margins:
+@dataclass(frozen=True, repr=False)
+class Margins(ResultEntry):
     """Margins at one speed.
 
     Attributes
@@ -49,6 +51,17 @@ class Margins:
     sensitivity, complementary : float
         Peaks of the sensitivity and of the complementary sensitivity.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {
+        "speed": "m/s",
+        "bandwidth": "rad/s",
+        "gain": "1",
+        "gain_low": "1",
+        "gain_high": "1",
+        "disk": "1",
+        "sensitivity": "1",
+        "complementary": "1",
+    }
 
     speed: float
     gain: float | None

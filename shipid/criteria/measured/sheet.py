@@ -11,8 +11,8 @@ from shipid.criteria.measured.measured_criteria import MeasuredCriterion
 from shipid.declaration.vocabulary import to_display
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice, plain_notices
-from shipid.foundation.numbers import fixed, uncertain_text
-from shipid.foundation.result import DrawnResult, Result
+from shipid.foundation.numbers import counted, fixed, uncertain_text
+from shipid.foundation.result import DrawnResult, Result, ResultEntry
 from shipid.trials.conditions import Conditions
 from shipid.trials.measuring.results.measures import Measures, measured
 from shipid.trials.measuring.results.turning_circle import TurningCircle
@@ -54,8 +54,8 @@ class SheetManoeuvre(Result):
         return f"{self.number}. {self.measures.title}" + (f", first to {side}" if side else "")
 
 
-@dataclass(frozen=True)
-class NotMeasured:
+@dataclass(frozen=True, repr=False)
+class NotMeasured(ResultEntry):
     """A log, or a manoeuvre of it, without numbers.
 
     Attributes
@@ -128,7 +128,7 @@ class TrialSheet(DrawnResult):
 
     def text(self) -> str:
         """Return the result in lines of text."""
-        lines = [f"Trial sheet: {len(self.manoeuvres)} manoeuvres"]
+        lines = [f"Trial sheet: {counted(len(self.manoeuvres), 'manoeuvre')}"]
         for m in self.manoeuvres:
             lines.append(f"  {m.title} ({m.measures.trial})")
             lines += [f"       {text}" for text in _brief(m.measures, self.length)]

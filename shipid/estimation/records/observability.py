@@ -19,7 +19,7 @@ from shipid.estimation.records.smoother import rows_before
 from shipid.estimation.recursion.gate import TAKEN
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import Notice
-from shipid.foundation.result import DrawnResult, table
+from shipid.foundation.result import DrawnResult, ResultEntry, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,8 +34,8 @@ _NAMED = 0.05
 _ENOUGH = 4000
 
 
-@dataclass(frozen=True)
-class UnseenDirection:
+@dataclass(frozen=True, repr=False)
+class UnseenDirection(ResultEntry):
     """A combination of states that the record shows little of.
 
     Attributes

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import ResultEntry
 from shipid.generation.record import make_record
 from shipid.generation.simulator import coefficient_vector, initial_state, input_rows
 from shipid.identification.identified import Identified
@@ -21,8 +23,8 @@ _IMPOSSIBLE = 3.0
 _RATE = "r"
 
 
-@dataclass(frozen=True)
-class HardTurn:
+@dataclass(frozen=True, repr=False)
+class HardTurn(ResultEntry):
     """A turn with the rudder hard over, from the usual speed of the trials.
 
     Attributes
@@ -36,6 +38,8 @@ class HardTurn:
     runs_away : float
         Share of the draws in which the model runs away, or leaves the range in which it is valid.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"rudder": "rad", "rate": "rad/s", "spread": "1", "runs_away": "1"}
 
     rudder: float
     rate: float | None

@@ -19,6 +19,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import IO, cast
 
+from shipid.foundation.numbers import counted
 from shipid.foundation.processes.apart import processors
 from shipid.foundation.processes.stopping import stop_if_asked
 from shipid.identification.choice.trying import Attempt, Tried, try_candidate
@@ -82,7 +83,7 @@ def _by_workers(
     try:
         for process in processes:
             threading.Thread(target=_employ, args=(process, candidates, waiting, answers), daemon=True).start()
-        tell(f"{len(candidates)} candidates, {count} at a time")
+        tell(f"{counted(len(candidates), 'candidate')}, {count} at a time")
         for done in range(len(candidates)):
             while True:
                 try:
@@ -92,7 +93,7 @@ def _by_workers(
                     stop_if_asked()
             if tried is not None:
                 found[place] = tried
-            tell(f"{candidates[place].model.name} is done: {done + 1} of {len(candidates)} candidates")
+            tell(f"{candidates[place].model.name} is done: {done + 1} of {counted(len(candidates), 'candidate')}")
     finally:
         for process in processes:
             process.kill()

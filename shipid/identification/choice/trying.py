@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from shipid.declaration.model import Model
+from shipid.declaration.vocabulary import shown
 from shipid.foundation.errors import ShipidError
 from shipid.foundation.notices import Notice
 from shipid.generation.record import make_record
@@ -31,6 +32,12 @@ from shipid.trials.trial import Trial
 _MOTION = ("x", "y", "psi", "u", "v", "r", "cruise")
 #: Coefficients of the least surge equation: what a model is spared that is told the speed of the trial it predicts.
 _SURGE = 2
+#: What a trial may go beyond the others in, by the field: its name among the amplitudes, the words before the number, its unit.
+_SIZES = {
+    "delta": ("rudder", "the rudder goes to", "rad"),
+    "r": ("rate", "the ship turns at", "rad/s"),
+    "beta": ("drift", "the drift angle is", "rad"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,24 +161,32 @@ def try_candidate(candidate: Attempt) -> Tried:
             c.trial.name: counted_measures([LeftOutTrial(c, swings_of(fit.identified, c))], model)[0][0]
             for c in fit.validation
         },
-        (*_beyond_the_others(fit, candidate.trials), *(n for n in fit.warnings if n.kind == BEYOND)),
+        tuple(_beyond_the_others(fit, candidate.trials, candidate.validate)),
         "" if fit.converged else "the search did not converge.",
         tuple(one.comparison for record in left for one in record or ()),
     )
 
 
-def _beyond_the_others(fit: Fit, trials: Sequence[Trial]) -> list[Notice]:
-    """Where a trial that is left out goes beyond the rudder angles, rates of turn and drift angles of the others."""
+def _beyond_the_others(fit: Fit, trials: Sequence[Trial], kept_apart: Sequence[Trial]) -> list[Notice]:
+    """Where a trial that is predicted goes beyond the rudder angles, rates of turn and drift angles of those that are fitted."""
     model, joint = fit.model, fit.ship.joint.get(fit.model.name)
-    if joint is None or len(trials) < 2:
-        return []
-    found = []
-    for one in trials:
-        seen = largest_amplitudes([t for t in trials if t is not one])
-        reached = replace(joint, rudder=seen.get("rudder"), rate=seen.get("rate"), drift=seen.get("drift"))
-        others = replace(fit.ship, joint={**fit.ship.joint, model.name: reached})
-        found += [n.about(one.name) for n in beyond_of_record(model, others, one) if n.kind == BEYOND]
-    return found
+    told = [n for n in fit.warnings if n.kind == BEYOND and n.known["quantity"] not in _SIZES]
+    if joint is None:
+        return told
+    pairs = [(one, [t for t in trials if t is not one]) for one in trials if len(trials) > 1]
+    for one, fitted in [*pairs, *((one, list(trials)) for one in kept_apart)]:
+        seen, reached = largest_amplitudes(fitted), largest_amplitudes([one])
+        range_seen = replace(joint, rudder=seen.get("rudder"), rate=seen.get("rate"), drift=seen.get("drift"))
+        ship = replace(fit.ship, joint={**fit.ship.joint, model.name: range_seen})
+        for notice in beyond_of_record(model, ship, one):
+            if notice.kind != BEYOND or (size := _SIZES.get(notice.known["quantity"])) is None:
+                continue
+            key, words, unit = size
+            angles = [shown(sizes[key], notice.known["quantity"], unit, digits=3) for sizes in (reached, seen)]
+            which = "the trials that were fitted" if one in kept_apart else "the other trials"
+            sentence = f"{words} {angles[0]}, and at most {angles[1]} in {which}: its prediction is an extrapolation."
+            told.append(Notice(sentence, BEYOND, **notice.known).about(one.name))
+    return told
 
 
 def _fitted(candidate: Attempt, trials: Sequence[Trial], validate: Sequence[Trial]) -> Fit:

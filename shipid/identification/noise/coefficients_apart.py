@@ -16,11 +16,12 @@ from shipid.declaration.model import Model
 from shipid.declaration.units import pretty
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity, uncertain_text
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import NORMAL_95
 
 
-@dataclass(frozen=True)
-class CoefficientApart:
+@dataclass(frozen=True, repr=False)
+class CoefficientApart(ResultEntry):
     """A coefficient of which two estimates from the same record differ.
 
     Attributes

@@ -92,7 +92,8 @@ def largest_amplitudes(trials: Sequence[Trial]) -> dict[str, float]:
         columns["drift"] = np.arctan2(-trial["v"], trial["u"]) if trial.has("u", "v") else None
         for name, column in columns.items():
             sizes = np.abs(column[np.isfinite(column)]) if column is not None else np.zeros(0)
-            if sizes.size:
+            # A sway of zero all along is none that was seen: a model without one wrote the record.
+            if sizes.size and (name != "drift" or sizes.any()):
                 found[name] = max(found.get(name, 0.0), float(np.quantile(sizes, _REACHED)))
     return {n: float(np.deg2rad(_written(np.rad2deg(v)))) for n, v in found.items()}
 

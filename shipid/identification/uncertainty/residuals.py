@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import ClassVar
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import quantity
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import WHITE, LjungBox, ljung_box, plain
 from shipid.identification.identified import Identified
 from shipid.identification.uncertainty.covariance import autocorrelation_time
@@ -16,8 +19,8 @@ from shipid.identification.uncertainty.covariance import autocorrelation_time
 _LAGS = 20
 
 
-@dataclass(frozen=True)
-class Residuals:
+@dataclass(frozen=True, repr=False)
+class Residuals(ResultEntry):
     """Residuals of one signal over all fitted trials.
 
     Attributes
@@ -39,6 +42,8 @@ class Residuals:
     chi_square : float
         Mean squared weighted residual per degree of freedom; 1 by construction where the noise level was estimated.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"autocorrelation_time": "1"}
 
     samples: int
     effective: float

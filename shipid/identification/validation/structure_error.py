@@ -9,11 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from scipy.special import stdtrit
 
 from shipid.declaration.model import Model
+from shipid.foundation.result import ResultEntry
 from shipid.foundation.statistics import NORMAL_95
 from shipid.identification.uncertainty.amplitudes import largest_amplitudes
 from shipid.identification.validation.comparison import Comparison
@@ -36,8 +38,8 @@ TURN_SHARES = {
 }
 
 
-@dataclass(frozen=True)
-class StructureError:
+@dataclass(frozen=True, repr=False)
+class StructureError(ResultEntry):
     """Standard errors by the structure of a model.
 
     Attributes
@@ -51,6 +53,8 @@ class StructureError:
     turn : mapping of str to float
         Of the quantities of a turning circle, in shares of the prediction.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"open_loop": "rad", "closed_loop": "rad", "degrees": "1"}
 
     open_loop: float = float(USUAL)
     closed_loop: float = float(USUAL)

@@ -9,6 +9,7 @@ from typing import Literal
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import percent
+from shipid.foundation.result import ResultEntry
 from shipid.identification.evidence.unseen_gear import MATTERS, effect_of, usual_share
 from shipid.identification.validation.comparison import Comparison
 from shipid.parameters.parameter_set import ParameterSet
@@ -19,8 +20,8 @@ _FULLY_TOLD = 2
 """Up to so many findings of one kind are told one by one."""
 
 
-@dataclass(frozen=True)
-class TrialFinding:
+@dataclass(frozen=True, repr=False)
+class TrialFinding(ResultEntry):
     """One finding on a trial of a fit.
 
     Attributes

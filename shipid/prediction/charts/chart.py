@@ -10,6 +10,7 @@ import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
+from shipid.foundation.numbers import counted
 from shipid.foundation.result import Result
 
 #: A line, shape (N, 2): metres to the north and to the east. A polygon is its outer ring and the rings of its holes.
@@ -154,8 +155,8 @@ class Chart(Result):
     def text(self) -> str:
         """Return the result in lines of text."""
         return (
-            f"chart '{self.name}': {len(self.land)} land areas, {len(self.depth_areas)} depth areas, {len(self.contours)} contours, "
-            f"{len(self.coast)} coastlines, {len(self.buoys)} buoys and beacons"
+            f"chart '{self.name}': {counted(len(self.land), 'land area')}, {counted(len(self.depth_areas), 'depth area')}, {counted(len(self.contours), 'contour')}, "
+            f"{counted(len(self.coast), 'coastline')}, {counted(len(self.buoys), 'buoy or beacon', 'buoys and beacons')}"
         )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from shipid.declaration.vocabulary import Number, shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
-from shipid.foundation.result import Result
+from shipid.foundation.result import Result, ResultEntry
 from shipid.prediction.situations.situation import Situation
 from shipid.prediction.tracks.predicted_track import PredictedTrack
 from shipid.prediction.tracks.track_predictor import POINTS, TrackPredictor
@@ -28,8 +28,8 @@ _STEADY = 1e-5
 WARNING = 60.0
 
 
-@dataclass(frozen=True)
-class TrackLeg:
+@dataclass(frozen=True, repr=False)
+class TrackLeg(ResultEntry):
     """A straight piece of a planned track.
 
     Attributes
@@ -39,6 +39,8 @@ class TrackLeg:
     course : float
         Course over the ground in rad.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"x": "m", "y": "m", "course": "rad"}
 
     x: float
     y: float

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 import numpy as np
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.result import Result, table
+from shipid.foundation.result import Result, ResultEntry, table
 from shipid.prediction.routes.errors import RouteError, RouteSizeError, WaypointError
 from shipid.prediction.routes.sailings import turned
 from shipid.trials.logs.geodesy import to_geographic, to_local
@@ -32,8 +32,8 @@ _FARTHEST = 1e7
 _LONGEST_NAME = 200
 
 
-@dataclass(frozen=True)
-class Waypoint:
+@dataclass(frozen=True, repr=False)
+class Waypoint(ResultEntry):
     """A waypoint, and the leg that leads to it.
 
     Attributes
@@ -51,6 +51,8 @@ class Waypoint:
     speed : float or None
         Planned speed on that leg in m/s; None where none is stated.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"radius": "m", "xtd_port": "m", "xtd_starboard": "m", "speed": "m/s"}
 
     position: tuple[float, float]
     name: str = ""

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.notices import plain_notices
-from shipid.foundation.result import DrawnResult
+from shipid.foundation.result import DrawnResult, ResultEntry
 from shipid.prediction.following.planned_track import PlannedTrack
 from shipid.prediction.routes.route import Route
 from shipid.trials.trial import Trial
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
-class WheelOverDone:
+@dataclass(frozen=True, repr=False)
+class WheelOverDone(ResultEntry):
     """A wheel-over of a voyage.
 
     Attributes
@@ -40,6 +40,8 @@ class WheelOverDone:
         In rad.
     """
 
+    UNITS: ClassVar[Mapping[str, str]] = {"t": "s", "before": "m", "change": "rad", "rudder_limit": "rad"}
+
     waypoint: int
     name: str
     t: float
@@ -55,8 +57,8 @@ class WheelOverDone:
         }
 
 
-@dataclass(frozen=True)
-class LimitLeft:
+@dataclass(frozen=True, repr=False)
+class LimitLeft(ResultEntry):
     """A stretch of a voyage beyond a cross-track limit.
 
     Attributes
@@ -72,6 +74,8 @@ class LimitLeft:
     beyond : float
         Farthest beyond the limit, in m.
     """
+
+    UNITS: ClassVar[Mapping[str, str]] = {"begin": "s", "end": "s", "beyond": "m"}
 
     waypoint: int
     name: str

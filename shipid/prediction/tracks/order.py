@@ -10,10 +10,11 @@ from shipid.declaration.units import to_si
 from shipid.declaration.vocabulary import shown
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UsageError
+from shipid.foundation.result import ResultEntry
 
 
-@dataclass(frozen=True)
-class Order:
+@dataclass(frozen=True, repr=False)
+class Order(ResultEntry):
     """A heading, a rudder angle or a rate of turn; SI.
 
     Attributes

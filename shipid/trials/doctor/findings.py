@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from shipid.foundation.aliases import Plain
 from shipid.foundation.numbers import percent, quantity
-from shipid.foundation.result import DrawnResult, table
+from shipid.foundation.result import DrawnResult, ResultEntry, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,8 +25,8 @@ MOST_SPANS = 20
 """So many spans of time at most a finding says; those beyond are joined to their neighbours."""
 
 
-@dataclass(frozen=True)
-class LeftOut:
+@dataclass(frozen=True, repr=False)
+class LeftOut(ResultEntry):
     """Rows of a log that are not part of the record.
 
     Attributes
@@ -44,8 +44,8 @@ class LeftOut:
         return f"{self.rows} left out: {self.why}"
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(ResultEntry):
     """One fault or property of a trial.
 
     Attributes
@@ -151,8 +151,8 @@ class Finding:
         return f"{head}: {self.message} [{where}]\n    effect: {self.effect}\n    repair: {self.repair}"
 
 
-@dataclass(frozen=True)
-class Stretch:
+@dataclass(frozen=True, repr=False)
+class Stretch(ResultEntry):
     """A manoeuvre, or a stretch without one.
 
     Attributes

@@ -10,7 +10,7 @@ from shipid.declaration.vocabulary import to_display
 from shipid.encounter.tracking.scoring import HORIZONS, TrackingScore
 from shipid.encounter.tracking.target_track import TargetTrack
 from shipid.encounter.tracking.tracking import Tracking
-from shipid.foundation.numbers import fixed
+from shipid.foundation.numbers import counted, fixed
 from shipid.report.figures.charts import Axes, Line, chart
 from shipid.report.figures.targets import targets_figure
 from shipid.report.page import Page, Row, Section
@@ -40,7 +40,7 @@ def tracking_page(found: Tracking) -> Page:
     first, last = found.plots.span
     held = [one for one in found.tracks if one.status == "held"]
     answer = [
-        f"{len(found.plots)} plots in {len(found.plots.scans)} scans over {fixed(last - first, 0)} s gave "
+        f"{counted(len(found.plots), 'plot')} in {counted(len(found.plots.scans), 'scan')} over {fixed(last - first, 0)} s gave "
         f"{count(len(found.tracks), 'confirmed track')}; {count(len(held), 'track')} {'is' if len(held) == 1 else 'are'} held at the end.",
     ]
     answer.append(sentence(found.nearest_words) + ".")
