@@ -154,6 +154,19 @@ def unit_speed(log: Log, size: float) -> None:
             log[c] = log[c] * factor
 
 
+def unit_over_ground(log: Log, size: float) -> None:
+    """A speed over ground of a receiver, in metres a second, knots or kilometres an hour under a header that says another."""
+    velocity = np.gradient(log["x"], log["t"]) + 1j * np.gradient(log["y"], log["t"])
+    span = max(3, round(0.01 * log.n)) | 1
+    smooth = np.convolve(np.pad(velocity, span // 2, mode="edge"), np.ones(span) / span, "valid")
+    log["SOG"] = np.abs(smooth) * {1: 3.6, 2: 3600 / 1852, 3: 1852 / 3600}[int(size)]
+    log.units["SOG"] = "m/s"
+
+
+def speed_sign(log: Log, size: float) -> None:
+    log["u"] = -size * log["u"]
+
+
 def unit_rudder(log: Log, size: float) -> None:
     for c in ("delta", "delta_order"):
         log[c] = log[c] * {1: np.pi / 180, 2: np.pi / 180, 3: 180 / np.pi}[int(size)]
@@ -439,6 +452,8 @@ FAULTS: dict[str, Plant] = {
     "unit of the heading": (unit_heading, (1, 2, 3), "unit", ""),
     "unit of the rate": (unit_rate, (1, 2, 3), "unit", ""),
     "unit of the speed": (unit_speed, (1, 2, 3), "unit", "positions"),
+    "unit of the SOG": (unit_over_ground, (1, 2, 3), "unit", "positions"),
+    "speed-sign": (speed_sign, (1, 1, 1), "speed-sign", "positions"),
     "unit of the rudder": (unit_rudder, (1, 2, 3), "unit", ""),
     "unit of the clock": (unit_clock, (1, 2, 3), "unit", ""),
     "speed-scale": (speed_scale, (1.020372, 1.1, 1.3), "speed-scale", "positions"),

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from shipid.trials.measuring.rudder.levels import Level, level_before, level_held
-from shipid.trials.measuring.rudder.ramps import ramp_line
+from shipid.trials.measuring.rudder.ramps import line_through, ramp_line
 from shipid.trials.measuring.rudder.steering import Steering
 from shipid.trials.signals.channel import Channel
 from shipid.trials.signals.plates import Plate
@@ -27,6 +27,12 @@ LEFT = 0.15
 
 _OFF = 0.08
 """Share of the way at which a rudder is certainly on its ramp."""
+
+_SEEN_FROM = 0.3
+"""Share of the way from which on a ramp is seen behind a hole: the way back to the plate is longer than what is seen."""
+
+_ALIKE = 0.05
+"""Share by which one ramp of a gear is faster or slower than another."""
 
 
 @dataclass(frozen=True)
@@ -162,11 +168,20 @@ def _put_over(
     if steering.logged or not ramp.size or (steering.rate is None and ramp.size > 1):
         return Execute(0.5 * float(t[k] + t[k + 1]), 0.5 * float(t[k + 1] - t[k]), hole)
     left, inaccuracy = _extended(t, y, ramp, level, (size, reach), steering.rate, k)
+    if hole is not None and steering.rate is not None:
+        usual = _at_usual_rate(t[ramp], y[ramp], held, steering.rate)
+        left, inaccuracy = min(((left, inaccuracy), usual), key=lambda one: one[1])
     step = steering.channel.digit or steering.channel.grain or _digit_of_ramp(steering.channel.y[near][ramp])
     slack = 0.5 * step / (steering.rate or np.inf)
     # A ramp that is seen from the hole on gives the order all the same.
     known = hole is None or (ramp.size >= 2 and steering.rate is not None)
     return Execute(max(left, float(t[0])), inaccuracy + slack, None if known else hole)
+
+
+def _at_usual_rate(t: np.ndarray, y: np.ndarray, held: float, rate: float) -> tuple[float, float]:
+    """When a ramp behind a hole left its plate at the rate of the other ramps [s], and how far off that may be [s]."""
+    left = float(np.mean(t - (held - y) / rate))
+    return left, _ALIKE * (float(np.mean(t)) - left) + 2 * float(np.std(t - (held - y) / rate)) / float(np.sqrt(len(t)))
 
 
 def _foot(t: np.ndarray, y: np.ndarray, k: int, held: float, size: float, steering: Steering) -> int:
@@ -200,6 +215,9 @@ def _ramp(y: np.ndarray, held: float, size: float, reach: float) -> np.ndarray:
     # Up to where it is beyond: the rudder comes back from a plate that is short of the other end.
     beyond = np.flatnonzero(y[:last] < held - 0.6 * size)
     first_half = all_of_it[: np.searchsorted(all_of_it, beyond[0])] if beyond.size else all_of_it
+    if all_of_it.size and y[all_of_it[0]] < held - _SEEN_FROM * size:
+        # What is left of it behind a hole: the whole, for the way back to the plate is long.
+        return all_of_it
     return first_half if first_half.size >= 4 else all_of_it[:4]
 
 
@@ -215,8 +233,9 @@ def _extended(
     """When the ramp left the plate [s], and how far off that may be [s]."""
     held = level.angle
     if ramp.size >= 3 or (ramp.size == 2 and rate is None):
-        line = ramp_line(t, y, ramp, held, *way)
-        if line is not None:
+        behind = y[ramp[0]] < held - _SEEN_FROM * way[0]
+        line = line_through(t[ramp], y[ramp]) if behind else ramp_line(t, y, ramp, held, *way)
+        if line is not None and line.slope < 0:
             left, scatter = line.reaches(held, level.scatter)
             # A gear does not start at once: some hundredths of the interval, where the samples lie on the line.
             return left, max(scatter, 0.02 * float(t[k + 1] - t[k]))

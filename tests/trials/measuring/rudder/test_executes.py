@@ -154,3 +154,22 @@ def test_single_zeros_of_the_rudder_on_its_ramp_are_no_execute(sailed):
     found = measure(Trial.from_frame(pd.DataFrame({"t [s]": t[::100], "psi [deg]": psi[::100], "delta [deg]": rudder})))
     np.testing.assert_allclose(found.executes[:3], orders[1:4], atol=0.3)
     np.testing.assert_allclose(np.degrees(found.overshoots[:3]), overshoots[:3], atol=0.3)
+
+
+@pytest.mark.parametrize(
+    ("interval", "rate", "noise", "before", "lasts"),
+    [(0.5, 1.0, 0.0, 2.0, 8.0), (1.0, 6.0, 0.0, 0.5, 8.0), (0.1, 1.0, 0.05, 5.0, 20.0), (0.1, 3.0, 0.05, 0.5, 12.0)],
+)
+def test_a_rudder_that_stands_still_over_an_execute(logged, interval, rate, noise, before, lasts):
+    """What was read as the execute was where the rudder leapt: 18 deg of overshoot for 30, within 0.4."""
+    trial, orders, overshoots = logged(interval, rudder_rate=rate)
+    frame = trial.to_frame()
+    delta = frame["delta [deg]"].to_numpy() + np.random.default_rng(1).normal(0, noise, len(frame))
+    inside = (trial["t"] >= orders[2] - before) & (trial["t"] < orders[2] - before + lasts)
+    delta[inside] = delta[np.argmax(inside)]
+    found = measure(Trial.from_frame(frame.assign(**{"delta [deg]": delta})))
+    stated = found.overshoots[1]
+    assert (
+        stated is None or abs(np.degrees(stated) - overshoots[1]) < np.degrees(found.overshoot_uncertainties[1]) + 0.05
+    )
+    assert np.degrees(found.overshoots[0]) == pytest.approx(overshoots[0], abs=0.2)

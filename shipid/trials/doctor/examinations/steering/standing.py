@@ -11,10 +11,16 @@ from shipid.trials.doctor.working_copy import WorkingCopy
 
 #: A leap is so many times what the rudder covers in a sample on its ramps, and this share of its range.
 _LEAP, _SHARE = 2.2, 0.15
+#: Repeats of one value that are looked at, and those before a leap.
+_LONG, _BRIEF = 8, 5
 #: Samples on ramps from which on the rate of the rudder is known.
 _FEWEST = 8
-#: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before.
-_BACK = 0.5
+#: The ship turns to the other side than the rudder that stands, by this share of her usual rate, and was turning to its side before by that.
+_BACK, _BEFORE = 0.25, 0.5
+#: A rudder that seldom repeats a value, this share of its samples at most, stands where it repeats one for long.
+_REPEATS = 0.05
+#: It stands for less than this share of the record, and goes back at this share of its other samples.
+_MOST, _BACK_AND_FORTH = 0.3, 0.25
 #: The rudder that stands lies over by this share of its range.
 _OVER = 0.25
 
@@ -35,26 +41,61 @@ def examine_standing_rudder(p: WorkingCopy) -> None:
     index = p.own(name)
     t, values = p.t[index], p[name][index]
     stands = robust.runs(np.diff(values) == 0)
-    stands = stands[stands[:, 1] - stands[:, 0] >= 8]
+    leaps, rate = _leaps(t, values)
+    leaps = np.append(leaps, False)
+    lasts = stands[:, 1] - stands[:, 0]
+    stands = stands[(lasts >= _LONG) | ((lasts >= _BRIEF) & leaps[stands[:, 1]])]
     if not len(stands):
         return
-    leaps = _leaps(t, values)
-    found = [(a, b) for a, b in stands if (b < len(leaps) and leaps[b]) or _turns_back(p, index[a], index[b])]
+    rattles = _rattles(values, stands)
+    found = [
+        (_since(t, values, a, b, rate) if leaps[b] and not rattles else a, b)
+        for a, b in stands
+        if rattles or leaps[b] or _turns_back(p, index[a], index[b])
+    ]
     if not found:
         return
     longest = max(float(t[b] - t[a]) for a, b in found)
     often = "" if len(found) == 1 else f" {len(found)} times, at the longest"
+    why = (
+        "its other samples scatter, and none of them repeats"
+        if rattles
+        else "then it leaps, or the ship turns to the other side"
+    )
     p.add(
         "frozen", name, 0.95,
-        f"{name} stands at one value{often} for {longest:.4g} s while the rudder moves: then it leaps, or the ship turns to the other side",
+        f"{name} stands at one value{often} for {longest:.4g} s while the rudder moves: {why}",
         "The model is fitted to a rudder that did not stand: gain and time constant come out wrong, and executes in there are not seen.",
         "What the rudder did meanwhile is unknown: use the stretches on either side (FILE@A:B), or the order if it is logged.",
         at=np.concatenate([index[a : b + 1] for a, b in found]),
     )  # fmt: skip
 
 
-def _leaps(t: np.ndarray, values: np.ndarray) -> np.ndarray:
-    """Steps from one sample to the next that are far beyond what the rudder covers on its ramps."""
+def _rattles(values: np.ndarray, stands: np.ndarray) -> bool:
+    """Whether the values scatter and seldom repeat, but for where they stand."""
+    standing = np.zeros(len(values) - 1, dtype=bool)
+    for a, b in stands:
+        standing[a:b] = True
+    step = np.diff(values)[~standing]
+    # Ramps do not repeat either, and do not come back.
+    back = float(np.mean(step[1:] * step[:-1] < 0)) if step.size > 2 else 0.0
+    return float(np.mean(standing)) < _MOST and back > _BACK_AND_FORTH and float(np.mean(step == 0)) < _REPEATS
+
+
+def _since(t: np.ndarray, values: np.ndarray, a: int, b: int, rate: float) -> int:
+    """From when on the rudder stood that leaps after sample `b`: on its way it was at least as long as the leap takes.
+
+    Where it goes on moving after the leap it has just come so far; where it stands again it may have moved at any time before.
+    """
+    leap = float(values[b + 1] - values[b])
+    on = np.diff(values[b + 1 : b + 4])
+    if on.size < 2 or not np.all(on * np.sign(leap) > 0):
+        return a
+    return int(np.clip(np.searchsorted(t, t[b + 1] - abs(leap) / rate), a, b))
+
+
+def _leaps(t: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, float]:
+    """Steps from one sample to the next that are far beyond what the rudder covers on its ramps, and its rate there [rad/s]."""
     step = np.abs(np.diff(values))
     reach = float(np.ptp(np.quantile(values, [0.005, 0.995])))
     least = max(5 * robust.noise(values), 0.005 * reach)
@@ -62,9 +103,9 @@ def _leaps(t: np.ndarray, values: np.ndarray) -> np.ndarray:
     # On a ramp the next step is to the same side.
     ramp = moving[1:] & moving[:-1] & (np.sign(np.diff(values)[1:]) == np.sign(np.diff(values)[:-1]))
     if int(ramp.sum()) < _FEWEST or float(step[1:][ramp].sum()) < float(step.sum()) / 3:
-        return np.zeros(len(step), dtype=bool)
+        return np.zeros(len(step), dtype=bool), np.inf
     rate = float(np.quantile((step / np.diff(t))[1:][ramp], 0.9))
-    return (step > _LEAP * rate * np.diff(t)) & (step > _SHARE * reach)
+    return (step > _LEAP * rate * np.diff(t)) & (step > _SHARE * reach), rate
 
 
 def _turns_back(p: WorkingCopy, a: int, b: int) -> bool:
@@ -81,4 +122,4 @@ def _turns_back(p: WorkingCopy, a: int, b: int) -> bool:
     edges = np.linspace(a, b + 1, 9).astype(int)
     means = np.sign(delta[a]) * np.array([float(rate[i:j].mean()) for i, j in pairwise(edges) if j > i])
     before = np.maximum.accumulate(means)
-    return bool(np.any((means < -_BACK * usual) & (before > _BACK * usual)))
+    return bool(np.any((means < -_BACK * usual) & (before > _BEFORE * usual)))
