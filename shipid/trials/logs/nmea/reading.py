@@ -62,7 +62,11 @@ def read_nmea(file: Path, fmt: NmeaFormat, part: str | None = None) -> tuple[Len
     if not log.records:
         raise nothing_read(log)
     clock = read_clock(log, fmt)
-    log = separated(log, clock.times)
+    apart = separated(log, clock.times)
+    if apart.records.keys() != log.records.keys():
+        # Two devices that each speak once are not one that speaks twice, evenly.
+        clock = read_clock(apart, fmt)
+    log = apart
     signals = read_signals(log, clock.times, fmt)
     standard = "NMEA 2000" if all(origin.kind.isdigit() for origin in log.records) else "NMEA 0183"
     notes = [f"{standard}.", *clock.notes]

@@ -15,6 +15,7 @@ from shipid.trials.logs.tables.files.matlab import matlab_arrays
 from shipid.trials.logs.tables.files.parquet import read_parquet
 from shipid.trials.logs.tables.files.text import read_text
 from shipid.trials.logs.tables.kinds import Kind, kind_of
+from shipid.trials.logs.tables.no_samples import samples_only
 from shipid.trials.logs.tables.opening import opened
 from shipid.trials.logs.tables.table import RawTable
 
@@ -64,4 +65,4 @@ def read_table(file: Path, fmt: TrialFormat | None = None, part: str | None = No
         old = kind is Kind.MATLAB and b"\x89HDF" not in data[:4104]
         arrays = matlab_arrays(data, file) if old else hdf5_arrays(data, file)
         table = read_arrays(arrays, file, wanted, columns, "struct" if kind is Kind.MATLAB else "group")
-    return replace(table, notes=(*notes, *table.notes))
+    return samples_only(replace(table, notes=(*notes, *table.notes)))
