@@ -271,7 +271,7 @@ def _placed(
     here = np.full((raw.t.size, 2), unknown) if own is None else own.at(raw.t)
     frame = "the first position" if origin is not None else "the origin of the log"
     if "range" in columns and "bearing" in columns:
-        range_ = np.where(columns["range"] >= 0, columns["range"], np.nan)
+        range_ = columns["range"]
         if own is not None:
             # Where own ship was not is not where her path ends: such a plot has no position.
             known = own.covers(raw.t - _BEYOND) | own.covers(raw.t + _BEYOND) | own.covers(raw.t)

@@ -458,3 +458,12 @@ def test_positions_that_stand_for_none_are_left_out(tmp_path):
     table(log, "t [s],lat [deg],lon [deg]", T, 0 * T + 91, 0 * T + 181)
     with pytest.raises(EmptyFileError, match="91 and 181 stand for none"):
         read_detections(log)
+
+
+def test_ranges_in_miles_and_below_zero(tmp_path):
+    rows = "".join(f"{3 * k},{-1 if k == 4 else 1.5},{10 + 0.01 * k}\n" for k in range(9))
+    path = tmp_path / "log.csv"
+    path.write_text("t [s],range [nm],bearing [deg]\n" + rows)
+    found = read_detections(path)
+    assert np.hypot(*found.plots.scans[0].z[0]) == pytest.approx(1.5 * 1852)
+    assert "1 plot with a range below zero left out." in [str(n) for n in found.plots.notes]
