@@ -180,7 +180,7 @@ def _shifted(path: ShipPath, begin: float) -> ShipPath:
 def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     if fmt is not None and fmt.records is not None:
         return plots_of_json(file, fmt)
-    if fmt is None and (is_nmea(file) or file.suffix.lower() in (".nmea", ".ais")) and holds_plots(file):
+    if fmt is None and (is_nmea(file) or (file.suffix.lower() in (".nmea", ".ais") and holds_plots(file))):
         return plots_of_sentences(file)
     if fmt is None and file.suffix.lower() == ".json":
         raise ForeignFileError(

@@ -205,6 +205,15 @@ def test_ttm(tmp_path):
     assert any("1 target left out" in n for n in found.plots.notes)
 
 
+def test_sentences_that_are_damaged_are_counted_and_others_are_no_table(tmp_path):
+    log = tmp_path / "radar.nmea"
+    log.write_text("\n".join([*(ttm(k) for k in range(T.size)), ttm(0)[:-2] + "00", ttm(1)[:-2] + "00"]))
+    assert any("2 sentences with a wrong checksum left out" in n for n in read_detections(log).plots.notes)
+    log.write_text("\n".join(sentence(f"HEHDT,{k}.0,T") for k in range(30)))
+    with pytest.raises(EmptyFileError, match="no target with a position"):
+        read_detections(log)
+
+
 def test_ttm_from_the_bow_needs_the_heading(tmp_path):
     log = tmp_path / "radar.nmea"
     bow = [ttm(k, relative=True) for k in range(T.size)]
