@@ -40,6 +40,7 @@ class _Found:
     fixed: bool = False
     left_out: int = 0
     damaged: int = 0
+    unused: int = 0
     ais: AisReader = field(default_factory=AisReader)
 
 
@@ -120,6 +121,8 @@ def _left_out(found: _Found) -> list[str]:
     )
     if found.damaged:
         rest.append(f"{found.damaged} sentence{'s' * (found.damaged > 1)} with a wrong checksum left out.")
+    if found.unused:
+        rest.append(f"AIS is not tracked beside a radar: {found.unused} of its sentences left out.")
     return rest + found.ais.why()
 
 
@@ -188,7 +191,9 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                         found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
             elif kind == "TTM":
                 _take_ttm(fields, at, utc, heading, day, found)
-            elif kind == "VDO" or (kind == "VDM" and not radar):
+            elif kind == "VDM" and radar:
+                found.unused += 1
+            elif kind in ("VDO", "VDM"):
                 _take_ais(fields, sentence, at if math.isfinite(at) else utc, found)
         except (ValueError, IndexError):
             found.left_out += 1

@@ -209,6 +209,9 @@ def test_sentences_that_are_damaged_are_counted_and_others_are_no_table(tmp_path
     log = tmp_path / "radar.nmea"
     log.write_text("\n".join([*(ttm(k) for k in range(T.size)), ttm(0)[:-2] + "00", ttm(1)[:-2] + "00"]))
     assert any("2 sentences with a wrong checksum left out" in n for n in read_detections(log).plots.notes)
+    beside = "!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24"
+    log.write_text("\n".join([*(ttm(k) for k in range(T.size)), beside]))
+    assert any("AIS is not tracked beside a radar: 1 of its" in n for n in read_detections(log).plots.notes)
     log.write_text("\n".join(sentence(f"HEHDT,{k}.0,T") for k in range(30)))
     with pytest.raises(EmptyFileError, match="no target with a position"):
         read_detections(log)
