@@ -46,6 +46,8 @@ def registry() -> PintUnit:
     ureg.define("revolution = [] = rev")
     ureg.define("shaft_revolutions_per_second = revolution / second = rps")
     ureg.define("shaft_revolutions_per_minute = revolution / minute = rpm = revolutions_per_minute")
+    # At sea nm is a nautical mile: pint's nanometre would make every range zero.
+    ureg.define("@alias nautical_mile = nm = NM")
     return ureg
 
 

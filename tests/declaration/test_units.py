@@ -160,3 +160,8 @@ def test_a_broken_power_is_not_raised():
         and units.pretty("m/(rad s)") == "m/(rad s)"
         and units.pretty("s^-2") == "s⁻²"
     )
+
+
+def test_at_sea_nm_is_a_nautical_mile() -> None:
+    assert units.factor("nm", "m") == units.factor("NM", "m") == 1852.0
+    assert units.factor("nm/min", "m/s") == pytest.approx(1852 / 60)

@@ -76,8 +76,10 @@ class AlarmWatch:
         stale = source.state == "lost" or (source.state == "running" and silent)
         alarms.set("stale", stale, t, "alarm", f"no data from the source ({source.kind})")
         alarms.set("ended", source.state == "ended", t, "caution", f"the source has ended ({source.kind})")
-        lost = {} if stale or source.state == "ended" else own.sensors.lost
-        for name in {*lost, *(c.partition(":")[2] for c in alarms.conditions if c.startswith("lost:"))}:
+        lost = own.sensors.lost
+        told = {c.partition(":")[2] for c in alarms.conditions if c.startswith("lost:")}
+        # Silence of the whole source is one alarm; a sensor that was lost before has not come back with it.
+        for name in told if stale or source.state == "ended" else {*lost, *told}:
             kind: AlarmKind = "alarm" if name in _VITAL else "warning"
             alarms.set(f"lost:{name}", name in lost, t, kind, f"sensor lost: {lost.get(name, name)}")
 

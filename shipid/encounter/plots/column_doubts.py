@@ -86,6 +86,14 @@ def possible(raw: RawPlots) -> RawPlots:
                 f"{what} with a latitude above 90 deg or a longitude above 360 deg left out: 91 and 181 stand for none."
             )
             notes.append(Notice(told, "positions-impossible", count=int(off.sum())))
+    below = columns.get("range", np.zeros(0)) < 0
+    if below.any():
+        columns["range"] = np.where(below, np.nan, columns["range"])
+        notes.append(
+            Notice(
+                f"{_many(below, 'plot')} with a range below zero left out.", "ranges-negative", count=int(below.sum())
+            )
+        )
     far = _strays(raw.t)
     if far.any():
         told = f"{_many(far, 'plot')} stamped an hour or more away from all others left out: a wrong clock."

@@ -180,7 +180,7 @@ def _shifted(path: ShipPath, begin: float) -> ShipPath:
 def _raw(file: Path, fmt: PlotFormat | None) -> RawPlots:
     if fmt is not None and fmt.records is not None:
         return plots_of_json(file, fmt)
-    if fmt is None and (is_nmea(file) or file.suffix.lower() in (".nmea", ".ais")) and holds_plots(file):
+    if fmt is None and (is_nmea(file) or (file.suffix.lower() in (".nmea", ".ais") and holds_plots(file))):
         return plots_of_sentences(file)
     if fmt is None and file.suffix.lower() == ".json":
         raise ForeignFileError(
@@ -271,7 +271,7 @@ def _placed(
     here = np.full((raw.t.size, 2), unknown) if own is None else own.at(raw.t)
     frame = "the first position" if origin is not None else "the origin of the log"
     if "range" in columns and "bearing" in columns:
-        range_ = np.where(columns["range"] >= 0, columns["range"], np.nan)
+        range_ = columns["range"]
         if own is not None:
             # Where own ship was not is not where her path ends: such a plot has no position.
             known = own.covers(raw.t - _BEYOND) | own.covers(raw.t + _BEYOND) | own.covers(raw.t)

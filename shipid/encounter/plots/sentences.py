@@ -39,6 +39,8 @@ class _Found:
     own: list[tuple[float, float, float]] = field(default_factory=list)
     fixed: bool = False
     left_out: int = 0
+    damaged: int = 0
+    unused: int = 0
     ais: AisReader = field(default_factory=AisReader)
 
 
@@ -78,7 +80,7 @@ def plots_of_sentences(file: Path) -> RawPlots:
     """
     data, _ = opened(file)
     found = _Found()
-    lines = list(_sentences(data.decode(encoding_of(file), "replace")))
+    lines = list(_sentences(data.decode(encoding_of(file), "replace"), found))
     radar = any(s.address.endswith("TTM") for _, s in lines)
     _collect(lines, found, radar)
     if not found.t:
@@ -117,6 +119,10 @@ def _left_out(found: _Found) -> list[str]:
     rest = (
         [f"{count} {what} left out: lost, or without a position, a unit or a heading to count from."] if count else []
     )
+    if found.damaged:
+        rest.append(f"{found.damaged} sentence{'s' * (found.damaged > 1)} with a wrong checksum left out.")
+    if found.unused:
+        rest.append(f"AIS is not tracked beside a radar: {found.unused} of its sentences left out.")
     return rest + found.ais.why()
 
 
@@ -145,12 +151,15 @@ def _seconds(clock: str) -> float:
     return hours * 3600.0 + minutes * 60.0 + seconds
 
 
-def _sentences(text: str) -> Iterator[tuple[float, Sentence]]:
-    """Each whole sentence with the time its logger gave it; a time of day goes on over midnight."""
+def _sentences(text: str, found: _Found) -> Iterator[tuple[float, Sentence]]:
+    """Each whole sentence with the time its logger gave it; a time of day goes on over midnight. Damaged ones are counted."""
     read, day = stamp_reader("auto"), _TimeOfDay()
     for line in io.StringIO(text):
         sentence = split_line(line.rstrip("\r\n"))
-        if sentence is None or (sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper()):
+        if sentence is None:
+            continue
+        if sentence.checksum and checksum(sentence.text[1:]) != sentence.checksum.upper():
+            found.damaged += 1
             continue
         stamp = tag_time(sentence.front)[0] or read(sentence.front)
         at = _NAN
@@ -182,7 +191,9 @@ def _collect(lines: list[tuple[float, Sentence]], found: _Found, radar: bool) ->
                         found.own.append((when, math.radians(known["lat"]), math.radians(known["lon"])))
             elif kind == "TTM":
                 _take_ttm(fields, at, utc, heading, day, found)
-            elif kind == "VDO" or (kind == "VDM" and not radar):
+            elif kind == "VDM" and radar:
+                found.unused += 1
+            elif kind in ("VDO", "VDM"):
                 _take_ais(fields, sentence, at if math.isfinite(at) else utc, found)
         except (ValueError, IndexError):
             found.left_out += 1

@@ -263,6 +263,16 @@ def test_a_jump_of_the_position_is_rejected_and_told(scripted):
     assert np.count_nonzero(np.diff(shares) > 0) == 2
 
 
+def test_a_sensor_that_is_lost_does_not_come_back_with_silence(scripted):
+    source, core = scripted
+    sail(core, 30)
+    source.silent = {"psi"}
+    sail(core, 8)
+    source.silent = {"psi", "r", "u", "x", "y", "delta"}
+    sail(core, 8)
+    assert sorted(texts(core)) == ["no data from the source (nmea)", "sensor lost: heading"]
+
+
 def test_silence_is_stale_and_the_alarm_comes_again(scripted):
     source, core = scripted
     sail(core, 30)

@@ -205,6 +205,18 @@ def test_ttm(tmp_path):
     assert any("1 target left out" in n for n in found.plots.notes)
 
 
+def test_sentences_that_are_damaged_are_counted_and_others_are_no_table(tmp_path):
+    log = tmp_path / "radar.nmea"
+    log.write_text("\n".join([*(ttm(k) for k in range(T.size)), ttm(0)[:-2] + "00", ttm(1)[:-2] + "00"]))
+    assert any("2 sentences with a wrong checksum left out" in n for n in read_detections(log).plots.notes)
+    beside = "!AIVDM,1,1,,A,13u?etPv2;0n:dDPwUM1U1Cb069D,0*24"
+    log.write_text("\n".join([*(ttm(k) for k in range(T.size)), beside]))
+    assert any("AIS is not tracked beside a radar: 1 of its" in n for n in read_detections(log).plots.notes)
+    log.write_text("\n".join(sentence(f"HEHDT,{k}.0,T") for k in range(30)))
+    with pytest.raises(EmptyFileError, match="no target with a position"):
+        read_detections(log)
+
+
 def test_ttm_from_the_bow_needs_the_heading(tmp_path):
     log = tmp_path / "radar.nmea"
     bow = [ttm(k, relative=True) for k in range(T.size)]
@@ -458,3 +470,12 @@ def test_positions_that_stand_for_none_are_left_out(tmp_path):
     table(log, "t [s],lat [deg],lon [deg]", T, 0 * T + 91, 0 * T + 181)
     with pytest.raises(EmptyFileError, match="91 and 181 stand for none"):
         read_detections(log)
+
+
+def test_ranges_in_miles_and_below_zero(tmp_path):
+    rows = "".join(f"{3 * k},{-1 if k == 4 else 1.5},{10 + 0.01 * k}\n" for k in range(9))
+    path = tmp_path / "log.csv"
+    path.write_text("t [s],range [nm],bearing [deg]\n" + rows)
+    found = read_detections(path)
+    assert np.hypot(*found.plots.scans[0].z[0]) == pytest.approx(1.5 * 1852)
+    assert "1 plot with a range below zero left out." in [str(n) for n in found.plots.notes]
