@@ -205,6 +205,11 @@ def measures(run: MultipleModelRuns, truth: Numbers) -> dict[str, float]:
     return found
 
 
+def scans(count: float) -> str:
+    """Return a number of scans in words."""
+    return f"{count:.0f}" if np.isfinite(count) else "never"
+
+
 def compared(
     runs: int, batches: int, speed: float = 30.0, displacement: float = 0.001, direct: bool = False
 ) -> dict[str, Any]:
@@ -408,9 +413,9 @@ def judged(runs: int, batches: int) -> tuple[list[Claim], dict[str, Any]]:
         claim(
             "A4 it responds first: scans until the turn is the most probable mode",
             "shortest",
-            f"{vs['onset'][0]:.0f}; FS IMM {plain['onset'][0]:.0f}, FS AIMM {fs['onset'][0]:.0f}",
+            f"{scans(vs['onset'][0])}; FS IMM {scans(plain['onset'][0])}, FS AIMM {scans(fs['onset'][0])}",
             vs["onset"][0] < min(fs["onset"][0], plain["onset"][0]),
-            reading="at the onset; inf: never on average",
+            reading="at the onset; never: not on average",
         ),
         Claim(
             "A4 and back: scans until the straight mode has more than 0.5",

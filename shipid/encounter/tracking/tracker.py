@@ -1,6 +1,6 @@
 """From detections to tracks: integrated probabilistic data association around multiple-model filters.
 
-Each track has a probability that its target exists, and one that each sensor has it in sight (Musicki and Evans, 1994;
+Each track has a probability that its target exists, and one that each sensor has it in sight (Musicki, Evans and Stankovic, 1994;
 Musicki and Suvorova, 2008). A plot that no track explains begins a track; a track is confirmed when its existence is nearly
 sure, lost when it is not any longer, and forgotten when it is improbable.
 """
