@@ -304,7 +304,7 @@ def main() -> int:
     inside, all_ = sum(c[1] for c in counted), sum(c[2] for c in counted)
     missed = missed or (all_ > 0 and not options.only and inside / all_ < HELD[0])
     if not options.json:
-        for what, inside_, count, width in counted:
+        for what, inside_, count, width in (c for c in counted if c[2]):
             shown = f"{width:.0%} of the prediction" if what == "circle" else f"{width:.2g} deg"
             print(f"bands, {what}: {inside_} of {count} hold, median half-width {shown}")
         print(f"bands, all campaigns: {inside / max(all_, 1):.0%} hold   must {HELD[0]:.0%}, stretch {HELD[1]:.0%}")
