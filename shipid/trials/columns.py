@@ -18,10 +18,14 @@ _SPELLINGS = (
     (re.compile(r"\bNM\b"), "nmi"),
     (re.compile(r"\b[Dd]ecimal [Dd]egrees\b|\bdegrees?_(north|east)\b|\b(DD|dd)\b"), "deg"),
     # Degrees of the compass: pint reads Grad as a thousand million rad, and grad as a hundredth of a right angle, which no ship logs.
-    (re.compile(r"(?i:\bdeg(rees?)?\b|\bgrad(er|en)?\b)\.?|º"), "deg"),
-    (re.compile(r"\bKn\b|(?i:\b(kts?|knots?|knoten|knopen|knop)\b)"), "kn"),  # kN is a force
-    (re.compile(r"(?i:(?<=/)(min|minute)\b)"), "min"),
-    (re.compile(r"(?i:\b(sek|sekunden?|sec|secs|seconds?)\b)\.?"), "s"),
+    (re.compile(r"(?i:\bdeg(s|r[eé]es?|r[eé]s?)?\b|\bgra(d(er|en|os?|i)?|us?)\b)\.?|º|度"), "deg"),
+    (
+        re.compile(r"\bKn\b|(?i:\b(kts?|knots?|knoten|knopen|knop|n(œ|oe)uds?|nudos?|nodi|nós)\b)|ノット|节|節"),
+        "kn",
+    ),  # kN is a force
+    (re.compile(r"(?i:(?<=/)(min|minut[eoi]s?|minuten|minutt)\b)|分"), "min"),
+    (re.compile(r"(?i:\b(sek|sekund(en?)?|sec|secs|secondes?|seconds?|seconden|segundos?|second[oi])\b)\.?|秒"), "s"),
+    (re.compile(r"(?i:\b(m[eè]tres?|metros?|metri)\b)"), "m"),
     (re.compile(r"\b(m|deg|rad) ?s-1(?!\w)"), r"\1/s"),
 )
 #: A longer header is a name without a unit.

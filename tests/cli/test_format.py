@@ -145,3 +145,26 @@ def test_refusals(refused, call, tmp_path):
     (tmp_path / "f.toml").write_text("mine")
     refused(2, ["format", tmp_path / "log.csv", "-o", tmp_path / "f.toml"], "exists already")
     assert (tmp_path / "f.toml").read_text() == "mine"
+
+
+def test_what_has_to_be_decided_is_said(call, tmp_path):
+    rows = "".join(f"{k},{10 + k},0\n" for k in range(20))
+    (tmp_path / "log.csv").write_text(f"Zeit [s],Kurs [Grad],Ruderwinkel [Grad]\n{rows}")
+    answer = call("format", tmp_path / "log.csv", "-o", tmp_path / "log.toml")
+    assert "Decide what Kurs is." in answer.said
+
+
+@pytest.mark.parametrize(
+    ("name", "field"),
+    [
+        ("Gyro1.Heading [deg]", "psi"), ("Rudder1.Command [deg]", "delta_order"), ("GPS/SOG [kn]", "SOG"),
+        ("AIS.Heading [deg]", None), ("Target 1: Heading [deg]", None),
+    ],
+)  # fmt: skip
+def test_names_that_are_paths(drafted, name, field):
+    """Of another ship or device it is not said whose they are: somebody decides."""
+    frame = columns(**{"time [s]": T}).drop(columns=["Heading"])
+    frame[name] = PSI
+    draft = drafted(frame)[2]
+    assert draft["columns"].get(field) == (name if field else None)
+    assert (name.partition(" [")[0] in draft["undecided"]) == (field is None)

@@ -35,5 +35,11 @@ def format_log(log: str, output: str | None, overwrite: bool, as_json: bool) -> 
     if as_json or path is None:
         delivery.hand_over_parts(draft.to_dict(), draft.text.rstrip("\n"))
     if path is not None:
-        say(f"written: {path}." + (f" Fill in the unit of {', '.join(draft.open)}." if draft.open else ""))
+        units = f" Fill in the unit of {', '.join(draft.open)}." if draft.open else ""
+        choice = (
+            f" Decide what {', '.join(draft.undecided)} {'is' if len(draft.undecided) == 1 else 'are'}."
+            if draft.undecided
+            else ""
+        )
+        say(f"written: {path}.{units}{choice}")
     return ExitCode.DONE

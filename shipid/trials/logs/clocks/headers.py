@@ -27,6 +27,7 @@ NAMES = (
 NOTHING = frozenset({"", "nan", "NaN", "NaT", "None", "<NA>", "null", "NULL", "-", "--"})
 _DATES = ("date", "datum", "dato", "fecha", "day", "utcdate", "dateutc", "localdate", "gpsdate", "tag")
 _ANY = frozenset((*NAMES, *_DATES))
+_TIMES_OF_WEEK = ("tow", "itow", "gpstow", "timeofweek", "gpstimeofweek")
 _WEEKS = ("week", "gpsweek", "wn", "gpsweeknumber", "weeknumber")
 #: Names that say the unit themselves, where a header has no brackets: ``t_s``, ``time_ms``.
 _SUFFIXED = re.compile(
@@ -136,15 +137,16 @@ def _choose(table: Mapping[str, pd.Series], named: Mapping[str, str], kinds: Map
     for h in ranked:
         if kinds[h] == "time of day":
             return (h,) if date is None else (date, h)
+    week = next((w for w in named if named[w] in _WEEKS), None)
     if sure:
-        return (sure[0],)
+        in_week = week is not None and named[sure[0]] in _TIMES_OF_WEEK
+        return (str(week), sure[0]) if in_week else (sure[0],)
     for h in ranked:
         layout = layout_of_numbers(_numbers(table[h]), named[h]) if kinds[h] in ("number", "digits") else None
         if layout == "hhmmss" and date is not None:
             return (date, h)
         if layout is not None:
-            week = next((w for w in named if named[w] in _WEEKS), None) if layout.startswith("gps") else None
-            return (h,) if week is None else (week, h)
+            return (h,) if week is None or not layout.startswith("gps") else (week, h)
     return tuple(h for h in kinds if kinds[h] == "duration")[:1]
 
 

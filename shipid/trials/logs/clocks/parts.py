@@ -96,8 +96,13 @@ def with_thousandths(column: pd.Series, table: Mapping[str, pd.Series]) -> tuple
 
 def _column(table: Mapping[str, pd.Series], names: tuple[str, ...], most: float) -> str | None:
     """The first column of one of some names whose numbers lie between 0 and a largest one."""
+    # MM and mm beside each other are month and minute.
+    cased = {header.strip() for header in table} >= {"MM", "mm"}
     for header, column in table.items():
-        if short(header) in names and (column.dtype.kind in "fiu"):
+        name = header.strip()
+        if cased and name in ("MM", "mm") and (name == "MM") != ("month" in names):
+            continue
+        if (short(header) in names or (cased and name == "MM")) and (column.dtype.kind in "fiu"):
             values = column.to_numpy(dtype=float, na_value=np.nan)
             known = values[np.isfinite(values)]
             if known.size and known.min() >= 0 and known.max() <= most:

@@ -44,16 +44,25 @@ class DraftedFormat:
         Fields whose unit is to be filled in.
     unused : tuple of str
         Headers that nothing explains, or that would be a second column of one field.
+    undecided : tuple of str
+        Headers among them that can be one of several fields, of which somebody has to choose.
     """
 
     text: str
     columns: dict[str, str]
     open: tuple[str, ...]
     unused: tuple[str, ...]
+    undecided: tuple[str, ...] = ()
 
     def to_dict(self) -> dict[str, object]:
         """Return the draft as plain values."""
-        return {"text": self.text, "columns": self.columns, "open": list(self.open), "unused": list(self.unused)}
+        return {
+            "text": self.text,
+            "columns": self.columns,
+            "open": list(self.open),
+            "unused": list(self.unused),
+            "undecided": list(self.undecided),
+        }
 
 
 def draft_format(path: str | Path, part: str | None = None) -> DraftedFormat:
@@ -118,6 +127,7 @@ class _Draft:
         self.found: dict[str, str] = {}
         self.open: list[str] = []
         self.unused: list[str] = []
+        self.undecided: list[str] = []
 
     def whole(self) -> DraftedFormat:
         clock, clock_at = self._clock()
@@ -129,7 +139,9 @@ class _Draft:
         for k in sorted(written):
             (blocks if written[k].startswith("[") else comments).append(written[k])
         text = "\n".join([*self._head(), "", *clock, *(f"{block}\n" for block in blocks), *comments])
-        return DraftedFormat(text.rstrip("\n") + "\n", self.found, tuple(self.open), tuple(self.unused))
+        return DraftedFormat(
+            text.rstrip("\n") + "\n", self.found, tuple(self.open), tuple(self.unused), tuple(self.undecided)
+        )
 
     def _head(self) -> list[str]:
         raw = self.raw
@@ -243,6 +255,7 @@ class _Draft:
             )
         if len(fitting) > 1 or meaning.doubtful:
             self.unused.append(header)
+            self.undecided.append(name)
             tables = [f"# [columns.{f}]" for f in fitting]
             written = json.dumps(stated or meaning.unit or "...", ensure_ascii=False)
             return "\n".join(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shipid.declaration.vocabulary import FIELDS
 from shipid.trials.columns import split_header
@@ -82,6 +82,15 @@ _UNITS = {
 _SIDE = re.compile(r"(port|ps|pt|stbd|sb|bb|starboard|steuerbord|backbord|1|2|left|right)$")
 
 
+#: The last part of a path, and what stands before it.
+_PATH = re.compile(r"^(.*?[^\W_])\s*([./:>|\\])\s*([^./:>|\\]+)$")
+#: What names before a quantity are of the own ship.
+_DEVICES = frozenset(
+    ("gyro", "compass", "gps", "gnss", "dgps", "nav", "navigation", "ins", "imu", "mru", "ahrs", "ship", "vessel", "own", "ownship", "rudder",
+     "steering", "log", "data", "signals", "sensor", "sensors", "measured", "trial", "run", "motion")
+)  # fmt: skip
+
+
 #: Fields without which most commands have nothing to do.
 WANTED = ("psi", "r", "u", "delta", "delta_order", "x", "y")
 
@@ -130,7 +139,26 @@ def meaning_of(header: str) -> Meaning:
             return Meaning(fields, f"'{name}'{side} {doubt}", unit or _unit_of(text), True)
         if text in _FIELDS:
             return Meaning((_FIELDS[text],), f"'{name}' is a usual name{side}", unit or _unit_of(text))
-    return Meaning(())
+    return _of_a_path(name)
+
+
+def _of_a_path(name: str) -> Meaning:
+    """What a header such as ``Gyro1.Heading`` can mean: of which of several devices it is has to be decided, unless its name says so."""
+    found = _PATH.match(name)
+    if found is None:
+        return Meaning(())
+    device, last = found[1].strip(), found[3].strip()
+    device = re.sub(r"[\W\d_]+$", "", device)
+    whole, own = meaning_of(f"{device} {last}"), meaning_of(last)
+    if whole.fields:
+        told = f"can be {' or '.join(whole.fields)}" if whole.doubtful else "is a usual name"
+        return replace(whole, reason=f"'{name}' {told}")
+    if not own.fields:
+        return Meaning(())
+    known = re.split(r"[\W\d_]+", device.lower())[-1] in _DEVICES
+    if known and not own.doubtful:
+        return replace(own, reason=f"'{last}' of '{device}' is a usual name")
+    return replace(own, reason=f"'{name}' can be {' or '.join(own.fields)}", doubtful=True)
 
 
 def unread_columns(headers: Iterable[str], known: Collection[str]) -> dict[str, str]:

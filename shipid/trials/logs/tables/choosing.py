@@ -25,11 +25,14 @@ class Candidate:
         Of its columns; none where nothing names them.
     read : callable
         Reads it, given the notes to add.
+    hidden : bool
+        Whether it is not shown: it counts only where it is named, or there is no other.
     """
 
     name: str
     headers: tuple[str, ...]
     read: Callable[[tuple[str, ...]], RawTable]
+    hidden: bool = False
 
 
 def chosen(
@@ -67,8 +70,12 @@ def chosen(
         if len(same) != 1:
             raise ChoiceError(f"{where} has no {kind} '{wanted}' with a table. {nearest(wanted, names)}".rstrip())
         return same[0].read(())
+    shown = [c for c in candidates if not c.hidden] or candidates
+    unseen = [c.name for c in candidates if c not in shown]
+    passed = (f"Hidden and passed over: {kind} {_listed(unseen)}.",) if unseen else ()
+    candidates, names = shown, [c.name for c in shown]
     if len(candidates) == 1:
-        return candidates[0].read(())
+        return candidates[0].read(passed)
     ranks = [_likeness(candidate, columns) for candidate in candidates]
     best = [c for c, rank in zip(candidates, ranks) if rank == max(ranks)]
     if len(best) == 1 and max(ranks) > 0:
@@ -76,6 +83,7 @@ def chosen(
         return best[0].read(
             (
                 f"Of the {len(names)} tables in the file, {kind} '{best[0].name}' was read: {_listed(others)} look less like a trial.",
+                *passed,
             )
         )
     raise ChoiceError(

@@ -129,7 +129,9 @@ def find_heading(rows: Sequence[Sequence[Cell]], wanted: Collection[str], where:
     sound = 1 - counted["text"] / max(counted.total(), 1)
     sound *= len(samples) / len(sorts[first:])
     texts = [["" if cell is None else str(cell).strip() for cell in row] for row in rows[:first]]
-    likely = [k for k, row in enumerate(texts) if sum(map(bool, row)) >= max(2, width / 2) and "text" in sorts[k]]
+    # A remark beside a table of a workbook makes every row as wide, and the header no longer.
+    used = sum(any(sort != "empty" for sort in column) for column in zip(*body))
+    likely = [k for k, row in enumerate(texts) if sum(map(bool, row)) >= max(2, used / 2) and "text" in sorts[k]]
     of_units = next((k for k in reversed(likely) if _is_row_of_units(texts[k])), None) if len(likely) > 1 else None
     named = [k for k in likely if k != of_units]
     if not named:

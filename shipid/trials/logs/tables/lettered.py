@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -19,6 +20,8 @@ _ALONE = {"N": 1, "E": 1, "W": -1, "P": -1, "PORT": -1, "PS": -1, "BB": -1, "SB"
 _WORDS = "|".join(sorted({word for pair in _PAIRS for word in pair}, key=len, reverse=True))
 #: Units in lower case.
 _DEGREES = ("", "deg", "degs", "degree", "degrees", "°", "º", "grad", "graden", "grados", "degré", "degrés")
+#: A rate of turn has letters as well.
+_PER_TIME = re.compile(r"\s*/\s*(s|sec|min)$")
 _NUMBER = r"[0-9]+(?:[.,][0-9]*)?"
 _CELL = (
     rf"(?i)^(?P<before>{_WORDS})?\s*(?P<sign>[-+])?(?P<whole>{_NUMBER})\s*(?P<mark>[°º])?"
@@ -34,7 +37,8 @@ def may_be_lettered(*units: str | None) -> bool:
     *units : str or None
         What its header and a row of units say.
     """
-    return all((unit or "").strip(". ").lower() in _DEGREES for unit in units)
+    bare = [_PER_TIME.sub("", (unit or "").strip(". ").lower()) for unit in units]
+    return all(unit in _DEGREES for unit in bare)
 
 
 def read_lettered(column: pd.Series) -> tuple[np.ndarray, str] | None:

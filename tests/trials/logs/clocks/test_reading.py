@@ -9,6 +9,7 @@ import pytest
 from shipid.trials import errors as e
 from shipid.trials.logs.clocks.reading import read_clock, with_clock
 from shipid.trials.logs.clocks.settings import ClockFormat
+from shipid.trials.logs.reading import read_trial
 
 SECONDS = np.arange(0, 40, 0.5)
 STAMPS = pd.Series(pd.Timestamp("2026-05-04 23:59:50") + pd.to_timedelta(SECONDS, unit="s"))
@@ -178,3 +179,22 @@ def test_hours_minutes_and_seconds_side_by_side():
     long = pd.Series(pd.Timestamp("2026-05-04 09:50:00") + pd.to_timedelta(np.arange(600), unit="s"))
     numbers = long.dt.hour * 10000 + long.dt.minute * 100 + long.dt.second
     np.testing.assert_allclose(clocked(UTC=numbers).columns["t [s]"], np.arange(600))
+
+
+def test_a_week_beside_seconds_of_the_week_with_their_unit(log):
+    """The unit says that they are seconds, not that they count from a beginning of their own."""
+    rows = "".join(f"{2417 + (k > 4)},{(604795 + k) % 604800:.1f},{k}\n" for k in range(12))
+    trial = read_trial(log("GPS Week,TOW [s],psi [deg]\n" + rows))
+    assert trial["t"].tolist() == list(range(12))
+    assert trial.source.start.startswith("2026-05-09T23:59:55")
+
+
+@pytest.mark.parametrize("names", ["YYYY,MM,DD,hh,mm,ss", "DD,MM,YYYY,hh,mm,ss"])
+def test_month_and_minute_by_their_capitals(log, names):
+    """Read as the same, May would be the fifth minute of every hour."""
+    stamps = [pd.Timestamp("2026-05-04 09:58") + pd.Timedelta(seconds=7 * k) for k in range(40)]
+    layout = {"YYYY": "%Y", "MM": "%m", "DD": "%d", "hh": "%H", "mm": "%M", "ss": "%S"}
+    form = ",".join(layout[name] for name in names.split(","))
+    trial = read_trial(log(f"{names},psi [deg]\n" + "".join(f"{d.strftime(form)},{k}\n" for k, d in enumerate(stamps))))
+    assert trial["t"].tolist() == [7 * k for k in range(40)]
+    assert trial.source.start.startswith("2026-05-04T09:58:00")

@@ -210,3 +210,18 @@ def test_of_two_rudders_with_one_talker_one_stands_still(log, sentence):
     trial = read_trial(log("\n".join(lines) + "\n"))
     assert any("IIRSA comes from 2 devices" in n for n in trial.source.notes)
     np.testing.assert_allclose(np.degrees(trial["delta"]), [rudder(k) for k in trial["t"]], atol=0.06)
+
+
+def test_two_gyros_do_not_move_the_clock_of_the_rudder(log, sentence):
+    """Without stamps a device that speaks twice does so evenly; two that speak once each stand with the others."""
+    lines = []
+    for k in range(60):
+        lines += [
+            f"GPZDA,0900{k:02d}.00,04,05,2026,00,00",
+            f"HEHDT,{10 + 0.5 * k:.1f},T",
+            f"HEHDT,{13 + 0.5 * k:.1f},T",
+        ]
+        lines += [f"IIRSA,{0.1 * k:.1f},A,,V"]
+    trial = read_trial(log("".join(sentence(line) + "\n" for line in lines), "gyros.nmea"))
+    psi, delta = (trial["t"][np.isfinite(trial[name])] for name in ("psi", "delta"))
+    np.testing.assert_allclose(psi[:50], delta[:50])

@@ -68,3 +68,9 @@ def test_a_log_of_a_bridge_is_read_and_said(tmp_path):
     log.write_text(whole.replace("0.2P", "0.2"), encoding="utf-8")
     with pytest.raises(TextInColumnError, match="is not a number"):
         read_trial(log)
+
+
+def test_a_rate_of_turn_with_letters(log):
+    rows = "".join(f"{k},{abs(k - 10) / 2:.1f} {'P' if k < 10 else 'S'}\n" for k in range(20))
+    trial = read_trial(log("t [s],r [deg/min]\n" + rows))
+    np.testing.assert_allclose(np.degrees(trial["r"]) * 60, (np.arange(20) - 10) / 2)

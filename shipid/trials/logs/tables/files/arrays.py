@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
@@ -20,6 +21,7 @@ from shipid.trials.logs.tables.table import MOST_COLUMNS, RawTable
 #: Entries that name the columns of a matrix, or their units.
 _NAMES = ("names", "columns", "labels", "header", "headers", "colnames", "variables", "channels", "name")
 _UNITS = ("units", "unit")
+_SINCE = re.compile(r"\s*(\w+)\s+since\s+(\S.*?)\s*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,10 @@ class _Table:
     notes: list[str] = field(default_factory=list)
 
     def add(self, name: str, values: np.ndarray, unit: str | None) -> None:
+        since = _SINCE.fullmatch(unit or "")
+        if since is not None:  # as climate and ocean data count time
+            unit = since[1]
+            self.notes.append(f"'{name}' counts {unit} since {since[2][:40]}.")
         self.headers.append(name)
         self.columns.append(values)
         self.units.append(unit)

@@ -99,7 +99,8 @@ def _candidate(sheet: Plain, file: Path, columns: Collection[str]) -> Candidate 
     if heading is None or heading.row is None or heading.sound <= 0.5:
         return None
     at = [number for number, _ in numbered]
-    return Candidate(sheet.title, heading.names, partial(_read, sheet, file, heading, at))
+    hidden = getattr(sheet, "sheet_state", "visible") != "visible"
+    return Candidate(sheet.title, heading.names, partial(_read, sheet, file, heading, at), hidden)
 
 
 def _rows(sheet: Plain, where: str) -> Iterator[tuple[int, list[Cell]]]:

@@ -15,6 +15,7 @@ import pandas as pd
 
 from shipid.trials.errors import ForeignFileError, RaggedRowError, SeparatorError
 from shipid.trials.logs.format import TrialFormat
+from shipid.trials.logs.tables.files.encodings import legacy_encoding
 from shipid.trials.logs.tables.files.text_fields import MOST_LINES_IN_QUOTES, fields, in_quotes, is_comment
 from shipid.trials.logs.tables.files.text_layout import TextLayout, lay_out, no_samples
 from shipid.trials.logs.tables.kinds import is_utf16
@@ -89,7 +90,7 @@ def read_text(data: bytes, file: Path, fmt: TrialFormat | None) -> RawTable:
 
 
 def _in_utf8(data: bytes, stated: str | None) -> tuple[bytes, list[str]]:
-    """The text in UTF-8: from the encoding that is stated, else from UTF-16, UTF-8 or cp1252 (a logger's degree sign)."""
+    """The text in UTF-8: from the encoding that is stated, else from UTF-16, UTF-8 or an older one (a logger's degree sign)."""
     if stated is None and (wide := is_utf16(data)):
         return data.decode(wide, "replace").lstrip("\ufeff").encode("utf-8", "replace"), [
             f"The text is {wide.upper()[:6]}."
@@ -100,7 +101,8 @@ def _in_utf8(data: bytes, stated: str | None) -> tuple[bytes, list[str]]:
     try:
         (head if len(data) <= len(head) else head[: head.rfind(b"\n") + 1]).decode("utf-8")
     except UnicodeDecodeError:
-        return data.decode("cp1252", "replace").encode("utf-8"), ["The text is not UTF-8; it was read as cp1252."]
+        encoding = legacy_encoding(head)
+        return data.decode(encoding, "replace").encode("utf-8"), [f"The text is not UTF-8; it was read as {encoding}."]
     return data.removeprefix(b"\xef\xbb\xbf"), []
 
 

@@ -261,3 +261,18 @@ class TestHdf5:
         with pytest.raises(MissingExtraError, match=r"pip install 'shipid\[hdf5\]'"):
             read_trial(path)
         assert hdf5.LARGEST == matlab.LARGEST
+
+
+def test_time_that_counts_since_a_date(tmp_path):
+    """As climate and ocean data write it."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "log.nc", "w") as file:
+        for name, values, unit in (
+            ("t", np.arange(20.0), "seconds since 2026-05-04 13:59:50"),
+            ("psi", np.arange(20.0), "degrees"),
+        ):
+            file[name] = values
+            file[name].attrs["units"] = unit
+    trial = read_trial(tmp_path / "log.nc")
+    assert trial["t"][-1] == 19
+    assert "'t' counts seconds since 2026-05-04 13:59:50." in trial.source.notes

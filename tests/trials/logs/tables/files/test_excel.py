@@ -59,6 +59,22 @@ def test_a_table_that_begins_beside_the_first_column(book, rows, same):
     assert same(read_trial(book(Sheet=[[], [None, None, *HEADER], *([None, None, *row] for row in rows)])))
 
 
+def test_a_remark_beside_the_table_does_not_hide_its_header(book, rows, same):
+    wide = [[*row, *([None] * 5), "remark"] if k == 1 else row for k, row in enumerate(rows)]
+    assert same(read_trial(book(Sheet=[HEADER, *wide])))
+
+
+def test_a_hidden_sheet_counts_only_where_it_is_named(book, rows, same):
+    path = book(Old=[HEADER, *([t, -psi, r, delta] for t, psi, r, delta in rows)], Run=[HEADER, *rows])
+    made = openpyxl.load_workbook(path)
+    made["Old"].sheet_state = "hidden"
+    made.save(path)
+    trial = read_trial(path)
+    assert same(trial)
+    assert "Hidden and passed over: sheet 'Old'." in trial.source.notes
+    assert read_trial(f"{path}#Old")["psi"][5] == pytest.approx(-trial["psi"][5])
+
+
 def test_the_only_sheet_that_looks_like_a_trial_is_taken_and_noted(book, rows, same):
     trial = read_trial(
         book(
