@@ -148,7 +148,8 @@ def uncertain_text(value: float | None, std: float | None) -> str:
     if value and floor(log10(abs(value))) + place >= _MOST_DIGITS:
         return f"{value:.{_MOST_DIGITS}g} ± {std:.2g}"
     if place <= 6 and max(abs(value), spread) < 1e6:
-        return f"{round(value, place):.{max(0, place)}f} ± {round(spread, place):.{max(0, place)}f}"
+        # Adding zero takes the sign off a zero.
+        return f"{round(value, place) + 0.0:.{max(0, place)}f} ± {round(spread, place):.{max(0, place)}f}"
     figures = floor(log10(max(abs(value), spread))) + place + 1
     # A trailing zero is a digit that is known.
     return f"{value:#.{min(figures, 12)}g} ± {std:#.2g}".replace(". ", " ").removesuffix(".")

@@ -21,8 +21,10 @@ from shipid.generation.straight_course import linear_ship
 from shipid.identification.assessment import Assessment
 from shipid.identification.evidence.bias_spread import BiasSpread
 from shipid.identification.evidence.explained import (
+    MOSTLY_DISTURBED,
     NOT_DETERMINED,
     least_unexplained,
+    mostly_disturbed,
     not_determined,
     nothing_explained,
 )
@@ -348,7 +350,9 @@ class Fit(DrawnResult):
             found.append(Notice(f"the search did not converge: {self.message}", "not-converged", serious=True))
         least = least_unexplained(self.fitted, self.identified.scale.unit_time)
         if least is not None and nothing_explained(least):
-            found.append(not_determined("the model explains nothing of how the ship turned in these trials", least))
+            withheld = any(e.withheld for e in self.parameters.values())
+            what = "the model explains nothing of how the ship turned in these trials"
+            found.append(not_determined(what, least) if withheld else mostly_disturbed(least))
         for c in (*self.fitted, *self.validation):
             if c.departure is not None:
                 words = f"the prediction of {c.trial.name} is {c.departure}"
@@ -377,6 +381,7 @@ class Fit(DrawnResult):
                 *(f"  check     {f}. {f.finding.effect}" for f in serious),
                 *(f"  warning   {w}" for w in self.warnings if w.kind in (NOT_DETERMINED, LASTING, APART)),
                 *coefficient_lines(self.parameters),
+                *(f"  note      {w}" for w in self.warnings if w.kind == MOSTLY_DISTURBED),
                 *dead_time_lines(self.model),
                 *loading_lines(self.identified),
                 *prior_lines(self.prior_shares),

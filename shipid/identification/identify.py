@@ -13,6 +13,7 @@ from threadpoolctl import threadpool_limits
 import shipid
 from shipid.declaration.component import Component
 from shipid.declaration.model import Model
+from shipid.estimation.estimate import Estimate
 from shipid.foundation.aliases import Plain
 from shipid.foundation.errors import UnknownNameError, UsageError
 from shipid.foundation.statistics import plain
@@ -278,6 +279,16 @@ def _named_apart(*groups: Sequence[Trial]) -> list[list[Trial]]:
     return result
 
 
+def _told_apart(solution: Solution, used: Rung, parameters: Mapping[str, Estimate]) -> bool:
+    """Whether coefficients are told from disturbances, which are part of the model: determined, and nothing serious against it."""
+    sound = solution.converged and solution.levels is not None and not any(n.serious for n in solution.levels.notices)
+    return (
+        sound
+        and used.method == "prediction-error"
+        and any(e.identifiable and not e.follows for e in parameters.values())
+    )
+
+
 def _result(
     setting: Setting, found: _Found, records: Sequence[Trial], noise_given: bool, load_part: LoadPart | None
 ) -> Fit:
@@ -298,7 +309,11 @@ def _result(
     used = next(r for r in rungs if r.used)
     length = setting.known.get("L", setting.ship.particular("L", "m"))
     fitted = fitted_comparisons(problem, solution.q, records, length, covariance.matrix)
-    if nothing_explained(least_unexplained(fitted, setting.scale.unit_time)):
+    # Where disturbances are part of the model, they may move the ship more than her rudder does: the coefficients are then as
+    # sure as their intervals say, and the run with the rudder alone is not their measure.
+    if not _told_apart(solution, used, parameters) and nothing_explained(
+        least_unexplained(fitted, setting.scale.unit_time)
+    ):
         parameters = without_values(parameters, "the model explains nothing of how the ship moved in these trials.")
         unseen = list(problem.estimated)
         block, correlation = np.diag(np.full(shared, np.inf)), np.eye(shared)

@@ -46,6 +46,24 @@ def test_course_changes_give_the_truth_by_the_defaults(study):
     assert "closed-loop" not in serious["default"] and "closed-loop" in serious["plain"]
 
 
+def test_gusts_that_move_the_ship_more_than_her_rudder_leave_honest_intervals(study):
+    """A run with the rudder alone misses more than the whole rate of turn, and prediction error is no worse for it."""
+    (trial,) = study.records(10.0, 1)
+    fit = shipid.identify("nomoto", [trial], starts=1)
+    for name, true in study.TRUTH.items():
+        found = fit.parameters[name]
+        assert found.identifiable and abs(found.value - true) < 2 * found.std
+    assert [n.kind for n in fit.warnings] == ["mostly-disturbances"] and not fit.warnings[0].serious
+    assert "note      Disturbances turned the ship more than her rudder did" in fit.text()
+
+
+def test_a_kept_course_gives_no_number(study):
+    (trial,) = study.records(0.0, 1)
+    fit = shipid.identify("nomoto", [trial], starts=1)
+    assert all(e.value is None for e in fit.parameters.values())
+    assert any(n.kind == "not-determined" and n.serious for n in fit.warnings)
+
+
 def _serious(fit):
     return {f.finding.kind for f in shipid.assess(fit, bands=False).assessment.findings if f.finding.serious}
 

@@ -14,6 +14,10 @@ from shipid.foundation.aliases import Expression
 if TYPE_CHECKING:
     import sympy
 
+#: Shares of a limit around zero at which two expressions are compared, and how near they are where they are one function.
+_LOOKED_AT = (-0.9, -0.5, 0.5, 0.9)
+_SAME = 1e-9
+
 
 class _Traced(np.lib.mixins.NDArrayOperatorsMixin):
     """A SymPy expression that NumPy's functions and arithmetic accept."""
@@ -59,7 +63,7 @@ def _call(name: str, args: Sequence[Expression]) -> _Traced:
         "minimum": sympy.Min,
         "maximum": sympy.Max,
         "clip": lambda v, low, high: sympy.Min(sympy.Max(v, low), high),
-        "where": lambda c, a, b: sympy.Piecewise((a, c), (b, True)),
+        "where": _chosen,
         "add": lambda a, b: a + b,
         "subtract": lambda a, b: a - b,
         "multiply": lambda a, b: a * b,
@@ -80,6 +84,36 @@ def _call(name: str, args: Sequence[Expression]) -> _Traced:
     }
     function = table.get(name) or sympy.Function(name)
     return _Traced(function(*(_expr(a) for a in args)))
+
+
+def _chosen(condition: sympy.Basic, near: sympy.Basic, far: sympy.Basic) -> sympy.Basic:
+    """One of two expressions; a series that stands for the other one near zero is left out.
+
+    ``sin(a)/a`` has no value at zero, so that an equation takes a series there. Both are one function, and a reader wants that.
+    """
+    import sympy
+
+    if isinstance(condition, sympy.Lt) and isinstance(condition.lhs, sympy.Abs):
+        size, limit = condition.lhs.args[0], condition.rhs
+        one, other = (_resolved(e, condition, inside) for e, inside in ((near, True), (far, False)))
+        a = sympy.Dummy("a", real=True)
+        one_in_a, other_in_a = (e.subs(size, a) for e in (one, other))
+        if one_in_a.free_symbols | other_in_a.free_symbols == {a} and limit.is_number:
+            at = [share * float(limit) for share in _LOOKED_AT]
+            pairs = [(float(one_in_a.subs(a, v)), float(other_in_a.subs(a, v))) for v in at]
+            if all(abs(p - q) <= _SAME * max(abs(p), abs(q)) for p, q in pairs):
+                return other
+    return sympy.Piecewise((near, condition), (far, True))
+
+
+def _resolved(expr: sympy.Basic, condition: sympy.Basic, inside: bool) -> sympy.Basic:
+    """An expression in which choices by a condition are made."""
+    import sympy
+
+    return expr.replace(
+        lambda e: isinstance(e, sympy.Piecewise) and len(e.args) == 2 and e.args[0].cond == condition,
+        lambda e: e.args[0 if inside else 1].expr,
+    )
 
 
 def right_hand_sides(model: Model) -> list[tuple[Entry, sympy.Basic]]:

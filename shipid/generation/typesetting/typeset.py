@@ -17,6 +17,8 @@ from shipid.generation.typesetting.mathml import equation_mathml
 from shipid.generation.typesetting.symbols import symbol, symbol_mathml
 from shipid.generation.typesetting.tracing import right_hand_sides
 
+#: Counts the ways in which equations were put in print: what the cache holds from an earlier one is typeset anew.
+_WAY = 2
 _NEXT = '<mo stretchy="false">(</mo><mi>k</mi><mo>+</mo><mn>1</mn><mo stretchy="false">)</mo>'
 
 
@@ -89,7 +91,7 @@ def _fingerprint(model: Model) -> str:
         )
         for n, e in model.entries.items()
     ]
-    return hashlib.sha256(f"{generate(model).digest}{shown}{shipid.__version__}".encode()).hexdigest()[:32]
+    return hashlib.sha256(f"{generate(model).digest}{shown}{shipid.__version__}{_WAY}".encode()).hexdigest()[:32]
 
 
 def _typeset(model: Model) -> list[Typeset]:

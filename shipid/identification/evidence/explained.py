@@ -12,8 +12,8 @@ from shipid.identification.validation.comparison import Comparison
 
 #: Error of a motion, in shares of its standard deviation, from which a prediction explains nothing: more than 60 % of the power is left.
 NOTHING_EXPLAINED = 0.8
-#: Kind of the notice.
-NOT_DETERMINED = "not-determined"
+#: Kinds of the notices.
+NOT_DETERMINED, MOSTLY_DISTURBED = "not-determined", "mostly-disturbances"
 #: Motions that are looked at. A heading without a pattern is explained by a rudder bias, which makes a straight line of it.
 _MOTIONS = ("r", "u", "v")
 
@@ -61,6 +61,21 @@ def not_determined(who: str, least: float) -> Notice:
         "see what check finds in the record, or sail a zig-zag.",
         NOT_DETERMINED,
         serious=True,
+    )
+
+
+def mostly_disturbed(least: float) -> Notice:
+    """Return the notice that disturbances moved the ship more than her rudder did.
+
+    Parameters
+    ----------
+    least : float
+        Error of the run with the recorded rudder alone, in shares of the motion.
+    """
+    return Notice(
+        f"Disturbances turned the ship more than her rudder did: a run with the recorded rudder alone misses {percent(least)} of the rate "
+        "of turn. The coefficients are as sure as their intervals say, and a zig-zag would make them surer.",
+        MOSTLY_DISTURBED,
     )
 
 

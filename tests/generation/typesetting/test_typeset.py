@@ -103,3 +103,26 @@ def test_functions_no_ship_uses() -> None:
     for a, b in [(0.3, 1.2), (-0.7, 0.4), (2.5, 1.1), (3.0, 2.0)]:
         numbers = {sympy.Symbol("a", real=True): a, sympy.Symbol("b", real=True): b}
         assert float(expression.subs(numbers)) == pytest.approx(float(function([], [a, b], [])), rel=1e-13)
+
+
+def test_a_series_near_zero_is_printed_as_the_function_it_stands_for() -> None:
+    north = next(p for p in typeset(find_model("coordinated-turn")) if p.target == "x")
+    assert "vx*sin(T_s*omega)/(T_s*omega)" in north.plain and "Piecewise" not in north.plain
+
+
+def test_a_dead_band_is_no_series() -> None:
+    """Two different functions on both sides of a limit stay two."""
+
+    class Slack(Component):
+        """A gear with a slack."""
+
+        error = given("rad", "what is asked")
+        moved = derived("rad", "what moves")
+
+        @moved.equals
+        def law(self):
+            """Nothing inside the slack."""
+            return np.where(np.abs(self.error) < 0.05, 0.0, self.error)
+
+    (printed,) = typeset(join("slack", Slack))
+    assert printed.plain == "moved = Piecewise((0, Abs(error) < 0.05), (error, True))"
