@@ -148,10 +148,17 @@ def shortened(text: str, first: tuple[Notice, ...] = ()) -> str:
         Warnings that are not left out: they follow the first line where the text is shortened.
     """
     lines = text.splitlines()
-    warned = [f"  WARNING   {warning}" for warning in first[: LINES - 4]] if len(lines) > LINES else []
     if len(lines) > LINES:
-        kept = lines[1 : LINES - 1 - len(warned)]
-        lines = [lines[0], *warned, *kept, f"  … {len(lines) - 1 - len(kept)} more lines: print(….text())"]
+        warned = [f"  WARNING   {warning}" for warning in first[: LINES - 4]]
+        # What a warning says is said once.
+        rest = [line for line in lines[1:] if not any(str(warning) in line for warning in first[: LINES - 4])]
+        kept = rest[: LINES - 2 - len(warned)]
+        lines = [
+            lines[0],
+            *warned,
+            *kept,
+            *([f"  … {len(rest) - len(kept)} more lines: print(….text())"] if len(kept) < len(rest) else ()),
+        ]
     return "\n".join(line if len(line) <= WIDTH else f"{line[: WIDTH - 1]}…" for line in lines)
 
 

@@ -59,6 +59,8 @@ def test_serious_warnings_are_printed_where_lines_are_left_out():
     assert lines[-1] == "  … 33 more lines: print(….text())"
     many = shortened(Told().text(), (serious,) * 30).splitlines()
     assert len(many) == LINES and sum("WARNING" in line for line in many) == LINES - 4
+    said_twice = shortened(f"{Told().text()}\n  warning   {serious}", (serious,)).splitlines()
+    assert sum(str(serious) in line for line in said_twice) == 1 and "33 more" in said_twice[-1]
 
 
 def test_a_short_text_stays_and_a_long_line_is_cut():
