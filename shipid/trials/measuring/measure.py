@@ -174,12 +174,15 @@ def _heading(steering: Steering, psi: Channel, plate: Plate) -> np.ndarray:
 
 def _ordered_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:
     """Whether the rudder is ordered over at two headings in turn, as in a zig-zag of slow gear: the ship turns far on meanwhile."""
-    if len(held) < 4:
+    if len(held) < 3:
         return False
     known = rate_of(steering, held)
     at = np.interp([leaves(known, plate).time for plate in held[:-1]], psi.t, psi.y) * held[0].side
     apart = float(np.median(at[0::2]) - np.median(at[1::2]))
-    return 0 < apart < _WIDEST and max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < 0.3 * apart
+    middle = 0.5 * float(np.median(at[0::2]) + np.median(at[1::2]))
+    # Two reversals alone are as far on either side of the course.
+    centred = len(at) > 2 or abs(middle - held[0].side * float(psi.y[0])) < 0.2 * apart
+    return 0 < apart < _WIDEST and centred and max(float(np.ptp(at[0::2])), float(np.ptp(at[1::2]))) < 0.3 * apart
 
 
 def _reversed_by_heading(steering: Steering, psi: Channel, held: list[Plate]) -> bool:

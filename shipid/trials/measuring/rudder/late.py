@@ -72,7 +72,7 @@ def _by_answer(trial: Trial, steering: Steering, orders: Sequence[float]) -> Set
     answer = order_answered(trial, steering.channel.name)
     if answer is None or answer.earliest <= 0 or answer.delay < _SEEN:
         return None
-    doubtful = answer.delay > GEAR
+    doubtful = answer.delay - 0.5 * steering.channel.interval > GEAR
     return SettingOut(
         tuple(when + answer.delay for when in orders), doubtful,
         f"the rudder angle is not logged, and by the ship's answer it sets out {answer.delay:.3g} s after the order "
